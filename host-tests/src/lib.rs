@@ -1,0 +1,1 @@
+//! Reference and helpers of the tests.

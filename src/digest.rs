@@ -1,0 +1,35 @@
+//! One number over all set points of all ticks: what makes host and target comparable.
+use crate::quantity::Position;
+
+/// FNV-1a, 64 bits, over the 32-bit halves of every set point, low half first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Digest(u64);
+
+impl Default for Digest {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Digest {
+    /// The digest of nothing.
+    pub const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// Takes in one tick.
+    pub fn add(&mut self, set_points: &[Position]) {
+        for point in set_points {
+            let bits = point.to_bits() as u64;
+            for half in [bits & 0xffff_ffff, bits >> 32] {
+                self.0 = (self.0 ^ half).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+    }
+
+    /// The number.
+    pub const fn value(self) -> u64 {
+        self.0
+    }
+}

@@ -1,0 +1,163 @@
+//! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under their names.
+
+pub mod parameter;
+
+/// Letters (and digits) of an axis: `X`, `C`, `X1`; padded with zeros.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxisName(pub [u8; 4]);
+
+impl AxisName {
+    /// A name of one to four letters or digits, the first a letter; `None` otherwise.
+    pub const fn new(name: &str) -> Option<Self> {
+        let bytes = name.as_bytes();
+        if bytes.is_empty() || bytes.len() > 4 || !bytes[0].is_ascii_alphabetic() {
+            return None;
+        }
+        let mut out = [0; 4];
+        let mut i = 0;
+        while i < bytes.len() {
+            if !bytes[i].is_ascii_alphanumeric() {
+                return None;
+            }
+            out[i] = bytes[i].to_ascii_uppercase();
+            i += 1;
+        }
+        Some(Self(out))
+    }
+
+    /// The name as text.
+    pub fn as_str(&self) -> &str {
+        let mut len = 0;
+        while len < 4 && self.0[len] != 0 {
+            len += 1;
+        }
+        self.0.get(..len).and_then(|b| core::str::from_utf8(b).ok()).unwrap_or("")
+    }
+}
+
+/// Axis type (ACHSTYP_TRANSLATOR, ACHSTYP_ROTATOR, ACHSTYP_SPINDEL).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AxisKind {
+    /// T: millimetres.
+    #[default]
+    Linear,
+    /// R: degrees.
+    Rotary,
+    /// S: degrees, takes no part in the path.
+    Spindle,
+}
+
+/// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct AxisData {
+    /// Name in programs and traces.
+    pub name: AxisName,
+    /// Axis type.
+    pub kind: AxisKind,
+    /// P-AXIS-00209 `vb_eilgang`: rapid speed.
+    pub vb_eilgang: u32,
+    /// P-AXIS-00212 `dynamik.vb_max`: largest speed.
+    pub vb_max: u32,
+    /// P-AXIS-00008 `dynamik.a_max`: largest acceleration, tangential and normal together.
+    pub a_max: u32,
+    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour.
+    pub tr_geom: u32,
+    /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
+    pub tr_min: u32,
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %; 0: cycle time / ramp time.
+    pub a_trans_weight: u32,
+    /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
+    pub a_beschl: u32,
+    /// P-AXIS-00002 `slope_profil.a_brems`: deceleration at feed.
+    pub a_brems: u32,
+    /// P-AXIS-00004 `slope_profil.a_grenz`: acceleration and deceleration in rapid motion.
+    pub a_grenz: u32,
+    /// P-AXIS-00195 `slope_profil.tr_beschl_ab`: ramp time, acceleration decreases.
+    pub tr_beschl_ab: u32,
+    /// P-AXIS-00196 `slope_profil.tr_beschl_zu`: ramp time, acceleration increases.
+    pub tr_beschl_zu: u32,
+    /// P-AXIS-00197 `slope_profil.tr_brems_ab`: ramp time, deceleration decreases.
+    pub tr_brems_ab: u32,
+    /// P-AXIS-00198 `slope_profil.tr_brems_zu`: ramp time, deceleration increases.
+    pub tr_brems_zu: u32,
+    /// P-AXIS-00200 `slope_profil.tr_grenz`: the one ramp time of rapid motion.
+    pub tr_grenz: u32,
+}
+
+impl AxisData {
+    /// An axis with the ISG defaults.
+    pub const fn new(name: AxisName, kind: AxisKind) -> Self {
+        Self {
+            name,
+            kind,
+            vb_eilgang: 166_666,
+            vb_max: 200_000,
+            a_max: 1000,
+            tr_geom: 10_000,
+            tr_min: 10_000,
+            a_trans_weight: 0,
+            a_beschl: 1000,
+            a_brems: 1000,
+            a_grenz: 1000,
+            tr_beschl_ab: 50_000,
+            tr_beschl_zu: 50_000,
+            tr_brems_ab: 50_000,
+            tr_brems_zu: 50_000,
+            tr_grenz: 10_000,
+        }
+    }
+}
+
+/// The channel's own parameters.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ChannelData {
+    /// Interpolation cycle, µs, 100…10 000.
+    pub cycle_us: u32,
+    /// Blocks of look-ahead (P-STUP-00071, P-CHAN-00650/00653): 10… the capacity compiled in.
+    pub look_ahead: u32,
+    /// P-CHAN-00108 `prog_start.feedrate_factor`: 100 = F in mm/min, 0.1 = F in m/min; here in thousandths.
+    pub feedrate_factor_milli: u32,
+    /// P-CHAN-00071 `prog_start.slope.profile`: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
+    pub slope_profile: u8,
+}
+
+impl ChannelData {
+    /// The ISG defaults and a cycle of 1 ms.
+    pub const fn new() -> Self {
+        Self { cycle_us: 1000, look_ahead: 120, feedrate_factor_milli: 100_000, slope_profile: 0 }
+    }
+}
+
+impl Default for ChannelData {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MachineData<const AXES: usize> {
+    /// The axes.
+    pub axes: [AxisData; AXES],
+    /// The channel.
+    pub channel: ChannelData,
+}
+
+impl<const AXES: usize> MachineData<AXES> {
+    /// Index of the axis called `name`.
+    pub fn axis(&self, name: AxisName) -> Option<usize> {
+        self.axes.iter().position(|a| a.name == name)
+    }
+
+    /// Indices of the main axes: the first three linear ones.
+    pub fn main_axes(&self) -> [Option<usize>; 3] {
+        let mut main = [None; 3];
+        let linear = self.axes.iter().enumerate().filter(|(_, a)| a.kind == AxisKind::Linear);
+        for (slot, (i, _)) in main.iter_mut().zip(linear) {
+            *slot = Some(i);
+        }
+        main
+    }
+}

@@ -1,0 +1,1 @@
+//! Integer arithmetic that is the same everywhere.

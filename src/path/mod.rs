@@ -1,0 +1,1 @@
+//! Geometry over distance; knows nothing of time.
