@@ -96,8 +96,8 @@ pub const fn sqrt_u64(x: u64) -> u32 {
 ///
 /// Seed from micromath (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
 pub fn sqrt_f32(x: f32) -> f32 {
-    if x == 0.0 {
-        return 0.0;
+    if x == 0.0 || x == f32::INFINITY {
+        return x;
     }
     // The seed reads the exponent, which subnormal numbers do not have: scale by 2^48.
     let (x, scale) =
@@ -105,7 +105,8 @@ pub fn sqrt_f32(x: f32) -> f32 {
     let mut s = F32Ext::sqrt(x);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
-    s = 0.5 * (s + x / s);
+    // The difference is exact, so that only its half carries the quotient's rounding.
+    s += 0.5 * (x / s - s);
     s * scale
 }
 
@@ -133,8 +134,8 @@ pub fn cbrt_f32(x: f32) -> f32 {
     if x < 0.0 { -root } else { root }
 }
 
-/// y + y·(a − y³) / (2·y³ + a).
+/// y + y·((a − y³) / (2·y³ + a)); in this order nothing underflows.
 fn halley(a: f32, y: f32) -> f32 {
     let cube = y * y * y;
-    y + y * (a - cube) / (2.0 * cube + a)
+    y + y * ((a - cube) / (2.0 * cube + a))
 }

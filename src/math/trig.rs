@@ -31,11 +31,11 @@ const fn table() -> [i64; POINTS + POINTS / 4] {
 const RADIANS: i64 = 0x0192_1fb5_4442_d184;
 
 /// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120, where |sin r − r + a·r³| ≤ 2^-51.5 is least.
-const CUBIC: i32 = 0x52ae_f161;
+const CUBIC: u64 = 0x52ae_f161;
 
 /// ρ²/2·2^48 and ρ⁴/12·2^48.
-const SQUARE: i32 = 0x4ef4_f327;
-const FOURTH: i32 = 2078;
+const SQUARE: u64 = 0x4ef4_f327;
+const FOURTH: u64 = 2078;
 
 /// Upper word of a product, rounded down.
 #[inline(always)]
@@ -62,19 +62,19 @@ pub fn sin_cos(turns: u64) -> (i64, i64) {
 
     // (rest / 2^63)² with 31 fraction bits; the rounded upper word may wrap to −2^31, whose square is the same.
     let nearest = (rest.wrapping_add(1 << 31) >> 32) as i32;
-    let square = ((nearest as i64 * nearest as i64) >> 31) as i32;
+    let square = (nearest as i64 * nearest as i64) as u64 >> 31;
     let upper = (rest >> 32) as i32;
 
     // sin r: linear part by the full product, cubic part with 56 fraction bits.
     let (kh, kl) = split(RADIANS);
     let linear =
         (upper as i64 * kh as i64) + ((rest as u32 as u64 * kh as u64) >> 32) as i64 + high(upper, kl) as i64;
-    let cubic = high(upper, high(square, CUBIC));
+    let cubic = high(upper, ((square * CUBIC) >> 32) as i32);
     let sin_r = linear - ((cubic as i64) << 8);
 
     // cos r − 1, 64 fraction bits.
-    let curve = SQUARE - high(square, FOURTH);
-    let cos_r = -((square as i64 * curve as i64) >> 15);
+    let curve = SQUARE - ((square * FOURTH) >> 32);
+    let cos_r = -(((square * curve) >> 15) as i64);
 
     let (wh, wl) = split(sin_r);
     let (vh, vl) = split(cos_r);

@@ -48,18 +48,18 @@ pub const fn mul_wide(a: u64, b: u64) -> (u64, u64) {
 pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     let high = mul_hi(a, b);
     let low = a.wrapping_mul(b) as u64;
-    let shift = shift & 127;
-    if shift == 0 {
-        low as i64
-    } else if shift <= 64 {
-        let half = 1u64 << (shift - 1);
-        let (low, carry) = low.overflowing_add(half);
-        let high = high.wrapping_add(carry as i64);
-        if shift == 64 { high } else { (high << (64 - shift)) | (low >> shift) as i64 }
-    } else {
-        // |high| ≤ 2^62 and half ≤ 2^62: no overflow.
-        let half = 1i64 << (shift - 65);
-        high.wrapping_add(half) >> (shift - 64)
+    // Rounding to nearest adds the last bit that is dropped.
+    match shift & 127 {
+        0 => low as i64,
+        shift @ 1..=63 => {
+            let floor = (high << (64 - shift)) as u64 | (low >> shift);
+            floor.wrapping_add((low >> (shift - 1)) & 1) as i64
+        }
+        64 => high.wrapping_add((low >> 63) as i64),
+        shift => {
+            let shift = shift - 64;
+            (high >> shift).wrapping_add((high >> (shift - 1)) & 1)
+        }
     }
 }
 
