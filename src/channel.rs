@@ -20,7 +20,12 @@
 //! ```
 use crate::machine::parameter::{RangeError, check_axis};
 use crate::machine::{AxisKind, MachineData};
-use crate::nc::{Command, Decoder, NcError, NcWarning, Place, Setup, Step, Text};
+use crate::math::divide::div_wide;
+use crate::math::wide::mul_shift;
+use crate::nc::{
+    Command, Contour, ContourSwitch, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
+    Step, Text,
+};
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Rings};
@@ -127,7 +132,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 }
 
 /// What one call of [`Planner::poll`] achieved.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
@@ -280,11 +285,37 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
     }
 
     fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
             Command::Motion(motion) => {
                 self.planning.take(motion).map_err(|e| Error::Motion(motion.place, e))?;
             }
-            _ => return Err(Error::NotAvailable(command.place(), command.name())),
+            Command::Dwell(_, DwellTime::Seconds(time)) => {
+                // 2^-32 s to µs to ticks, up
+                let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
+                let cycle = u64::from(self.cycle_us);
+                self.planning.rest(div_wide(0, us + cycle - 1, cycle));
+            }
+            Command::Dwell(_, DwellTime::Revolutions(_)) => return refuse("G04 S (revolutions)"),
+            Command::M(_, 0) => return refuse("M00"),
+            Command::M(_, 1) => return refuse("M01"),
+            Command::M(head, code) => return Ok(self.output(head.n, Function::M(*code))),
+            Command::H(head, code) => return Ok(self.output(head.n, Function::H(*code))),
+            Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
+            Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
+            Command::Slope(_, slope) => match slope.kind {
+                // P-CHAN-00071 is TRAPEZ: checked in `split`
+                None | Some(SlopeType::Trapez) => {}
+                Some(SlopeType::Step) => return refuse("#SLOPE TYPE=STEP"),
+                Some(SlopeType::Sin2) => return refuse("#SLOPE TYPE=SIN2"),
+                Some(SlopeType::Hsc) => return refuse("#SLOPE TYPE=HSC"),
+            },
+            Command::FlushWait(_) => self.planning.rest(0),
+            // Exact stop came with the motion; the others switch off what this version cannot switch on.
+            Command::ExactStop(..) | Command::ProgramEnd(..) => {}
+            Command::Contour(_, Contour { switch: Some(ContourSwitch::Off), .. }) => {}
+            Command::Spline(_, Spline::Off) => {}
+            _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
     }

@@ -57,7 +57,7 @@ const REST: Phase = Phase {
 };
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
+    pub(crate) fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self { queue, phase: REST, done: 0, distance: Distance::ZERO, set_points: start }
     }
 
