@@ -106,7 +106,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let feed = match motion.kind {
             MotionKind::Rapid => None,
-            _ if motion.feed.to_bits() <= 0 => return Err(MotionError::NoFeed),
             _ => Some(motion.feed.to_bits() as f32 * (1.0 / 4_294_967_296.0)),
         };
         let (from, to) = (&self.programmed, &motion.target);
@@ -123,6 +122,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
         };
         if let Some(element) = element.map_err(MotionError::Path)? {
+            // A block without motion needs no feed.
+            if feed.is_some_and(|feed| feed <= 0.0) {
+                return Err(MotionError::NoFeed);
+            }
             let limits = self.dynamics.element(&element, feed);
             let rapid = feed.is_none();
             if (element.shape.length.to_bits() as f32) > limits.v * SLOWEST {
