@@ -33,7 +33,9 @@ impl Firmware {
         let toolchain = Toolchain::find()?;
         let runner = match place {
             Place::Emulator => toolchain::emulator()?,
-            Place::Probe => shell::on_path("probe-rs").ok_or("no probe-rs on PATH: see hil-tests/README.md")?,
+            Place::Probe => {
+                shell::on_path("probe-rs").ok_or("no probe-rs on PATH: see hil-tests/README.md")?
+            }
         };
         let how = match &toolchain {
             Toolchain::Prebuilt { .. } => "library for the target installed",
@@ -59,7 +61,11 @@ impl Firmware {
     pub fn build_fails(&self, folder: &str, arguments: &[&str]) -> Result<String, String> {
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build");
         let output = shell::capture(command.args(arguments), 4 * LIMIT)?;
-        if output.success { Err(format!("{folder} {arguments:?} builds and must not")) } else { Ok(output.err) }
+        if output.success {
+            Err(format!("{folder} {arguments:?} builds and must not"))
+        } else {
+            Ok(output.err)
+        }
     }
 
     /// Runs a binary to its end and gives what it wrote.
@@ -69,7 +75,12 @@ impl Firmware {
         match self.place {
             Place::Emulator => {
                 command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"]);
-                command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
+                command.args([
+                    "-semihosting-config",
+                    "enable=on,target=native",
+                    "-icount",
+                    "shift=0,sleep=off",
+                ]);
                 command.arg("-kernel").arg(&file);
             }
             Place::Probe => {

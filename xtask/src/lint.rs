@@ -12,7 +12,15 @@ pub fn all() -> Result<(), String> {
         run(cargo(&root().join(folder)).args(["fmt", "--all", "--check"]))?;
     }
     step("clippy, host");
-    run(cargo(&root()).args(["clippy", "--workspace", "--all-targets", "--release", "--", "-D", "warnings"]))?;
+    run(cargo(&root()).args([
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--release",
+        "--",
+        "-D",
+        "warnings",
+    ]))?;
     let toolchain = Toolchain::find()?;
     step("clippy, firmware");
     for folder in FIRMWARE {

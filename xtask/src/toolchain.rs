@@ -47,7 +47,8 @@ impl Toolchain {
                 COMPILER_PACKAGES.join(" ")
             )
         })?;
-        Self::look().ok_or_else(|| format!("installed {COMPILER_PACKAGES:?}, but no linker for ARM was found"))
+        Self::look()
+            .ok_or_else(|| format!("installed {COMPILER_PACKAGES:?}, but no linker for ARM was found"))
     }
 
     fn look() -> Option<Self> {

@@ -8,7 +8,8 @@ pub fn start(rcc: &RCC, flash: &FLASH) {
     while rcc.cr().read().hserdy().bit_is_clear() {}
     // 8 MHz / 8 · 336 / 2 = 168 MHz; 336 MHz / 7 = 48 MHz.
     // SAFETY: the values are inside the ranges of the reference manual (M 2…63, N 50…432, Q 2…15).
-    rcc.pllcfgr().write(|w| unsafe { w.pllsrc().hse().pllm().bits(8).plln().bits(336).pllp().div2().pllq().bits(7) });
+    rcc.pllcfgr()
+        .write(|w| unsafe { w.pllsrc().hse().pllm().bits(8).plln().bits(336).pllp().div2().pllq().bits(7) });
     rcc.cr().modify(|_, w| w.pllon().set_bit());
     // Five wait states at 168 MHz and 2.7…3.6 V, set before the switch.
     flash.acr().write(|w| w.latency().ws5().prften().set_bit().icen().set_bit().dcen().set_bit());

@@ -1,10 +1,10 @@
 //! Messages by defmt where a feature brings a transport; nothing, and no argument evaluated, in the release shape.
 use crate::motion::Report;
 
-#[cfg(feature = "qemu")]
-use defmt_semihosting as _;
 #[cfg(all(feature = "rtt", not(feature = "qemu")))]
 use defmt_rtt as _;
+#[cfg(feature = "qemu")]
+use defmt_semihosting as _;
 #[cfg(any(feature = "rtt", feature = "qemu"))]
 use panic_probe as _;
 

@@ -45,13 +45,7 @@ static REPORT: Mutex<Cell<Report>> =
 static MOVING: AtomicBool = AtomicBool::new(false);
 
 /// Hands the interpolator to the interrupt and starts the timer.
-pub fn start(
-    interpolator: Interpolator<'static, AXES>,
-    axes: Output,
-    timer: TIM2,
-    rcc: &RCC,
-    cycle_us: u32,
-) {
+pub fn start(interpolator: Interpolator<'static, AXES>, axes: Output, timer: TIM2, rcc: &RCC, cycle_us: u32) {
     rcc.apb1enr().modify(|_, w| w.tim2en().set_bit());
     // Counter and prescaler are zero after reset and the reload value is not buffered: no update event is forced.
     timer.arr().write(|w| w.arr().set(cycle_us.wrapping_mul(TIMER_MHZ).wrapping_sub(1)));

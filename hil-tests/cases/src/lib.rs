@@ -26,8 +26,17 @@ macro_rules! cases {
 }
 
 /// Programs for [`AXES_3`].
-pub const CASES_3: &[Case] =
-    cases!("lines", "arcs", "helix", "circle", "chords", "subroutine", "short_blocks", "rapid_and_feed", "dwell");
+pub const CASES_3: &[Case] = cases!(
+    "lines",
+    "arcs",
+    "helix",
+    "circle",
+    "chords",
+    "subroutine",
+    "short_blocks",
+    "rapid_and_feed",
+    "dwell"
+);
 
 /// Programs for [`AXES_4`].
 pub const CASES_4: &[Case] = cases!("rotary");

@@ -20,7 +20,14 @@ use static_cell::ConstStaticCell;
 /// Core clock: what QEMU's machine has, or a board after reset.
 const CLOCK_HZ: u32 = if cfg!(feature = "hardware") { 16_000_000 } else { 168_000_000 };
 
-static CHANNEL: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Channel::new());
+type Memory = ConstStaticCell<Channel<3, BLOCKS>>;
+
+/// Case and time between two interrupts. Ticks are the program's time, so that a shorter one changes no set point: it
+/// preempts the planner more often.
+const RUNS: [(&str, u32); 3] = [("chords", 1000), ("subroutine", 1000), ("short_blocks", 200)];
+
+// The interrupt borrows a channel for good, hence one for each run.
+static CHANNELS: [Memory; RUNS.len()] = [const { ConstStaticCell::new(Channel::new()) }; RUNS.len()];
 
 /// What the interrupt owns while a program runs.
 struct Motion {
@@ -64,14 +71,27 @@ fn SysTick() {
     }
 }
 
-/// Runs `case` with one tick every `period_us` of wall time; the cycle of the machine data stays what it is.
-fn motion(channel: &'static mut Channel<3, BLOCKS>, case: &Case, systick: &mut SYST, period_us: u32) -> bool {
-    let mut report = Report::open();
-    let Ok((mut planner, interpolator)) = channel.split(&AXES_3, [Position::ZERO; 3], case.text) else {
-        return false;
+/// Runs `case` with one interrupt every `period_us`; whether no tick was missed.
+fn motion(
+    channel: &'static mut Channel<3, BLOCKS>,
+    case: &Case,
+    systick: &mut SYST,
+    period_us: u32,
+    report: &mut Report,
+) -> bool {
+    let (mut planner, interpolator) = match channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
+        Ok(halves) => halves,
+        Err(error) => {
+            let _ = writeln!(report, "failed {error:?}");
+            return false;
+        }
     };
     let motion = Motion { interpolator, digest: Digest::new(), moved: false, ticks: 0, starved: 0 };
     critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(motion)));
+    for counter in [&MISSED, &PREEMPTED] {
+        counter.store(0, Relaxed);
+    }
+    PLANNED.store(false, Relaxed);
     systick.set_clock_source(SystClkSource::Core);
     systick.set_reload(CLOCK_HZ / 1_000_000 * period_us - 1);
     systick.clear_current();
@@ -87,7 +107,6 @@ fn motion(channel: &'static mut Channel<3, BLOCKS>, case: &Case, systick: &mut S
             Ok(Progress::Working | Progress::Planned(_)) => {}
             Err(error) => {
                 let _ = writeln!(report, "failed {error:?}");
-                report.flush();
                 return false;
             }
         }
@@ -100,6 +119,7 @@ fn motion(channel: &'static mut Channel<3, BLOCKS>, case: &Case, systick: &mut S
         cortex_m::asm::wfi();
     };
     systick.disable_counter();
+    systick.disable_interrupt();
     let (missed, preempted) = (MISSED.load(Relaxed), PREEMPTED.load(Relaxed));
     let _ = writeln!(
         report,
@@ -109,15 +129,17 @@ fn motion(channel: &'static mut Channel<3, BLOCKS>, case: &Case, systick: &mut S
         motion.starved,
         motion.digest.value()
     );
-    report.flush();
     missed == 0
 }
 
 #[entry]
 fn main() -> ! {
     let Some(mut core) = cortex_m::Peripherals::take() else { exit(false) };
-    let name = option_env!("HIL_CASE").unwrap_or("chords");
-    let period_us = if option_env!("HIL_FAST").is_some() { 100 } else { AXES_3.channel.cycle_us };
-    let Some(case) = CASES_3.iter().find(|case| case.name == name) else { exit(false) };
-    exit(motion(CHANNEL.take(), case, &mut core.SYST, period_us))
+    let mut report = Report::open();
+    let good = RUNS.iter().zip(&CHANNELS).all(|((name, period_us), channel)| {
+        let case = CASES_3.iter().find(|case| case.name == *name);
+        case.is_some_and(|case| motion(channel.take(), case, &mut core.SYST, *period_us, &mut report))
+    });
+    report.flush();
+    exit(good)
 }

@@ -82,7 +82,9 @@ impl Pin4 {
         port.bsrr().write(|w| w.bs4().set_bit());
         port.afrl().modify(|_, w| w.afrl5().af5().afrl6().af5().afrl7().af5());
         port.ospeedr().modify(|_, w| w.ospeedr5().high_speed().ospeedr7().high_speed());
-        port.moder().modify(|_, w| w.moder4().output().moder5().alternate().moder6().alternate().moder7().alternate());
+        port.moder().modify(|_, w| {
+            w.moder4().output().moder5().alternate().moder6().alternate().moder7().alternate()
+        });
         Self(port)
     }
 }
