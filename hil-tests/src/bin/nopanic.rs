@@ -44,16 +44,16 @@ fn SysTick() {
 fn main() -> ! {
     // What the compiler cannot know, as with a program loaded later.
     let case = core::hint::black_box(0);
-    if let (Some(channel), Some(case)) = (CHANNEL.try_take(), CASES_3.get(case)) {
-        if let Ok((mut planner, interpolator)) = channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
-            critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(interpolator)));
-            loop {
-                match planner.poll() {
-                    Ok(Progress::Waiting) => cortex_m::asm::wfi(),
-                    Ok(Progress::Done) => break,
-                    Ok(Progress::Working | Progress::Planned(_)) => {}
-                    Err(_) => FAILED.store(1, Relaxed),
-                }
+    if let (Some(channel), Some(case)) = (CHANNEL.try_take(), CASES_3.get(case))
+        && let Ok((mut planner, interpolator)) = channel.split(&AXES_3, [Position::ZERO; 3], case.text)
+    {
+        critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(interpolator)));
+        loop {
+            match planner.poll() {
+                Ok(Progress::Waiting) => cortex_m::asm::wfi(),
+                Ok(Progress::Done) => break,
+                Ok(Progress::Working | Progress::Planned(_)) => {}
+                Err(_) => FAILED.store(1, Relaxed),
             }
         }
     }
