@@ -129,13 +129,13 @@ impl Diagnostic {
         if let Some(shown) = &self.shown {
             let number = shown.line.to_string();
             margin = " ".repeat(number.len());
-            let label = self.expected.as_deref().unwrap_or("");
+            let label = self.expected.as_ref().map_or_else(String::new, |text| format!(" {text}"));
             let _ = writeln!(
                 out,
                 "{margin}{rule}-->{rule:#} {}:{}:{}\n\
                  {margin} {rule}|{rule:#}\n\
                  {rule}{number} |{rule:#} {}\n\
-                 {margin} {rule}|{rule:#} {}{head}{} {label}{head:#}",
+                 {margin} {rule}|{rule:#} {}{head}{}{label}{head:#}",
                 shown.name,
                 shown.line,
                 shown.column,

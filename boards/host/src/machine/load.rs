@@ -194,12 +194,10 @@ impl Loader<'_> {
             }
             return;
         };
-        let range = format!(
-            "{}…{} {}",
-            thousandths(parameter.min_milli),
-            thousandths(parameter.max_milli),
-            parameter.unit
-        );
+        // Some units are explanations.
+        let unit = parameter.unit;
+        let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
+        let range = format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
         let text = self.text(&entry.value.span()).to_owned();

@@ -105,3 +105,85 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
     let style = TextStyle { size: 11.0, anchor: Anchor::End, ..TextStyle::new(SOFT) };
     canvas.text(Point(WIDTH - MARGIN, 40.0), version, &style);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{Kind, Segment};
+    use glidepath::quantity::{Accel, Position, Speed};
+    use glidepath::tick::Telemetry;
+
+    /// A square with one round side, run at constant speed: what matters here is that it can be drawn.
+    fn scene(format: Format, ticks: u64) -> Vec<u8> {
+        let machine = Machine::built_in();
+        let line = |x: f64, y: f64| Segment {
+            n: 1,
+            line: 1,
+            kind: Kind::Line,
+            end: vec![x, y, 0.0],
+            feed: Some(6000.0),
+            stop: false,
+        };
+        let arc = Kind::Arc { plane: [0, 1], centre: [50.0, 100.0], clockwise: false };
+        let segments = vec![
+            line(100.0, 0.0),
+            line(100.0, 100.0),
+            Segment { kind: arc, ..line(0.0, 100.0) },
+            Segment { feed: None, ..line(0.0, 0.0) },
+        ];
+        let program = Program { start: vec![0.0; 3], segments, motions: 4, warnings: Vec::new() };
+        let mut statistics = Statistics::new(&[Position::ZERO; 3]);
+        let mut picture = Picture::new(&machine);
+        for tick in 0..=ticks {
+            let s = 400.0 * tick as f64 / ticks as f64;
+            let at = match s {
+                ..100.0 => [s, 0.0],
+                ..200.0 => [100.0, s - 100.0],
+                ..300.0 => [300.0 - s, 100.0 + ((s - 200.0) * (300.0 - s)).sqrt()],
+                _ => [0.0, 400.0 - s],
+            };
+            let set_points = [at[0], at[1], s / 20.0].map(Position::from_num);
+            let speed = (s * 0.04).sin().abs() * 0.1;
+            let telemetry = Telemetry {
+                n: 1,
+                block: (s / 100.0).min(3.0) as u32,
+                speed: Speed(speed.to_string().parse().unwrap_or_default()),
+                accel: Accel(((s * 0.04).cos() * 0.001).to_string().parse().unwrap_or_default()),
+                ..Telemetry::default()
+            };
+            statistics.add(telemetry.distance, &set_points);
+            picture.add(&telemetry, &set_points, &statistics.axes, machine.cycle_s());
+        }
+        let source = Source { name: "a & b.nc".into(), text: Vec::new() };
+        let scene =
+            Scene { machine: &machine, program: &program, statistics: &statistics, picture: &picture };
+        draw(format, &source, &scene)
+    }
+
+    #[test]
+    fn pictures_stay_small_however_long_the_run() {
+        let [short, long] = [4000, 1_000_000].map(|ticks| scene(Format::Svg, ticks).len());
+        assert!(short > 50_000 && long < 1_500_000, "{short} {long}");
+    }
+
+    #[test]
+    fn svg_escapes_and_closes_what_it_opens() {
+        let svg = String::from_utf8(scene(Format::Svg, 4000)).unwrap_or_default();
+        assert!(svg.contains(">a &amp; b.nc</text>") && svg.ends_with("</svg>\n"));
+        assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn png_shows_all_colours_of_the_speed_scale() {
+        let bytes = scene(Format::Png, 4000);
+        if let Some(path) = std::env::var_os("GLIDEPATH_SHOW") {
+            std::fs::write(path, &bytes).unwrap_or_default();
+        }
+        let pixels = tiny_skia::Pixmap::decode_png(&bytes).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((pixels.width(), pixels.height()), (2800, 1720));
+        let colours: std::collections::HashSet<u32> =
+            pixels.pixels().iter().map(|p| u32::from_be_bytes([0, p.red(), p.green(), p.blue()])).collect();
+        assert!(colours.len() > 200, "{}", colours.len());
+    }
+}
