@@ -197,7 +197,8 @@ impl Loader<'_> {
         // Some units are explanations.
         let unit = parameter.unit;
         let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
-        let range = format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
+        let range =
+            format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
         let text = self.text(&entry.value.span()).to_owned();

@@ -1,6 +1,7 @@
 //! Speed, acceleration and jerk over time, one below the other.
 use super::Scene;
 use super::canvas::{AXES, Anchor, Canvas, Colour, GRID, INK, LIMIT, Point, Rect, SOFT, Stroke, TextStyle};
+use super::font::Font;
 use super::scale::{Scale, label, round_up, ticks};
 use crate::machine::limits;
 
@@ -65,7 +66,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     for (index, panel) in panels.iter().enumerate() {
         let frame = Rect {
             x: area.x + 62.0,
-            y: area.y + index as f64 * (height + gap) + 12.0,
+            y: area.y + index as f64 * (height + gap) + 10.0,
             width: area.width - 62.0,
             height,
         };
@@ -136,7 +137,7 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Sce
     let above = frame.y - 11.0;
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     canvas.text(Point(frame.x, above), panel.title, &title);
-    let unit = Point(frame.x + 9.0 * panel.title.len() as f64 + 6.0, above);
+    let unit = Point(frame.x + Font::new(title.size, true).width(panel.title) + 8.0, above);
     canvas.text(unit, panel.unit, &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
 
     let mut names: Vec<(String, Colour, bool)> = Vec::new();
@@ -155,11 +156,11 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Sce
             name,
             &TextStyle { size: 11.0, anchor: Anchor::End, ..TextStyle::new(SOFT) },
         );
-        right -= 6.7 * name.chars().count() as f64 + 5.0;
+        right -= Font::new(11.0, false).width(name) + 6.0;
         let dash = dashed.then_some((4.0, 3.0));
         let stroke = Stroke { dash, ..Stroke::new(*colour, 1.8) };
         canvas.polyline(&[Point(right - 18.0, above - 4.0), Point(right, above - 4.0)], &stroke);
-        right -= 32.0;
+        right -= 34.0;
     }
 }
 

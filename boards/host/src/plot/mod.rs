@@ -4,6 +4,7 @@
 
 mod canvas;
 mod chart;
+mod font;
 mod path;
 mod png;
 mod record;
@@ -51,7 +52,7 @@ pub fn parse_target(name: &str) -> Result<Target, String> {
 const WIDTH: f64 = 1400.0;
 const HEIGHT: f64 = 860.0;
 const MARGIN: f64 = 28.0;
-const TOP: f64 = 84.0;
+const TOP: f64 = 100.0;
 
 /// What there is to show.
 pub struct Scene<'a> {

@@ -1,6 +1,7 @@
 //! The path: programmed thin and grey, moved coloured by speed, with equal scales.
 use super::Scene;
 use super::canvas::{Anchor, Canvas, Colour, GRID, INK, PROGRAMMED, Point, Rect, SOFT, Stroke, TextStyle};
+use super::font::Font;
 use super::scale::{label, round_up, ticks};
 
 /// Shades of the speed scale.
@@ -61,11 +62,13 @@ fn one(
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     let names: Vec<&str> =
         scene.machine.main_axes().iter().map(|&index| scene.machine.axes[index].name.as_str()).collect();
-    let heading = match view {
-        View::Plan => format!("Path  {}", names.iter().take(2).copied().collect::<Vec<_>>().join(" ")),
-        View::Isometric => "Path in space".to_owned(),
+    let (heading, unit) = match view {
+        View::Plan => ("Path".to_owned(), format!("{}  mm", names.get(..2).unwrap_or(&names).join(" "))),
+        View::Isometric => ("Path in space".to_owned(), "mm".to_owned()),
     };
     canvas.text(Point(frame.x, frame.y), &heading, &title);
+    let beside = Point(frame.x + Font::new(title.size, true).width(&heading) + 8.0, frame.y);
+    canvas.text(beside, &unit, &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
     let inner = match view {
         View::Plan => Rect {
             x: frame.x + 46.0,
@@ -102,7 +105,7 @@ fn one(
     };
 
     match view {
-        View::Plan => grid(canvas, &inner, scale, centre, &names),
+        View::Plan => grid(canvas, &inner, scale, centre),
         View::Isometric => tripod(canvas, &inner, &names),
     }
     canvas.clip(Some(&inner));
@@ -134,7 +137,7 @@ fn one(
     canvas.clip(None);
 }
 
-fn grid(canvas: &mut dyn Canvas, inner: &Rect, scale: f64, centre: [f64; 2], names: &[&str]) {
+fn grid(canvas: &mut dyn Canvas, inner: &Rect, scale: f64, centre: [f64; 2]) {
     let half = [inner.width / 2.0 / scale, inner.height / 2.0 / scale];
     let small = |anchor| TextStyle { size: 11.0, anchor, ..TextStyle::new(SOFT) };
     let count = |length: f64| (length / 80.0).max(2.0) as usize;
@@ -147,13 +150,6 @@ fn grid(canvas: &mut dyn Canvas, inner: &Rect, scale: f64, centre: [f64; 2], nam
         let y = inner.y + inner.height / 2.0 - (value - centre[1]) * scale;
         canvas.polyline(&[Point(inner.x, y), Point(inner.right(), y)], &Stroke::new(GRID, 0.8));
         canvas.text(Point(inner.x - 7.0, y + 4.0), &label(value), &small(Anchor::End));
-    }
-    let mm = |name: &&str| format!("{name} mm");
-    if let Some(first) = names.first().map(mm) {
-        canvas.text(Point(inner.right(), inner.bottom() + 27.0), &first, &small(Anchor::End));
-    }
-    if let Some(second) = names.get(1).map(mm) {
-        canvas.text(Point(inner.x - 7.0, inner.y - 4.0), &second, &small(Anchor::End));
     }
 }
 

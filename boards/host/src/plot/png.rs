@@ -1,7 +1,8 @@
 //! PNG: drawn by tiny-skia at twice the size, letters from the outlines of a font that is compiled in.
 use super::canvas::{Anchor, Canvas, Colour, Point, Rect, Stroke, TextStyle};
+use super::font::Font;
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
-use ttf_parser::{Face, OutlineBuilder};
+use ttf_parser::OutlineBuilder;
 
 /// Pixels per unit of length.
 const SCALE: f32 = 2.0;
@@ -10,8 +11,6 @@ const SCALE: f32 = 2.0;
 pub struct Png {
     pixels: Pixmap,
     mask: Option<Mask>,
-    regular: Face<'static>,
-    bold: Face<'static>,
 }
 
 impl Png {
@@ -20,8 +19,7 @@ impl Png {
         let size = |length: f64| (length as f32 * SCALE) as u32;
         let mut pixels = Pixmap::new(size(width), size(height)).expect("the page has a size");
         pixels.fill(tiny_skia::Color::WHITE);
-        let face = |font| Face::parse(font, 0).expect("the font is compiled in");
-        Self { pixels, mask: None, regular: face(dejavu::sans::regular()), bold: face(dejavu::sans::bold()) }
+        Self { pixels, mask: None }
     }
 
     /// The whole file.
@@ -91,22 +89,19 @@ impl Canvas for Png {
     }
 
     fn text(&mut self, Point(x, y): Point, text: &str, style: &TextStyle) {
-        let face = if style.bold { &self.bold } else { &self.regular };
-        let scale = style.size as f32 / f32::from(face.units_per_em());
-        // A character without glyph is drawn as the font's own sign for that, glyph 0.
-        let glyphs: Vec<_> = text.chars().map(|c| face.glyph_index(c).unwrap_or_default()).collect();
-        let advance =
-            |glyph: &ttf_parser::GlyphId| f32::from(face.glyph_hor_advance(*glyph).unwrap_or(0)) * scale;
-        let width: f32 = glyphs.iter().map(advance).sum();
+        let font = Font::new(style.size, style.bold);
+        let glyphs = font.glyphs(text);
+        let width: f32 = glyphs.iter().map(|(_, width)| width).sum();
         let shift = match style.anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => width / 2.0,
             Anchor::End => width,
         };
-        let mut outline = Outline { path: PathBuilder::new(), x: x as f32 - shift, y: y as f32, scale };
-        for glyph in &glyphs {
-            face.outline_glyph(*glyph, &mut outline);
-            outline.x += advance(glyph);
+        let (x, scale) = (x as f32 - shift, font.scale());
+        let mut outline = Outline { path: PathBuilder::new(), x, y: y as f32, scale };
+        for (glyph, width) in glyphs {
+            font.outline(glyph, &mut outline);
+            outline.x += width;
         }
         if let Some(path) = outline.path.finish() {
             self.fill_path(&path, style.colour, 1.0);
