@@ -79,7 +79,6 @@ fn drive<const AXES: usize>(
     mut recorder: Recorder,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    recorder.first(interpolator.set_points()).map_err(Stop::Unwritable)?;
     let mut done = false;
     let mut idle = 0;
     loop {
@@ -122,27 +121,23 @@ struct Recorder {
 }
 
 impl Recorder {
-    fn first(&mut self, set_points: &[Position]) -> io::Result<()> {
-        self.show(&Telemetry::default(), set_points)
-    }
-
     fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position]) -> io::Result<()> {
         self.statistics.add(telemetry.distance, set_points);
-        self.show(telemetry, set_points)
-    }
-
-    fn show(&mut self, telemetry: &Telemetry, set_points: &[Position]) -> io::Result<()> {
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
         }
         match &mut self.trace {
-            Some(trace) => trace.row(statistics.ticks, telemetry, statistics.distance, set_points),
+            Some(trace) => trace.row(statistics.ticks - 1, telemetry, statistics.distance, set_points),
             None => Ok(()),
         }
     }
 
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
+        if self.statistics.ticks == 0 {
+            // Nothing moved: the rest is worth a row.
+            self.tick(&Telemetry::default(), set_points).map_err(Stop::Unwritable)?;
+        }
         self.statistics.finish(set_points);
         if let Some(trace) = self.trace {
             trace.finish().map_err(Stop::Unwritable)?;

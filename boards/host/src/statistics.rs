@@ -72,7 +72,7 @@ fn rates(differences: [f64; 3], cycle_s: f64) -> [f64; 3] {
 pub struct Statistics {
     /// One per axis.
     pub axes: Vec<AxisStatistics>,
-    /// Active ticks; program time in cycles.
+    /// Active ticks, which is rows of a trace: the first is the rest at the start.
     pub ticks: u64,
     /// Over the set points of all active ticks.
     pub digest: Digest,
@@ -121,10 +121,10 @@ impl Statistics {
         self.distance as f64 / (1_u64 << 44) as f64
     }
 
-    /// Program time.
+    /// Program time: from the first set point to the last.
     pub fn time_s(&self, machine: &Machine) -> f64 {
-        // An exact quotient: ticks · cycle is an integer number of µs.
-        (self.ticks as f64 * f64::from(machine.channel.cycle_us)) / 1e6
+        // An integer number of µs, divided once.
+        (self.ticks.saturating_sub(1) as f64 * f64::from(machine.channel.cycle_us)) / 1e6
     }
 }
 

@@ -1,6 +1,7 @@
 //! The loader: walks the tables of the file along the parameter tables of the crate.
 use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::run::BLOCKS;
 use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData};
 use std::ops::Range;
@@ -81,6 +82,13 @@ impl Loader<'_> {
                     );
                 }
             }
+        }
+        if machine.channel.look_ahead as usize > BLOCKS {
+            let message = format!("channel.look_ahead = {}: out of range", machine.channel.look_ahead);
+            let at =
+                document.get_ref().get("channel").and_then(|channel| channel.get_ref().get("look_ahead"));
+            let at = at.map_or(0..0, Spanned::span);
+            self.refuse(&at, message, &format!("10…{BLOCKS} blocks, this simulator is built for no more"));
         }
         for (key, value) in document.get_ref() {
             if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {

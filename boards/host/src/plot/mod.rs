@@ -119,7 +119,6 @@ mod tests {
         let machine = Machine::built_in();
         let line = |x: f64, y: f64| Segment {
             n: 1,
-            line: 1,
             kind: Kind::Line,
             end: vec![x, y, 0.0],
             feed: Some(6000.0),
