@@ -19,29 +19,26 @@ pub struct Verdict {
     pub course: Course,
 }
 
-/// Limits of an axis for the kinds of motion that occur. `curved`: the contour itself accelerates axes.
+/// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then tangential
+/// and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric ramp time).
 pub fn permitted(axis: &AxisData, rapid: bool, feed: bool, curved: bool) -> Limits {
-    let us = |t: u32| f64::from(t) * 1e-6;
-    let v = if feed { axis.vb_max } else { axis.vb_eilgang };
-    let mut a = 0.0_f64;
-    let mut jerk = 0.0_f64;
-    let mut slope = |mm_s2: u32, ramp: u32| {
-        a = a.max(f64::from(mm_s2));
-        jerk = jerk.max(f64::from(mm_s2) / us(ramp));
+    let mut limits = Limits { v: 0.0, a: 0.0, jerk: 0.0 };
+    let mut allow = |um_s: u32, mm_s2: u32, ramps: &[u32]| {
+        limits.v = limits.v.max(f64::from(um_s) * 1e-3);
+        limits.a = limits.a.max(f64::from(if curved { axis.a_max } else { mm_s2 }));
+        for &ramp in ramps {
+            let us = if curved { ramp.min(axis.tr_geom.max(1)) } else { ramp };
+            limits.jerk = limits.jerk.max(f64::from(mm_s2) / (f64::from(us) * 1e-6));
+        }
     };
     if feed {
-        slope(axis.a_beschl, axis.tr_beschl_zu);
-        slope(axis.a_beschl, axis.tr_beschl_ab);
-        slope(axis.a_brems, axis.tr_brems_zu);
-        slope(axis.a_brems, axis.tr_brems_ab);
+        allow(axis.vb_max, axis.a_beschl, &[axis.tr_beschl_zu, axis.tr_beschl_ab]);
+        allow(axis.vb_max, axis.a_brems, &[axis.tr_brems_zu, axis.tr_brems_ab]);
     }
     if rapid {
-        slope(axis.a_grenz, axis.tr_grenz);
+        allow(axis.vb_eilgang, axis.a_grenz, &[axis.tr_grenz]);
     }
-    if curved {
-        slope(axis.a_max, axis.tr_geom.max(1));
-    }
-    Limits { v: f64::from(v) * 1e-3, a, jerk }
+    limits
 }
 
 /// Limits of all axes of a machine for a contour.

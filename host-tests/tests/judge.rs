@@ -2,7 +2,7 @@
 use host_tests::cases::{Program, machines, named, set_point};
 use host_tests::check::{self, Limits};
 use host_tests::reference::geometry::Contour;
-use host_tests::reference::limits::{AxisLimits, line, path_length};
+use host_tests::reference::limits::path_length;
 use host_tests::reference::motion::Motion;
 use host_tests::reference::profile::{Profile, Ramps};
 use host_tests::tolerance;
@@ -12,25 +12,24 @@ use host_tests::trace::{Trace, sampled};
 /// acceleration and jerk.
 fn motion(program: &Program, cycle_us: u32, scale: [f64; 3]) -> (Contour, Trace) {
     let machine = machines::even::<3>(cycle_us);
-    let axes = machine.axes.map(|a| AxisLimits::new(&a, cycle_us));
     let contour = program.contour(&machine);
+    let cycle = f64::from(cycle_us) * 1e-6;
     let profiles: Vec<Profile> = contour
         .elements
         .iter()
         .map(|element| {
-            let l = line(element, &axes, cycle_us);
-            // The full jerk: without the margin that the library keeps.
-            let full = |r: Ramps| {
-                let ramp = (1.0 - tolerance::JERK_MARGIN) * scale[1] / scale[2];
-                Ramps { a: r.a * scale[1], up: r.up * ramp, down: r.down * ramp }
-            };
+            // Speed, acceleration and jerk of the axis with the largest part of the path; all axes are alike.
             let length = path_length(element);
-            Profile::fastest(length, 0.0, 0.0, l.v * scale[0], full(l.accelerate), full(l.brake)).unwrap()
+            let share = (0..3).map(|k| element.travel(k).abs()).fold(0.0, f64::max) / length;
+            let v = (200.0 * scale[0] / share).min(element.feed.unwrap() / 60.0);
+            let a = 2000.0 * scale[1] / share;
+            let ramp = 0.05 * scale[1] / scale[2];
+            let ramps = Ramps { a, up: ramp, down: ramp };
+            Profile::fastest(length, 0.0, 0.0, v, ramps, ramps).unwrap()
         })
         .collect();
-    let motion = Motion::new(&contour, &profiles, 1.0);
-    let cycle = f64::from(cycle_us) * 1e-6;
-    let trace = sampled(&contour, cycle, |t| motion.at(t / cycle));
+    let motion = Motion::new(&contour, &profiles, cycle);
+    let trace = sampled(&contour, cycle, |t| motion.at(t));
     (contour, trace)
 }
 
