@@ -5,12 +5,14 @@ use crate::quantity::{Distance, Position, Speed, Time};
 use crate::tick::Interpolator;
 
 /// The static memory of one channel: `AXES` axes, `BLOCKS` blocks of look-ahead.
-pub struct Channel<const AXES: usize, const BLOCKS: usize> {}
+pub struct Channel<const AXES: usize, const BLOCKS: usize> {
+    rings: crate::queue::Rings<AXES>,
+}
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     /// An empty channel.
     pub const fn new() -> Self {
-        Self {}
+        Self { rings: crate::queue::Rings::new() }
     }
 
     /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
@@ -23,8 +25,9 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         start: [Position; AXES],
         text: T,
     ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), Error> {
-        let _ = machine;
-        Ok((Planner { _text: text, _channel: self }, Interpolator::new(start)))
+        let (sender, receiver) = self.rings.split();
+        let planning = crate::planning::Planning::new(machine, start, sender);
+        Ok((Planner { _text: text, planning }, Interpolator::new(receiver, start)))
     }
 }
 
@@ -78,7 +81,8 @@ pub enum Error {
 /// The half of a channel that works ahead: text to time law, a bounded piece per call.
 pub struct Planner<'a, T, const AXES: usize, const BLOCKS: usize> {
     _text: T,
-    _channel: &'a mut Channel<AXES, BLOCKS>,
+    /// x
+    pub planning: crate::planning::Planning<'a, AXES, BLOCKS>,
 }
 
 impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCKS> {
