@@ -189,10 +189,66 @@ impl Program {
         text
     }
 
+    /// What the decoder has to make of [`Self::text`].
+    pub fn motions<const AXES: usize>(
+        &self,
+        machine: &MachineData<AXES>,
+    ) -> Vec<glidepath::nc::Motion<AXES>> {
+        use glidepath::nc::{ArcBy, MotionKind};
+        use glidepath::quantity::{Feed, Position};
+        let main: Vec<usize> = machine.main_axes().into_iter().flatten().collect();
+        let mut from = self.start.clone();
+        let position = |nm: i64| Position::from_bits(set_point(nm));
+        let motion = |(i, block): (usize, &Move)| {
+            let kind = match block.kind {
+                Kind::Rapid => MotionKind::Rapid,
+                Kind::Line => MotionKind::Line,
+                Kind::Arc { plane, clockwise, by } => {
+                    let by = match by {
+                        By::Radius(nm) => ArcBy::Radius(position(nm)),
+                        By::Offset(offset) => ArcBy::Centre(std::array::from_fn(|i| {
+                            position(from[main[plane.axes()[i]]]) + position(offset[i])
+                        })),
+                    };
+                    let plane = match plane {
+                        Plane::Xy => glidepath::nc::Plane::G17,
+                        Plane::Zx => glidepath::nc::Plane::G18,
+                        Plane::Yz => glidepath::nc::Plane::G19,
+                    };
+                    MotionKind::Arc { plane, clockwise, by }
+                }
+            };
+            from.clone_from(&block.target);
+            glidepath::nc::Motion {
+                n: 10 * (i as u32 + 1),
+                place: glidepath::nc::Place::default(),
+                kind,
+                target: std::array::from_fn(|k| position(block.target[k])),
+                feed: Feed::from_num(block.feed),
+                exact_stop: block.stop,
+            }
+        };
+        self.moves.iter().enumerate().map(motion).collect()
+    }
+
     /// The contour in f64. Blocks without motion are left out.
     pub fn contour<const AXES: usize>(&self, machine: &MachineData<AXES>) -> Contour {
+        self.contour_of(machine, |nm| nm as f64 / NM as f64)
+    }
+
+    /// The contour as it leaves the decoder: coordinates rounded to 2^-32 mm. For comparisons where that rounding is not
+    /// the question (the direction of a line of 1 µm turns by 10^-7 with it).
+    pub fn contour_as_decoded<const AXES: usize>(&self, machine: &MachineData<AXES>) -> Contour {
+        self.contour_of(machine, |nm| set_point(nm) as f64 / (1u64 << 32) as f64)
+    }
+
+    fn contour_of<const AXES: usize>(
+        &self,
+        machine: &MachineData<AXES>,
+        number: impl Fn(i64) -> f64,
+    ) -> Contour {
         let main: Vec<usize> = machine.main_axes().into_iter().flatten().collect();
-        let mm = |p: &[i64]| -> Vec<f64> { p.iter().map(|&nm| nm as f64 / NM as f64).collect() };
+        let mm = |p: &[i64]| -> Vec<f64> { p.iter().map(|&nm| number(nm)).collect() };
         let mut from = self.start.clone();
         let mut elements: Vec<Element> = Vec::new();
         for block in &self.moves {
@@ -202,8 +258,8 @@ impl Program {
                 Kind::Arc { plane, clockwise, by } => {
                     let axes = plane.axes().map(|k| main[k]);
                     let centre = match by {
-                        By::Offset(nm) => Centre::Offset(nm.map(|nm| nm as f64 / NM as f64)),
-                        By::Radius(nm) => Centre::Radius(nm as f64 / NM as f64),
+                        By::Offset(nm) => Centre::Offset(nm.map(&number)),
+                        By::Radius(nm) => Centre::Radius(number(nm)),
                     };
                     arc(axes, axes.map(|k| a[k]), axes.map(|k| b[k]), centre, clockwise)
                 }

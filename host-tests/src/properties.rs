@@ -58,7 +58,7 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     machine: &MachineData<AXES>,
 ) -> Result<Verdict, String> {
     let fault = |what: String| format!("{}: {what}\n{}", program.name, head(&program.text(machine)));
-    let run = run::<AXES, BLOCKS>(program, machine).map_err(|e| fault(format!("{e:?}")))?;
+    let run = run::<AXES, BLOCKS>(program, machine).map_err(fault)?;
     let contour = program.contour(machine);
     let limits = axis_limits(machine, &contour);
     let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();

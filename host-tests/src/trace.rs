@@ -1,7 +1,7 @@
 //! Runs a program through the library and keeps every set point.
 use crate::cases::{Program, set_point};
 use crate::reference::geometry::Contour;
-use glidepath::channel::{Channel, Error, PlannedBlock, Progress};
+use glidepath::channel::{Channel, PlannedBlock};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -20,6 +20,11 @@ pub struct Trace {
 }
 
 impl Trace {
+    /// A trace of so many axes without a row.
+    pub fn empty(cycle: f64, axes: usize) -> Self {
+        Self { cycle, columns: vec![Vec::new(); axes] }
+    }
+
     /// A trace that rests in `start`.
     pub fn new(cycle: f64, start: &[i64]) -> Self {
         Self { cycle, columns: start.iter().map(|&x| vec![x]).collect() }
@@ -82,13 +87,13 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
     burst: usize,
-) -> Result<Run, Error> {
-    let text = program.text(machine);
+) -> Result<Run, String> {
     let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) = channel.split(machine, start, text.as_bytes())?;
+    let (mut planner, mut interpolator) =
+        channel.split(machine, start, &b""[..]).map_err(|e| format!("{e:?}"))?;
     let mut run = Run {
-        trace: Trace::new(f64::from(machine.channel.cycle_us) * 1e-6, &start.map(Position::to_bits)),
+        trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
         blocks: Vec::new(),
         digest: 0,
     };
@@ -101,12 +106,15 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
         }
         state
     };
+    let mut motions = program.motions(machine).into_iter();
+    let mut done = false;
     let mut idle = 0;
     loop {
-        match planner.poll()? {
-            Progress::Planned(block) => run.blocks.push(block),
-            Progress::Working => idle += 1,
-            Progress::Waiting => {
+        use glidepath::planning::Work;
+        match planner.planning.work().map_err(|e| format!("{e:?}"))? {
+            Work::Planned(block) => run.blocks.push(block),
+            Work::Working => idle += 1,
+            Work::Waiting => {
                 for _ in 0..burst {
                     if tick() == State::Active {
                         idle = 0;
@@ -114,7 +122,14 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
                 }
                 idle += 1;
             }
-            Progress::Done => break,
+            Work::Hungry => match motions.next() {
+                Some(m) => planner.planning.take(&m).map_err(|e| format!("{e:?}"))?,
+                None if done => break,
+                None => {
+                    done = true;
+                    planner.planning.rest(1);
+                }
+            },
         }
         assert!(idle < STUCK, "{}: no progress", program.name);
     }
@@ -130,7 +145,7 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
 pub fn run<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
-) -> Result<Run, Error> {
+) -> Result<Run, String> {
     run_in_bursts::<AXES, BLOCKS>(program, machine, 1)
 }
 

@@ -1,7 +1,7 @@
 //! Seeded random programs: every axis inside its limits at every tick, on the contour, exact at its ends.
 use glidepath::machine::MachineData;
 use host_tests::cases::random::{Mix, program};
-use host_tests::cases::{Program, edges, machines};
+use host_tests::cases::{Program, edges, machines, named};
 use host_tests::properties::{Verdict, verify};
 
 fn good<const AXES: usize, const BLOCKS: usize>(program: &Program, machine: &MachineData<AXES>) -> Verdict {
@@ -84,19 +84,27 @@ fn a_contour_is_never_left_out_between_ticks() {
 
 #[test]
 fn depth_of_look_ahead_costs_time_only() {
-    for seed in 900..906 {
-        let program = program(seed, Mix::surface(3, 500));
-        let time = |machine: &MachineData<3>| {
-            [
-                good::<3, 30>(&program, machine).run.trace.ticks(),
-                good::<3, 120>(&program, machine).run.trace.ticks(),
-                good::<3, 190>(&program, machine).run.trace.ticks(),
-            ]
+    let random = (900..904).map(|seed| program(seed, Mix::surface(3, 500)));
+    for program in random.chain([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)]) {
+        let machine = |look_ahead| {
+            let mut machine = machines::mill::<3>(1000);
+            machine.channel.look_ahead = look_ahead;
+            machine
         };
-        let ticks = time(&machines::mill(1000));
+        let ticks = [
+            good::<3, 30>(&program, &machine(30)).run.trace.ticks(),
+            good::<3, 120>(&program, &machine(120)).run.trace.ticks(),
+            good::<3, 190>(&program, &machine(190)).run.trace.ticks(),
+        ];
         // One tick: where the end falls between ticks.
-        assert!(ticks[0] + 1 >= ticks[1] && ticks[1] + 1 >= ticks[2], "seed {seed}: {ticks:?}");
-        // 30 blocks are too few to reach the feed, so depth is in fact in use.
-        assert!(ticks[0] > ticks[2], "seed {seed}: {ticks:?}");
+        let name = &program.name;
+        assert!(ticks[0] + 1 >= ticks[1] && ticks[1] + 1 >= ticks[2], "{name}: {ticks:?}");
+        // Six millimetres in view are too few for the feed: depth is in use.
+        if name.contains("pieces") {
+            assert!(3 * ticks[0] > 4 * ticks[1] && 20 * ticks[1] > 21 * ticks[2], "{name}: {ticks:?}");
+        }
+        // The memory may be larger than the depth asked for.
+        let less = good::<3, 190>(&program, &machine(30));
+        assert_eq!(less.run.trace.ticks(), ticks[0]);
     }
 }

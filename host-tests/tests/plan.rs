@@ -8,11 +8,11 @@ use host_tests::reference::limits::Machine;
 use host_tests::reference::motion::Motion;
 use host_tests::reference::planner::{blocks, plan};
 use host_tests::reference::profile::Profile;
-use host_tests::trace::sampled;
+use host_tests::trace::{run, sampled};
 use host_tests::{check, tolerance};
 
 fn reference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (Contour, Vec<Profile>) {
-    let contour = program.contour(machine);
+    let contour = program.contour_as_decoded(machine);
     let axes = Machine::new(&machine.axes, machine.channel.cycle_us);
     let profiles = plan(&blocks(&contour, &axes), machine.channel.look_ahead as usize);
     (contour, profiles)
@@ -34,7 +34,9 @@ fn permitted<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) 
 fn judge<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
     let mut faults = Vec::new();
     for program in programs {
-        for machine in [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)] {
+        for machine in
+            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+        {
             if let Err(fault) = permitted(&program, &machine) {
                 faults.push(format!("{}: {fault}", program.name));
             }
@@ -56,6 +58,48 @@ fn the_reference_plans_permitted_motions() {
 fn the_reference_plans_permitted_motions_at_the_edges() {
     judge::<3>(edges::three_axes().into_iter(), 1000);
     judge::<4>(edges::rotary().into_iter(), 1000);
-    let named = [named::chords(20_000.0, 3), named::slot(6000.0, 3), named::helix(6000.0), named::pocket(20_000.0)];
+    let named =
+        [named::chords(20_000.0, 3), named::slot(6000.0, 3), named::helix(6000.0), named::pocket(20_000.0)];
     judge::<3>(named.into_iter(), 1000);
+}
+
+/// Largest relative difference between the library's plan and the reference's.
+fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
+    let run = run::<AXES, 120>(program, machine).unwrap();
+    let (_, profiles) = reference(program, machine);
+    assert_eq!(run.blocks.len(), profiles.len(), "{}", program.name);
+    let mut largest = 0.0_f64;
+    for (i, (block, profile)) in run.blocks.iter().zip(&profiles).enumerate() {
+        let pairs = [
+            ("length", block.length.to_bits() as f64 / 2f64.powi(44), profile.length),
+            ("start speed", block.v_in.to_bits() as f64 / 2f64.powi(58), profile.v_in),
+            ("highest speed", block.v_peak.to_bits() as f64 / 2f64.powi(58), profile.v_peak),
+            ("end speed", block.v_out.to_bits() as f64 / 2f64.powi(58), profile.v_out),
+            ("duration", block.time.to_bits() as f64 / 2f64.powi(36), profile.time()),
+        ];
+        for (what, library, reference) in pairs {
+            let off = if reference == 0.0 { library } else { (library - reference).abs() / reference };
+            if off > tolerance::PLAN {
+                println!(
+                    "{}, block {i}: {what} {library}, reference {reference}, {off:.2e}\n  {:?}",
+                    program.name, program.moves[i]
+                );
+            }
+            largest = largest.max(off);
+        }
+    }
+    largest
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans() {
+    let mut worst = 0.0_f64;
+    for seed in 2500..2530 {
+        let mix = if seed % 5 == 4 { Mix::surface(3, 500) } else { Mix::general(3, 60) };
+        for machine in [machines::even::<3>(1000), machines::uneven(1000), machines::mill(1000)] {
+            worst = worst.max(compare(&program(seed, mix), &machine));
+        }
+    }
+    println!("{worst}");
+    assert!(worst <= tolerance::PLAN, "{worst}");
 }

@@ -69,6 +69,12 @@ pub fn pocket(feed: f64) -> Program {
     program.line(&[low[0], low[1], 10.0], feed).rapid()
 }
 
+/// A straight line in `blocks` short pieces.
+pub fn pieces(blocks: u32, pitch: f64, feed: f64) -> Program {
+    let points = (1..=blocks).map(|i| pitch * f64::from(i));
+    points.fold(Program::new(format!("line in {blocks} pieces"), 3), |p, x| p.line(&[x, x / 2.0], feed))
+}
+
 /// A wavy line of `blocks` chords, ten chords a wave.
 pub fn wave(blocks: u32, pitch: f64, feed: f64) -> Program {
     let mut program = Program::new(format!("wave of {blocks} chords"), 3);

@@ -47,7 +47,13 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
             let off = Deviation::of(element, &q, u, tolerance);
             // Forward only; a step back by twice the tolerance is rounding.
             let slack = 2.0 * tolerance / lengths[j].max(1e-9);
-            if off.inside && off.u >= u - slack {
+            // At a joint both elements are within tolerance: the nearer one.
+            let ahead = (off.u >= 1.0).then(|| contour.elements.get(j + 1)).flatten();
+            let leave = ahead.is_some_and(|next| {
+                let other = Deviation::of(next, &q, 0.0, tolerance);
+                other.inside && other.u >= 0.0 && other.main < off.main
+            });
+            if off.inside && !leave && off.u >= u - slack {
                 u = off.u.clamp(u, 1.0);
                 course.error = course.error.max(off.main);
                 course.tracking_error = course.tracking_error.max(off.tracking);

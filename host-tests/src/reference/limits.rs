@@ -213,9 +213,15 @@ fn direction(element: &Element, u: f64) -> Direction {
 }
 
 /// Length along which a block's speeds count: that of the main axes, or of the others where none of them moves; where
-/// another axis moves more than 1024 degrees per mm, a 1024th of its travel.
+/// another axis moves more than 1024 degrees per mm, a 1024th of its travel. An arc whose radius changes counts as if it
+/// had the larger one throughout.
 pub fn path_length(element: &Element) -> f64 {
-    let main = element.main_length();
+    let mut main = element.main_length();
+    if let Shape::Arc { axes, radius, sweep, .. } = &element.shape {
+        let others = element.main.iter().filter(|k| !axes.contains(k)).map(|&k| element.travel(k).powi(2));
+        let turn = (radius[0].max(radius[1]) * sweep).powi(2);
+        main = (turn + (radius[1] - radius[0]).powi(2) + others.sum::<f64>()).sqrt();
+    }
     if main == 0.0 {
         return element.tracking_length();
     }
@@ -229,7 +235,7 @@ pub fn shares(element: &Element) -> Vec<f64> {
     let mut shares: Vec<f64> = (0..element.from.len()).map(|k| element.travel(k).abs() / length).collect();
     if let Shape::Arc { axes, radius, sweep, .. } = &element.shape {
         for &k in axes {
-            shares[k] = 0.5 * (radius[0] + radius[1]) * sweep.abs() / length;
+            shares[k] = radius[0].max(radius[1]) * sweep.abs() / length;
         }
     }
     shares
