@@ -118,10 +118,9 @@ impl Diagnostic {
         let mut out = String::new();
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{head}{word}{id}{head:#}{strong}: {}{strong:#}", self.message);
-        let mut margin = String::new();
         if let Some(shown) = &self.shown {
             let number = shown.line.to_string();
-            margin = " ".repeat(number.len());
+            let margin = " ".repeat(number.len());
             let label = self.expected.as_ref().map_or_else(String::new, |text| format!(" {text}"));
             let _ = writeln!(
                 out,
