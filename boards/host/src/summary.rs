@@ -6,7 +6,7 @@ use crate::statistics::Statistics;
 use anstyle::Style;
 use glidepath::channel::PlannedBlock;
 use glidepath::machine::AxisKind;
-use glidepath::quantity::Speed;
+use glidepath::quantity::{Speed, Time};
 use glidepath::queue::Function;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
@@ -89,6 +89,8 @@ struct Block {
     v_peak: f64,
     v_out: f64,
     time_s: f64,
+    /// From a standstill at its end to the tick at which the next motion may begin.
+    wait_s: f64,
 }
 
 fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::Ok, S::Error> {
@@ -100,6 +102,7 @@ impl Summary {
     pub fn new(source: &Source, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
+        let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
         let axes = machine.axes.iter().zip(&statistics.axes).map(|(data, seen)| {
             let allowed = limits(data);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);
@@ -126,7 +129,8 @@ impl Summary {
             v_in: speed(block.v_in),
             v_peak: speed(block.v_peak),
             v_out: speed(block.v_out),
-            time_s: block.time.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s,
+            time_s: time(block.time),
+            wait_s: time(block.wait),
         });
         let warnings = program.warnings.iter().map(|warning| {
             let (line, column) = warning.place();
