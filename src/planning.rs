@@ -4,8 +4,8 @@ use crate::lookahead::{Dynamics, Lookahead};
 use crate::machine::MachineData;
 use crate::nc::{ArcBy, Motion, MotionKind};
 use crate::path::{self, PathError};
-use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
-use crate::queue::{Phase, Segment, Sender};
+use crate::quantity::{Accel, Distance, Jerk, Position, Speed, Time};
+use crate::queue::{Event, Function, Phase, Segment, Sender};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
 
@@ -41,6 +41,8 @@ pub enum MotionError {
     Path(PathError),
     /// Its feed is zero.
     NoFeed,
+    /// It would take more than 2^26 ticks.
+    TooSlow,
 }
 
 /// Path, look-ahead, slope and the planner's end of the queue.
@@ -64,8 +66,13 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     position: [Position; AXES],
     distance: Distance,
     blocks: u32,
+    /// Blocks taken in.
+    taken: u32,
     queue: Sender<'a, AXES>,
 }
+
+/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
+const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
@@ -87,6 +94,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             position: start,
             distance: Distance::ZERO,
             blocks: 0,
+            taken: 0,
             queue,
         }
     }
@@ -98,7 +106,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let feed = match motion.kind {
             MotionKind::Rapid => None,
-            _ if motion.feed.to_bits() <= 0 => return Err(MotionError::NoFeed),
             _ => Some(motion.feed.to_bits() as f32 * (1.0 / 4_294_967_296.0)),
         };
         let (from, to) = (&self.programmed, &motion.target);
@@ -115,15 +122,31 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
         };
         if let Some(element) = element.map_err(MotionError::Path)? {
+            // A block without motion needs no feed.
+            if feed.is_some_and(|feed| feed <= 0.0) {
+                return Err(MotionError::NoFeed);
+            }
             let limits = self.dynamics.element(&element, feed);
             let rapid = feed.is_none();
+            if (element.shape.length.to_bits() as f32) > limits.v * SLOWEST {
+                return Err(MotionError::TooSlow);
+            }
             self.lookahead.push(&element, limits, rapid, &self.dynamics, motion.n, motion.place);
             self.programmed = motion.target;
+            self.taken = self.taken.wrapping_add(1);
         }
         if motion.exact_stop {
             self.lookahead.stop_here();
         }
         Ok(())
+    }
+
+    /// Hands over what is to happen between the last block taken in and the next one.
+    ///
+    /// # Errors
+    /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
+    pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
+        self.queue.events.enqueue(Event { block: self.taken, n, function }).map_err(|e| e.function)
     }
 
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
@@ -136,7 +159,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Goes on.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner; the block is left out of the motion, which ends before it.
+    /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         if let Some(phase) = self.held.take() {
             return Ok(self.hand_over(phase));
@@ -197,7 +220,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.stage = Stage::Releasing(left - 1);
         let block = release.block;
         let length = block.shape.length;
-        let profile = Profile::plan(length, release.v_in, release.v_out, &block.limits)?;
+        let profile = Profile::plan(length, release.v_in, release.v_out, &block.limits);
+        let profile = profile.inspect_err(|_| self.lookahead.clear())?;
         let base = block.shape.base(&self.position);
         let segment =
             Segment { shape: block.shape, base, start: self.distance, n: block.n, block: self.blocks };
@@ -217,6 +241,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             v_peak: profile.peak(),
             v_out: release.v_out,
             time: profile.time(),
+            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
         }))
     }
 

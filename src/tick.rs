@@ -7,7 +7,7 @@
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
-use crate::queue::{Phase, Receiver, Segment};
+use crate::queue::{Event, Phase, Receiver, Segment};
 
 /// Most elements one tick may pass.
 pub const SKIP_PER_TICK: usize = 8;
@@ -57,7 +57,7 @@ const REST: Phase = Phase {
 };
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
+    pub(crate) fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self { queue, phase: REST, done: 0, distance: Distance::ZERO, set_points: start }
     }
 
@@ -98,6 +98,16 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// The set point of every axis after the last tick.
     pub fn set_points(&self) -> &[Position; AXES] {
         &self.set_points
+    }
+
+    /// The next event whose point of the motion the last tick has reached or passed. Call it after a tick until it
+    /// says `None`, in the interrupt or elsewhere.
+    pub fn event(&mut self) -> Option<Event> {
+        let event = self.queue.events.peek()?;
+        // Standing still at the end of a block, what comes after that block is due.
+        let rests = self.phase.speed == Speed::ZERO && self.phase.sixth_jerk == Jerk::ZERO;
+        let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(rests));
+        if event.block <= reached { self.queue.events.dequeue() } else { None }
     }
 
     /// Path values of the last set point.

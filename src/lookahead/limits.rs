@@ -27,6 +27,11 @@ const ARC_SLOPE_PART: f32 = 0.25;
 const ARC_PART: f32 = 0.5;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
+/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
+/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks.
+const KNEE_PART: f32 = 0.25;
+/// Ramps of that many ticks are not.
+const LONG_RAMP: f32 = 4.0;
 /// Element lengths per tick, so that a tick never has to pass more elements than it may.
 const SKIP: f32 = (SKIP_PER_TICK - 1) as f32;
 
@@ -49,6 +54,8 @@ pub struct Limits {
     pub j: Ramps,
     /// Jerk left to the slope beside a transition.
     pub j_shared: f32,
+    /// Acceleration left to it.
+    pub a_shared: f32,
 }
 
 /// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
@@ -62,6 +69,8 @@ struct Set {
     budget: f32,
     /// Speed step permitted at a knee.
     knee: f32,
+    /// Acceleration left to the slope beside a knee.
+    a_shared: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +104,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             a_down: f32::MAX,
             j: [f32::MAX; 4],
             j_shared: f32::MAX,
+            a_shared: f32::MAX,
         };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
@@ -166,32 +176,45 @@ impl Axis {
         let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
         let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
         let geometric = ticks(data.tr_geom);
+        let a_max = accel(data.a_max);
         let set = |v: u32, a: [u32; 2], tr: [u32; 4]| {
             let [a_up, a_down] = a.map(accel);
             let tr = tr.map(ticks);
             let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
             let mut j = [0.0; 4];
             let mut budget = f32::MAX;
-            let mut longest = 0.0;
+            let [mut shortest, mut longest] = [f32::MAX, 0.0];
             for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
                 *j = over(tr, k) * JERK_MARGIN;
                 budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
                 longest = max(longest, tr);
+                shortest = min(shortest, tr);
             }
             let weight =
                 if data.a_trans_weight == 0 { 1.0 / longest } else { data.a_trans_weight as f32 * 1e-3 };
-            Set { v: speed(v), a_up, a_down, j, budget, knee: min(a_up, a_down) * weight }
+            let knee = min(min(a_up, a_down) * weight, KNEE_PART * a_max);
+            let a_shared = if shortest < LONG_RAMP { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
+            Set { v: speed(v), a_up, a_down, j, budget, knee, a_shared }
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
         Self {
             feed: set(data.vb_max, [data.a_beschl, data.a_brems], tr),
             rapid: set(data.vb_eilgang, [data.a_grenz; 2], [data.tr_grenz; 4]),
-            a_max: accel(data.a_max),
+            a_max,
         }
     }
 }
 
 impl Limits {
+    /// Leaves a transition its part.
+    pub(super) fn share(&mut self) {
+        for j in &mut self.j {
+            *j = min(*j, self.j_shared);
+        }
+        self.a_up = min(self.a_up, self.a_shared);
+        self.a_down = min(self.a_down, self.a_shared);
+    }
+
     /// Takes in an axis that moves `1 / scale` times as far as the path.
     fn restrict(&mut self, set: &Set, scale: f32) {
         self.v = min(self.v, set.v * scale);
@@ -201,6 +224,7 @@ impl Limits {
             *j = min(*j, axis * scale);
         }
         self.j_shared = min(self.j_shared, TRANSITION_PART * set.budget * scale);
+        self.a_shared = min(self.a_shared, set.a_shared * scale);
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks

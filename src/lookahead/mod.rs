@@ -85,6 +85,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.blocks.is_empty()
     }
 
+    /// Throws away what it holds.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.last = None;
+    }
+
     /// Blocks handed on after each pass.
     pub fn batch(&self) -> usize {
         (self.depth / 4).max(1)
@@ -202,14 +208,5 @@ impl<const AXES: usize> Block<AXES> {
         }
         let gain = ramp.reach(speed_f32(low.to_bits()), self.length_mm());
         Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
-    }
-}
-
-impl Limits {
-    /// Leaves a transition its part of the jerk.
-    fn share(&mut self) {
-        for j in &mut self.j {
-            *j = min(*j, self.j_shared);
-        }
     }
 }

@@ -30,13 +30,21 @@ const fn newton(m: u64, y: u64) -> u64 {
     y.wrapping_add_signed(error.wrapping_mul(y as i64) >> 32)
 }
 
+/// For the upper word n of a scaled radicand: 1/√x with 30 fraction bits, and √x with 32, a few units off.
+const fn estimate(n: u64) -> (i64, u64) {
+    let y = inverse_sqrt((n >> 32) as u32) as u64;
+    // x < 1 keeps the root below 1, y's error may not.
+    let root = (n >> 32).wrapping_mul(y) >> 30;
+    (y as i64, if root > 0xffff_ffff { 0xffff_ffff } else { root })
+}
+
 /// n − s² modulo 2^128.
 const fn remainder(n: u128, s: u64) -> i128 {
     let (hi, lo) = mul_wide(s, s);
     n.wrapping_sub(((hi as u128) << 64) | lo as u128) as i128
 }
 
-/// floor(√(hi·2^64 + lo)), exact.
+/// floor(√(hi·2^64 + lo)), exact. At most 254 instructions on thumbv7em.
 pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     let n = ((hi as u128) << 64) | lo as u128;
     if n == 0 {
@@ -45,16 +53,13 @@ pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     let half_shift = (n.leading_zeros() / 2) & 63;
     let n = n << (2 * half_shift);
     let high = (n >> 64) as u64;
-    let y = inverse_sqrt((high >> 32) as u32) as u64;
-    // x·y in 62 fraction bits; x < 1 keeps the root below 1, y's error may not.
-    let product = (high >> 32).wrapping_mul(y).wrapping_add((high & 0xffff_ffff).wrapping_mul(y) >> 32);
-    let root = if product >> 62 != 0 { u64::MAX } else { product << 2 };
-    // |n − s²| < 2^100: 36 bits of its upper word, error below 2^5 units afterwards.
-    let error = (remainder(n, root) >> 68) as i64;
-    let root = root.saturating_add_signed(error.wrapping_mul(y as i64) >> 27);
+    let (y, root) = estimate(high);
+    // |x − s²| < 2^-28: 31 bits of it, error below 2^6 units of 2^-64 afterwards.
+    let error = high.wrapping_sub(root.wrapping_mul(root)) as i64 >> 5;
+    let root = (root << 32).saturating_add_signed(error.wrapping_mul(y) >> 26);
     // |n − s²| < 2^71: 31 bits suffice, one unit off at most afterwards.
     let error = (remainder(n, root) >> 40) as i64;
-    let root = root.saturating_add_signed(error.wrapping_mul(y as i64) >> 55);
+    let root = root.saturating_add_signed(error.wrapping_mul(y) >> 55);
     let error = remainder(n, root);
     let root = if error < 0 {
         root.wrapping_sub(1)
@@ -67,19 +72,17 @@ pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     root >> half_shift
 }
 
-/// floor(√x), exact.
+/// floor(√x), exact. At most 139 instructions on thumbv7em.
 pub const fn sqrt_u64(x: u64) -> u32 {
     if x == 0 {
         return 0;
     }
     let half_shift = (x.leading_zeros() / 2) & 31;
     let n = x << (2 * half_shift);
-    let y = inverse_sqrt((n >> 32) as u32) as u64;
-    let product = (n >> 32).wrapping_mul(y) >> 30;
-    let root = if product > 0xffff_ffff { 0xffff_ffff } else { product };
-    // |n − s²| < 2^37: 29 bits of it.
+    let (y, root) = estimate(n);
+    // |n − s²| < 2^37: 29 bits of it, one unit off at most afterwards.
     let error = n.wrapping_sub(root.wrapping_mul(root)) as i64 >> 8;
-    let root = root.wrapping_add_signed(error.wrapping_mul(y as i64) >> 55);
+    let root = root.wrapping_add_signed(error.wrapping_mul(y) >> 55);
     let root = if root > 0xffff_ffff { 0xffff_ffff } else { root };
     let error = n.wrapping_sub(root.wrapping_mul(root)) as i64;
     let root = if error < 0 {
@@ -92,12 +95,14 @@ pub const fn sqrt_u64(x: u64) -> u32 {
     (root >> half_shift) as u32
 }
 
-/// √x, relative error ≤ 2^-23; 0 for 0, NaN below 0.
+/// √x, relative error ≤ 9.0e-8 < 2^-23 (all mantissas measured); 0 for 0, NaN below 0.
+///
+/// Squares of whole numbers up to 4095² have exact roots. 45 instructions on thumbv7em, three of them divisions.
 ///
 /// Seed from micromath (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
 pub fn sqrt_f32(x: f32) -> f32 {
-    if x == 0.0 {
-        return 0.0;
+    if x == 0.0 || x == f32::INFINITY {
+        return x;
     }
     // The seed reads the exponent, which subnormal numbers do not have: scale by 2^48.
     let (x, scale) =
@@ -105,11 +110,14 @@ pub fn sqrt_f32(x: f32) -> f32 {
     let mut s = F32Ext::sqrt(x);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
-    s = 0.5 * (s + x / s);
+    // The difference is exact, so that only its half carries the quotient's rounding.
+    s += 0.5 * (x / s - s);
     s * scale
 }
 
-/// ³√x with the sign of x, relative error ≤ 3e-7; 0 for 0.
+/// ³√x with the sign of x, relative error ≤ 9.8e-8 (all mantissas measured); 0 for 0.
+///
+/// 65 instructions on thumbv7em, two of them divisions.
 ///
 /// Seed by a third of the exponent (4 %), two steps of Halley's iteration: 4 % → 4.3e-5 → rounding only.
 pub fn cbrt_f32(x: f32) -> f32 {
@@ -133,8 +141,8 @@ pub fn cbrt_f32(x: f32) -> f32 {
     if x < 0.0 { -root } else { root }
 }
 
-/// y + y·(a − y³) / (2·y³ + a).
+/// y + y·((a − y³) / (2·y³ + a)); in this order nothing underflows.
 fn halley(a: f32, y: f32) -> f32 {
     let cube = y * y * y;
-    y + y * (a - cube) / (2.0 * cube + a)
+    y + y * ((a - cube) / (2.0 * cube + a))
 }

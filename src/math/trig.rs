@@ -31,11 +31,11 @@ const fn table() -> [i64; POINTS + POINTS / 4] {
 const RADIANS: i64 = 0x0192_1fb5_4442_d184;
 
 /// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120, where |sin r − r + a·r³| ≤ 2^-51.5 is least.
-const CUBIC: i32 = 0x52ae_f161;
+const CUBIC: u64 = 0x52ae_f161;
 
 /// ρ²/2·2^48 and ρ⁴/12·2^48.
-const SQUARE: i32 = 0x4ef4_f327;
-const FOURTH: i32 = 2078;
+const SQUARE: u64 = 0x4ef4_f327;
+const FOURTH: u64 = 2078;
 
 /// Upper word of a product, rounded down.
 #[inline(always)]
@@ -46,13 +46,19 @@ const fn high(a: i32, b: i32) -> i32 {
 /// A number as upper and lower word, both signed: v = upper·2^32 + lower.
 #[inline(always)]
 const fn split(v: i64) -> (i32, i32) {
-    ((v.wrapping_add(1 << 31) >> 32) as i32, v as i32)
+    (((v >> 32) as i32).wrapping_add((v as u32 >> 31) as i32), v as i32)
 }
 
-/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.5.
+/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over 8·10^6
+/// random angles).
 ///
-/// Exact at the quarter turns. Mirrored angles give mirrored results within 2^-55, but for the midpoints between
-/// two table points, where they agree within the error. COUNT_SIN_COS
+/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but for the
+/// exact midpoints between two table points, where the sides differ by up to 2^-47.6.
+///
+/// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined.
+///
+/// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49 fraction bits,
+/// S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself 2^-62.
 #[inline]
 pub fn sin_cos(turns: u64) -> (i64, i64) {
     // Nearest table point, and the rest in units of ρ·2^-63.
@@ -60,21 +66,22 @@ pub fn sin_cos(turns: u64) -> (i64, i64) {
     let point = (shifted >> 54) as usize;
     let rest = ((shifted << 10) ^ (1 << 63)) as i64;
 
-    // (rest / 2^63)² with 31 fraction bits; the rounded upper word may wrap to −2^31, whose square is the same.
-    let nearest = (rest.wrapping_add(1 << 31) >> 32) as i32;
-    let square = ((nearest as i64 * nearest as i64) >> 31) as i32;
+    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles agree;
+    // it may wrap to −2^31, whose square is the same.
+    let nearest = (rest.wrapping_add(0x7fff_ffff - (rest >> 63)) >> 32) as i32;
+    let square = (nearest as i64 * nearest as i64) as u64 >> 31;
     let upper = (rest >> 32) as i32;
 
     // sin r: linear part by the full product, cubic part with 56 fraction bits.
     let (kh, kl) = split(RADIANS);
     let linear =
         (upper as i64 * kh as i64) + ((rest as u32 as u64 * kh as u64) >> 32) as i64 + high(upper, kl) as i64;
-    let cubic = high(upper, high(square, CUBIC));
+    let cubic = high(upper, ((square * CUBIC) >> 32) as i32);
     let sin_r = linear - ((cubic as i64) << 8);
 
     // cos r − 1, 64 fraction bits.
-    let curve = SQUARE - high(square, FOURTH);
-    let cos_r = -((square as i64 * curve as i64) >> 15);
+    let curve = SQUARE - ((square * FOURTH) >> 32);
+    let cos_r = -(((square * curve) >> 15) as i64);
 
     let (wh, wl) = split(sin_r);
     let (vh, vl) = split(cos_r);

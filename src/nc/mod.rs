@@ -1,7 +1,43 @@
 //! Program text to typed commands. Knows text and modal state, nothing of a machine's dynamics.
+//!
+//! ```text
+//!  Text → line ─logical lines→ interpreter ┬ flow, control   $ statements, calls, jumps
+//!                                          ├ block           words: G, axes, F, M …, and the motion they make
+//!                                          └ hash, keyword   # commands and axis[…] with their keywords
+//! ```
+//!
+//! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to 2^-32);
+//! expressions are f64 from + − × ÷ alone, the same bits everywhere.
 
+mod block;
 mod command;
+mod control;
+mod cursor;
+mod decoder;
+mod error;
+mod expression;
+mod flow;
+mod function;
+mod hash;
+mod interpreter;
+mod keyword;
+mod line;
+mod number;
+mod parameter;
+mod real;
 mod text;
 
+pub use block::COORDINATE_MAX;
 pub use command::*;
+pub use decoder::{Decoder, Step};
+use error::{Fault, Span};
+pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
+pub use expression::EXPRESSION_DEPTH;
+pub use flow::{CALL_DEPTH, NESTING, SUBROUTINES};
+pub use function::*;
+pub use interpreter::BLOCK_WORDS;
+pub use line::{CONTINUATIONS, LINE_BYTES};
+pub use parameter::PARAMETERS;
 pub use text::*;
+
+use crate::quantity::Position;

@@ -66,13 +66,23 @@ pub enum PathError {
     /// The machine has no such main axis.
     NoPlane(Plane),
     /// R is shorter than half the distance from start to end: radius and half distance, LSB 2^-32 mm.
-    RadiusTooShort { radius: i64, half: i64 },
+    RadiusTooShort {
+        /// R.
+        radius: i64,
+        /// Half the distance.
+        half: i64,
+    },
     /// R needs an end point that differs from the start.
     RadiusWithoutEnd,
     /// Start or end lies on the centre.
     NoRadius,
     /// Distances of start and end from the centre differ too much: LSB 2^-32 mm.
-    RadiusDiffers { start: i64, end: i64 },
+    RadiusDiffers {
+        /// Distance of the start.
+        start: i64,
+        /// Distance of the end.
+        end: i64,
+    },
 }
 
 impl core::fmt::Display for PathError {

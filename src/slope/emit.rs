@@ -126,16 +126,16 @@ impl Emitter {
         self.next = 0;
     }
 
-    /// Time from the end of the last block to the next tick.
-    pub fn to_next_tick(&self) -> Time {
-        Time::from_bits(self.next)
+    /// Time from the end of the block just begun to the next tick.
+    pub fn wait(&self) -> Time {
+        let time: u64 = self.parts.iter().map(|part| part.time).sum();
+        Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))
     }
 
     /// State at time `t` in the part, as coefficients in ticks.
     fn piece(&mut self, part: &Part, t: u64, ticks: u16) -> Phase {
         let delta = part.v1 - part.v0;
         if delta == 0 {
-            // Counted from the nearer end, so that what rounding left of the length lies in the middle.
             let s = part.from.wrapping_add(mul_shift(part.v0, t as i64, 50));
             return Phase {
                 distance: Distance::from_bits(s),

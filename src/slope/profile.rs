@@ -161,11 +161,6 @@ impl Profile {
             && d <= limits.a_down * A
             && [j0, j1, j2, j3].iter().zip(&limits.j).all(|(j, limit)| *j <= limit * J)
             && speed_f32(self.up.speeds[3]) <= limits.v * A;
-        #[cfg(feature = "dbg")]
-        if !inside {
-            extern crate std;
-            std::eprintln!("{self:?} {limits:?} a {a} d {d} j {:?}", [j0, j1, j2, j3]);
-        }
         if inside && self.cruise < LONGEST { Ok(self) } else { Err(Unplannable) }
     }
 }

@@ -1,0 +1,381 @@
+//! `$` statements: branches, loops, jumps.
+use super::cursor::{Cursor, Word};
+use super::expression::{expression, parameter_target};
+use super::flow::{Block, Open, Passing, hash};
+use super::interpreter::{Bounds, Interpreter, Next};
+use super::line::Line;
+use super::{Fault, NcErrorKind, NcWarningKind, Place, Span, real};
+
+/// Bit that tells names from block numbers in labels.
+const NAME: u64 = 1 << 63;
+
+/// The label at the start of a line (`N20:` or `[NAME]`), after which a `$` word may follow; steps over N too.
+pub(super) fn label_of(c: &mut Cursor<'_>) -> Option<u64> {
+    let mut label = None;
+    if c.peek_upper() == b'N' {
+        let mark = c.mark();
+        c.bump();
+        if c.peek().is_ascii_digit()
+            && let Ok(number) = c.whole("block number")
+        {
+            if c.eat(b':') {
+                label = Some(u64::from(number));
+            }
+        } else {
+            c.back_to(mark);
+            let word = c.rest_of_word();
+            c.step_over(word);
+        }
+    }
+    if c.peek() == b'[' {
+        label = Some(bracket_label(c)?);
+    }
+    label
+}
+
+/// `[NAME]`.
+fn bracket_label(c: &mut Cursor<'_>) -> Option<u64> {
+    c.bump();
+    let mark = c.mark();
+    while c.raw() != b']' && c.raw() != 0 {
+        c.bump();
+    }
+    let name = c.part(c.since(mark));
+    c.eat(b']').then(|| hash(name) | NAME)
+}
+
+/// Whether a `$` word opens, closes or divides a control block.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Opens,
+    Closes,
+    Divides,
+    Other,
+}
+
+fn role(word: &Word) -> Role {
+    match word.bytes() {
+        b"FOR" | b"WHILE" | b"DO" | b"REPEAT" | b"IF" | b"SWITCH" => Role::Opens,
+        b"ENDFOR" | b"ENDWHILE" | b"ENDDO" | b"UNTIL" | b"ENDIF" | b"ENDSWITCH" => Role::Closes,
+        b"ELSE" | b"ELSEIF" | b"CASE" | b"DEFAULT" => Role::Divides,
+        _ => Role::Other,
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// A condition: true from 0.5 on.
+    fn condition(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
+        Ok(expression(c, &self.parameters)?.real() >= 0.5)
+    }
+
+    /// Carries out a `$` statement; the cursor stands on `$`.
+    pub fn control(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
+        let mark = c.mark();
+        c.bump();
+        let word = c.letters();
+        let span = c.since(mark);
+        let place = line.place(span);
+        let fault = |kind| Fault { span, kind };
+        let open = |block| Open { block, start: bounds.start, body: bounds.next, place };
+        let mut next = Next::Line;
+        match word.bytes() {
+            b"FOR" => self.open_for(c, line, open, place)?,
+            b"WHILE" => {
+                let go = self.condition(c)?;
+                self.flow.open(open(Block::While)).map_err(fault)?;
+                if !go {
+                    self.flow.pass(Passing::Out, 0, place);
+                }
+            }
+            b"DO" => self.flow.open(open(Block::Do)).map_err(fault)?,
+            b"REPEAT" => self.flow.open(open(Block::Repeat)).map_err(fault)?,
+            b"IF" => {
+                let go = self.condition(c)?;
+                if c.peek() == b'$' {
+                    return self.if_goto(c, go, line);
+                }
+                self.flow.open(open(Block::If)).map_err(fault)?;
+                if !go {
+                    self.flow.pass(Passing::Branch, 0, place);
+                }
+            }
+            b"SWITCH" => {
+                let value = self.switch_value(c)?;
+                self.flow.open(open(Block::Switch { value })).map_err(fault)?;
+                self.flow.pass(Passing::Case, 0, place);
+            }
+            b"ELSEIF" | b"ELSE" => {
+                // A branch was carried out and has reached the next one.
+                self.innermost_is("$IF").map_err(fault)?;
+                let open_place = self.flow.innermost().map_or(place, |o| o.place);
+                self.flow.pass(Passing::Out, 0, open_place);
+                return Ok(Next::Line);
+            }
+            b"CASE" | b"DEFAULT" => {
+                // Without $BREAK the blocks of the next case follow.
+                self.innermost_is("$SWITCH").map_err(fault)?;
+                if word.is("CASE") {
+                    let _ = expression(c, &self.parameters)?;
+                }
+            }
+            b"ENDFOR" | b"ENDWHILE" | b"ENDDO" | b"UNTIL" | b"ENDIF" | b"ENDSWITCH" => {
+                next = self.close(c, &word, span)?;
+            }
+            b"BREAK" => {
+                let left = self.flow.leave_to_loop(true).ok_or(fault(NcErrorKind::NoLoop))?;
+                let open_place = self.flow.innermost().map_or(place, |o| o.place);
+                self.flow.pass(Passing::Out, left, open_place);
+            }
+            b"CONTINUE" => {
+                let left = self.flow.leave_to_loop(false).ok_or(fault(NcErrorKind::NoLoop))?;
+                next = self.next_round(Some(left)).map_err(fault)?;
+            }
+            b"GOTO" => return self.goto(c, line),
+            _ => return span.fault(NcErrorKind::UnknownDollar),
+        }
+        c.require_end("a $ statement")?;
+        Ok(next)
+    }
+
+    /// `$FOR Pn = start, end, step`.
+    fn open_for(
+        &mut self,
+        c: &mut Cursor<'_>,
+        line: &Line,
+        open: impl Fn(Block) -> Open,
+        place: Place,
+    ) -> Result<(), Fault> {
+        if c.peek_upper() != b'P' {
+            return c.here().fault(NcErrorKind::ForCounter);
+        }
+        let mark = c.mark();
+        let counter = parameter_target(c, &self.parameters)?;
+        let counter_span = c.since(mark);
+        c.require(b'=', "=")?;
+        let start = expression(c, &self.parameters)?.real();
+        c.require(b',', ", and the end value")?;
+        let end = expression(c, &self.parameters)?.real();
+        let step_mark = c.mark();
+        let step = if c.eat(b',') { expression(c, &self.parameters)?.real() } else { 1.0 };
+        let step_span = c.since(step_mark);
+        self.parameters.set(counter, start).map_err(|kind| Fault { span: counter_span, kind })?;
+        self.flow
+            .open(open(Block::For { counter, end, step }))
+            .map_err(|kind| Fault { span: counter_span, kind })?;
+        if step == 0.0 {
+            self.warn(line, step_span, NcWarningKind::EndlessFor);
+        } else if passed_end(start, end, step) {
+            self.flow.pass(Passing::Out, 0, place);
+        }
+        Ok(())
+    }
+
+    /// `$SWITCH expression` or `$SWITCH Pn = expression`.
+    fn switch_value(&mut self, c: &mut Cursor<'_>) -> Result<f64, Fault> {
+        let mark = c.mark();
+        if c.peek_upper() == b'P'
+            && let Ok(target) = parameter_target(c, &self.parameters)
+            && c.eat(b'=')
+            && c.raw() != b'='
+        {
+            let value = expression(c, &self.parameters)?.real();
+            self.parameters.set(target, value).map_err(|kind| Fault { span: c.since(mark), kind })?;
+            return Ok(value);
+        }
+        c.back_to(mark);
+        Ok(expression(c, &self.parameters)?.real())
+    }
+
+    fn innermost_is(&mut self, opening: &'static str) -> Result<(), NcErrorKind> {
+        match self.flow.innermost() {
+            Some(open) if open.block.opening() == opening => Ok(()),
+            _ => Err(NcErrorKind::Unopened { opening }),
+        }
+    }
+
+    /// A closing word, carried out.
+    fn close(&mut self, c: &mut Cursor<'_>, word: &Word, span: Span) -> Result<Next, Fault> {
+        let open = self.closed_by(word).map_err(|kind| Fault { span, kind })?;
+        let again = match open.block {
+            Block::For { .. } => return self.next_round(None).map_err(|kind| Fault { span, kind }),
+            Block::While => {
+                self.flow.blocks.pop();
+                return Ok(Next::At(open.start));
+            }
+            Block::Do => self.condition(c)?,
+            Block::Repeat => !self.condition(c)?,
+            Block::If | Block::Switch { .. } => false,
+        };
+        if again {
+            return Ok(Next::At(open.body));
+        }
+        self.flow.blocks.pop();
+        Ok(Next::Line)
+    }
+
+    /// The innermost block, if `word` is what closes it.
+    fn closed_by(&mut self, word: &Word) -> Result<Open, NcErrorKind> {
+        match self.flow.innermost() {
+            Some(open) if open.block.closing().as_bytes().get(1..) == Some(word.bytes()) => Ok(*open),
+            _ => Err(NcErrorKind::Unopened { opening: opening_of(word) }),
+        }
+    }
+
+    /// Goes on with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside of it.
+    fn next_round(&mut self, left: Option<u16>) -> Result<Next, NcErrorKind> {
+        let Some(open) = self.flow.innermost().copied() else { return Err(NcErrorKind::NoLoop) };
+        match open.block {
+            Block::For { counter, end, step } => {
+                let value = self.parameters.get(counter)? + step;
+                self.parameters.set(counter, value)?;
+                if step == 0.0 || !passed_end(value, end, step) {
+                    return Ok(Next::At(open.body));
+                }
+                match left {
+                    Some(left) => self.flow.pass(Passing::Out, left, open.place),
+                    None => {
+                        self.flow.blocks.pop();
+                    }
+                }
+                Ok(Next::Line)
+            }
+            Block::While => {
+                self.flow.blocks.pop();
+                Ok(Next::At(open.start))
+            }
+            _ => {
+                self.flow.pass(Passing::Round, left.unwrap_or(0), open.place);
+                Ok(Next::Line)
+            }
+        }
+    }
+
+    /// `$IF condition $GOTO label`.
+    fn if_goto(&mut self, c: &mut Cursor<'_>, go: bool, line: &Line) -> Result<Next, Fault> {
+        let mark = c.mark();
+        c.bump();
+        if !c.letters().is("GOTO") {
+            return c.since(mark).fault(NcErrorKind::NotAlone("$IF, or $IF with $GOTO,"));
+        }
+        let next = self.goto(c, line)?;
+        if go {
+            return Ok(next);
+        }
+        self.flow.passing = None;
+        Ok(Next::Line)
+    }
+
+    /// `$GOTO N20` or `$GOTO [NAME]`: searched from the start of the running program.
+    fn goto(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
+        let mark = c.mark();
+        let label = match c.peek_upper() {
+            b'N' => {
+                c.bump();
+                let value = expression(c, &self.parameters)?.whole().and_then(|n| u32::try_from(n).ok());
+                value.map(u64::from)
+            }
+            b'[' => bracket_label(c),
+            _ => None,
+        };
+        let Some(label) = label else { return c.expected("N and a block number, or [NAME]") };
+        let place = line.place(c.since(mark));
+        c.require_end("a $ statement")?;
+        self.flow.pass(Passing::Label(label), 0, place);
+        Ok(Next::At(self.flow.program))
+    }
+
+    /// A `$` word in text that is passed over; true if its line is to be carried out after all.
+    pub fn pass_control(&mut self, c: &mut Cursor<'_>, start: usize, bounds: Bounds) -> Result<bool, Fault> {
+        let mark = c.mark();
+        c.bump();
+        let word = c.letters();
+        let span = c.since(mark);
+        let fault = |kind| Fault { span, kind };
+        // `$IF … $GOTO …` opens nothing.
+        let role = if word.is("IF") && c.has_ahead(b'$') { Role::Other } else { role(&word) };
+        let Some(passing) = self.flow.passing else { return Ok(true) };
+        if let Passing::Label(_) = passing {
+            match role {
+                Role::Opens => {
+                    self.flow
+                        .passed
+                        .push(bounds.start.offset)
+                        .map_err(|_| fault(NcErrorKind::NestingTooDeep))?;
+                }
+                Role::Closes => {
+                    self.flow.passed.pop();
+                }
+                _ => {}
+            }
+            return Ok(false);
+        }
+        match role {
+            Role::Opens => self.flow.depth = self.flow.depth.saturating_add(1),
+            Role::Closes if self.flow.depth > 0 => self.flow.depth -= 1,
+            Role::Closes => {
+                self.closed_by(&word).map_err(fault)?;
+                self.flow.passing = None;
+                if passing == Passing::Round {
+                    c.back_to(start);
+                    return Ok(true);
+                }
+                self.flow.blocks.pop();
+            }
+            Role::Divides if self.flow.depth == 0 => {
+                if self.enters(c, passing, &word)? {
+                    self.flow.passing = None;
+                    c.require_end("a $ statement")?;
+                }
+            }
+            _ => {}
+        }
+        Ok(false)
+    }
+
+    /// Whether a branch or case is the one to carry out.
+    fn enters(&mut self, c: &mut Cursor<'_>, passing: Passing, word: &Word) -> Result<bool, Fault> {
+        match (passing, word.bytes()) {
+            (Passing::Branch, b"ELSE") | (Passing::Case, b"DEFAULT") => Ok(true),
+            (Passing::Branch, b"ELSEIF") => self.condition(c),
+            (Passing::Case, b"CASE") => {
+                let case = expression(c, &self.parameters)?.real();
+                let block = self.flow.innermost().map(|open| open.block);
+                let Some(Block::Switch { value }) = block else { return Ok(false) };
+                // Equal up to 0.001, as ISG compares.
+                Ok(real::abs(value - case) < 0.001)
+            }
+            _ => Ok(false),
+        }
+    }
+
+    /// The label searched for stands in this line: blocks it lies outside of are left.
+    pub fn arrive(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
+        let base = self.flow.base();
+        let open = self.flow.blocks.iter().skip(base);
+        let inside = self.flow.passed.len() > self.flow.blocks.len().saturating_sub(base)
+            || open.zip(&self.flow.passed).any(|(block, offset)| block.start.offset != *offset);
+        if inside {
+            return c.here().fault(NcErrorKind::NotAvailable("jump into a control block, to"));
+        }
+        self.flow.blocks.truncate(base + self.flow.passed.len());
+        self.flow.passing = None;
+        Ok(true)
+    }
+}
+
+/// Whether a loop counter is beyond its end.
+fn passed_end(value: f64, end: f64, step: f64) -> bool {
+    if step > 0.0 { value > end } else { value < end }
+}
+
+/// The word that opens what `closing` closes.
+fn opening_of(closing: &Word) -> &'static str {
+    match closing.bytes() {
+        b"ENDFOR" => "$FOR",
+        b"ENDWHILE" => "$WHILE",
+        b"ENDDO" => "$DO",
+        b"UNTIL" => "$REPEAT",
+        b"ENDIF" => "$IF",
+        _ => "$SWITCH",
+    }
+}

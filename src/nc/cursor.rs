@@ -1,0 +1,262 @@
+//! Reading one logical line from left to right; blanks between words do not count.
+use super::number::Number;
+use super::{Fault, NcErrorKind, Span};
+
+/// Letters of a word, upper case.
+#[derive(Clone, Copy)]
+pub(super) struct Word {
+    letters: [u8; 24],
+    len: u8,
+}
+
+impl Word {
+    pub fn bytes(&self) -> &[u8] {
+        self.letters.get(..usize::from(self.len)).unwrap_or(&[])
+    }
+
+    /// Whether it is the given upper-case word.
+    pub fn is(&self, word: &str) -> bool {
+        self.bytes() == word.as_bytes()
+    }
+
+    fn push(&mut self, byte: u8) {
+        if let Some(slot) = self.letters.get_mut(usize::from(self.len)) {
+            *slot = byte.to_ascii_uppercase();
+            self.len += 1;
+        }
+    }
+}
+
+/// A place in a logical line.
+#[derive(Clone, Copy)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    pub const fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    /// The byte at the cursor, blanks included; 0 at the end.
+    pub fn raw(&self) -> u8 {
+        self.bytes.get(self.at).copied().unwrap_or(0)
+    }
+
+    pub fn bump(&mut self) {
+        if self.at < self.bytes.len() {
+            self.at += 1;
+        }
+    }
+
+    fn skip_blanks(&mut self) {
+        while self.raw() == b' ' {
+            self.at += 1;
+        }
+    }
+
+    /// The next byte that is no blank; 0 at the end.
+    pub fn peek(&mut self) -> u8 {
+        self.skip_blanks();
+        self.raw()
+    }
+
+    /// The letter in upper case, or the byte, after skipping blanks.
+    pub fn peek_upper(&mut self) -> u8 {
+        self.peek().to_ascii_uppercase()
+    }
+
+    /// Steps over `byte` if it is next.
+    pub fn eat(&mut self, byte: u8) -> bool {
+        let hit = self.peek() == byte;
+        if hit {
+            self.at += 1;
+        }
+        hit
+    }
+
+    pub fn at_end(&mut self) -> bool {
+        self.peek() == 0
+    }
+
+    /// Index of the next byte that is no blank.
+    pub fn mark(&mut self) -> usize {
+        self.skip_blanks();
+        self.at
+    }
+
+    /// Goes back to a mark.
+    pub fn back_to(&mut self, mark: usize) {
+        self.at = mark;
+    }
+
+    /// From `mark` to here, without blanks at the end.
+    pub fn since(&self, mark: usize) -> Span {
+        let mut end = self.at;
+        while end > mark && self.bytes.get(end - 1) == Some(&b' ') {
+            end -= 1;
+        }
+        Span { at: mark as u16, len: (end - mark) as u16 }
+    }
+
+    /// The word at the cursor: letters and digits, or one byte; empty at the end.
+    pub fn here(&mut self) -> Span {
+        let mark = self.mark();
+        let mut end = mark;
+        while self.bytes.get(end).is_some_and(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'.')) {
+            end += 1;
+        }
+        if end == mark && mark < self.bytes.len() {
+            end += 1;
+        }
+        Span { at: mark as u16, len: (end - mark) as u16 }
+    }
+
+    /// The word at the cursor with the sign or bracket in front, to the next blank.
+    pub fn rest_of_word(&mut self) -> Span {
+        let mark = self.mark();
+        let mut end = mark;
+        while self.bytes.get(end).is_some_and(|b| *b != b' ') {
+            end += 1;
+        }
+        Span { at: mark as u16, len: (end - mark) as u16 }
+    }
+
+    /// Refuses what is at the cursor.
+    pub fn expected<V>(&mut self, what: &'static str) -> Result<V, Fault> {
+        self.here().fault(NcErrorKind::Expected(what))
+    }
+
+    /// Steps over `byte` or refuses.
+    pub fn require(&mut self, byte: u8, what: &'static str) -> Result<(), Fault> {
+        if self.eat(byte) { Ok(()) } else { self.expected(what) }
+    }
+
+    /// Refuses anything but the end of the line.
+    pub fn require_end(&mut self, statement: &'static str) -> Result<(), Fault> {
+        if self.at_end() { Ok(()) } else { self.here().fault(NcErrorKind::NotAlone(statement)) }
+    }
+
+    /// Letters only (functions, operators, `$` words).
+    pub fn letters(&mut self) -> Word {
+        self.skip_blanks();
+        let mut word = Word { letters: [0; 24], len: 0 };
+        while self.raw().is_ascii_alphabetic() {
+            word.push(self.raw());
+            self.at += 1;
+        }
+        word
+    }
+
+    /// Letters, digits and underscores, at most `limit`.
+    pub fn identifier(&mut self, limit: usize) -> Word {
+        self.skip_blanks();
+        let mut word = Word { letters: [0; 24], len: 0 };
+        let mut count = 0;
+        while count < limit && (self.raw().is_ascii_alphanumeric() || self.raw() == b'_') {
+            word.push(self.raw());
+            self.at += 1;
+            count += 1;
+        }
+        word
+    }
+
+    /// Steps over `words` (upper case, blanks of no account) if they stand here and no word goes on.
+    pub fn eat_words(&mut self, words: &str) -> bool {
+        let mark = self.mark();
+        for expected in words.bytes() {
+            if expected == b' ' {
+                self.skip_blanks();
+                continue;
+            }
+            if self.raw().to_ascii_uppercase() != expected {
+                self.at = mark;
+                return false;
+            }
+            self.at += 1;
+        }
+        if self.raw().is_ascii_alphanumeric() || self.raw() == b'_' {
+            self.at = mark;
+            return false;
+        }
+        true
+    }
+
+    /// Digits as a whole number.
+    pub fn whole(&mut self, what: &'static str) -> Result<u32, Fault> {
+        let mark = self.mark();
+        let mut value = 0_u32;
+        let mut fits = true;
+        while self.raw().is_ascii_digit() {
+            let digit = u32::from(self.raw() - b'0');
+            match value.checked_mul(10).and_then(|v| v.checked_add(digit)) {
+                Some(v) => value = v,
+                None => fits = false,
+            }
+            self.at += 1;
+        }
+        let span = self.since(mark);
+        if span.len == 0 {
+            return self.expected(what);
+        }
+        if !fits {
+            return span.fault(NcErrorKind::Range { what, min: 0, max: i64::from(u32::MAX), unit: "", above: false });
+        }
+        Ok(value)
+    }
+
+    /// An unsigned decimal literal. Decimals beyond the 19th significant digit are cut.
+    pub fn decimal(&mut self) -> Result<Number, Fault> {
+        let mark = self.mark();
+        let (mut mantissa, mut scale, mut point, mut digits, mut full) = (0_u64, 0_u8, false, false, false);
+        loop {
+            let byte = self.raw();
+            if byte == b'.' && !point {
+                point = true;
+            } else if byte.is_ascii_digit() {
+                digits = true;
+                let next = mantissa.checked_mul(10).and_then(|m| m.checked_add(u64::from(byte - b'0')));
+                match next {
+                    Some(m) if scale < 19 && !full => {
+                        mantissa = m;
+                        scale += u8::from(point);
+                    }
+                    _ if point => full = true,
+                    _ => {
+                        while self.raw().is_ascii_digit() {
+                            self.at += 1;
+                        }
+                        return self.since(mark).fault(NcErrorKind::Overflow);
+                    }
+                }
+            } else {
+                break;
+            }
+            self.at += 1;
+        }
+        if !digits {
+            self.at = mark;
+            return self.expected("a number");
+        }
+        Ok(Number::Decimal { negative: false, mantissa, scale })
+    }
+}
+
+impl<'a> Cursor<'a> {
+    /// The bytes of a part of the line.
+    pub fn part(&self, span: Span) -> &'a [u8] {
+        let from = usize::from(span.at);
+        self.bytes.get(from..from + usize::from(span.len)).unwrap_or(&[])
+    }
+
+    /// Whether `byte` comes later in the line.
+    pub fn has_ahead(&self, byte: u8) -> bool {
+        self.bytes.get(self.at..).unwrap_or(&[]).contains(&byte)
+    }
+
+    /// Goes to the end of a part of the line.
+    pub fn step_over(&mut self, span: Span) {
+        self.at = usize::from(span.at) + usize::from(span.len);
+    }
+}

@@ -1,0 +1,155 @@
+//! The decoder: lines from the text into the interpreter, commands out, a bounded piece of work per call.
+use super::block::{Item, ItemKind};
+use super::error::{NcError, NcErrorKind, NcWarning};
+use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
+use super::line::{Fill, Line, LineReader};
+use super::*;
+
+/// What one call of [`Decoder::step`] achieved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step<const AXES: usize> {
+    /// A bounded piece of work is done and there is more: call again.
+    Working,
+    /// A command, in program order.
+    Command(Command<AXES>),
+    /// A remark; the program goes on.
+    Warning(NcWarning),
+    /// The program has ended (M02, M30 or end of text), or was refused before.
+    End,
+}
+
+/// Turns program text into commands. All memory is inside and fixed.
+pub struct Decoder<T: Text, const AXES: usize> {
+    reader: LineReader<T>,
+    line: Line,
+    interpreter: Interpreter<AXES>,
+}
+
+impl<T: Text, const AXES: usize> Decoder<T, AXES> {
+    /// A decoder at the start of `text`.
+    pub fn new(setup: Setup<AXES>, text: T) -> Self {
+        Self { reader: LineReader::new(text), line: Line::new(), interpreter: Interpreter::new(setup) }
+    }
+
+    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text.
+    ///
+    /// # Errors
+    /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
+    pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
+        if let Some(warning) = self.interpreter.warnings.pop() {
+            return Ok(Step::Warning(warning));
+        }
+        if let Some(command) = self.interpreter.single.take() {
+            return Ok(Step::Command(command));
+        }
+        if let Some(item) = self.interpreter.queue.pop_front() {
+            return Ok(self.command_of(item).map_or(Step::Working, Step::Command));
+        }
+        if self.interpreter.phase == Phase::Ended {
+            return Ok(Step::End);
+        }
+        let result = self.work();
+        if result.is_err() {
+            self.interpreter.phase = Phase::Ended;
+            self.interpreter.queue.clear();
+            self.interpreter.single = None;
+            self.interpreter.warnings.clear();
+        }
+        result.map(|()| Step::Working)
+    }
+
+    /// Where the axes stand after the last command, machine coordinates.
+    pub fn position(&self) -> [Position; AXES] {
+        self.interpreter.position
+    }
+
+    /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched back).
+    pub fn set_position(&mut self, axis: usize, position: Position) {
+        if let Some(slot) = self.interpreter.position.get_mut(axis) {
+            *slot = position;
+        }
+    }
+
+    /// Reads a slice of text and interprets the line when it is complete.
+    fn work(&mut self) -> Result<(), NcError> {
+        let next = match self.reader.fill(&mut self.line)? {
+            Fill::Partial => return Ok(()),
+            Fill::Line => {
+                let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
+                self.interpreter.line(&self.line, bounds)
+            }
+            Fill::End => match self.interpreter.phase {
+                Phase::Running => self.interpreter.end_of_program(),
+                Phase::Heads => Err(Refusal::At(self.here(), NcErrorKind::NoMainProgram)),
+                Phase::Start | Phase::Ended => {
+                    self.interpreter.phase = Phase::Ended;
+                    Ok(Next::Line)
+                }
+            },
+        };
+        match next {
+            Ok(Next::Line) => Ok(()),
+            Ok(Next::At(mark)) => {
+                self.reader.seek(mark);
+                Ok(())
+            }
+            Err(refusal) => Err(self.error(refusal)),
+        }
+    }
+
+    fn here(&self) -> Place {
+        let mark = self.reader.next_start();
+        Place { line: mark.line, column: 1, length: 0, offset: mark.offset }
+    }
+
+    /// Adds place and text to a refusal.
+    fn error(&mut self, refusal: Refusal) -> NcError {
+        let mut error = match refusal {
+            Refusal::Here(fault) => self.line.error(fault.span, fault.kind),
+            Refusal::At(place, kind) => self.reader.error_at(place, kind),
+        };
+        if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis) {
+            for (i, name) in self.interpreter.setup.names.iter().enumerate() {
+                // A list cut short still helps.
+                let _ = error.axes.push_str(if i > 0 { ", " } else { "" });
+                let _ = error.axes.push_str(name.as_str());
+            }
+        }
+        error
+    }
+
+    /// The command of a queued item of the line at hand.
+    fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
+        let i = &mut self.interpreter;
+        let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
+        let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
+        Some(match item.kind {
+            ItemKind::Motion => Command::Motion(i.motion.take()?),
+            ItemKind::Dwell(time) => Command::Dwell(head, time),
+            ItemKind::M(code) => Command::M(head, code),
+            ItemKind::H(code) => Command::H(head, code),
+            ItemKind::Spindle(speed) => Command::Spindle(head, speed),
+            ItemKind::Tool(number) => Command::Tool(head, number),
+            ItemKind::ToolOffset(number) => Command::ToolOffset(head, number),
+            ItemKind::EndFeed => Command::EndFeed(head),
+            ItemKind::ProgramEnd(code) => Command::ProgramEnd(head, code),
+            ItemKind::WeightAll(kind, percent) => {
+                Command::Weight(head, Weight { kind, percent: [Some(percent); AXES] })
+            }
+            ItemKind::WeightAxes(kind) => Command::Weight(head, Weight { kind, percent: i.values }),
+            ItemKind::Switch(number) => match number {
+                60 => Command::ExactStop(head, ExactStop::Block),
+                360 => Command::ExactStop(head, ExactStop::On),
+                359 => Command::ExactStop(head, ExactStop::Off),
+                61 => contour(ContourSwitch::Block),
+                261 => contour(ContourSwitch::On),
+                260 => contour(ContourSwitch::Off),
+                93 => Command::FeedMode(head, FeedMode::Time),
+                95 => Command::FeedMode(head, FeedMode::PerRevolution),
+                194 => Command::FeedMode(head, FeedMode::Percent),
+                151 => Command::Spline(head, Spline::On),
+                _ => Command::Spline(head, Spline::Off),
+            },
+        })
+    }
+}

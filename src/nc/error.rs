@@ -1,0 +1,328 @@
+//! Why a program was refused, or accepted with a remark.
+use super::Place;
+use core::fmt;
+use heapless::String;
+
+/// A refusal: what was found where, and what was expected. The decoder stops at the first one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NcError {
+    /// The word meant.
+    pub place: Place,
+    /// What is wrong with it.
+    pub kind: NcErrorKind,
+    /// The word itself, cut to 24 bytes.
+    pub found: String<24>,
+    /// Axes of this machine where that explains the refusal, `X, Y, Z`.
+    pub axes: String<48>,
+}
+
+/// Kinds of refusal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NcErrorKind {
+    /// The text source failed.
+    Unreadable,
+    /// A control byte, NUL for example.
+    ControlByte(u8),
+    /// A byte above 127 outside of a comment.
+    ForeignByte(u8),
+    /// Logical line longer than [`super::LINE_BYTES`].
+    LineTooLong,
+    /// More continuation lines than a place can be kept for.
+    TooManyContinuations,
+    /// Syntax: what was expected instead.
+    Expected(&'static str),
+    /// Part of the language, but not of this version.
+    NotAvailable(&'static str),
+    /// A usual axis name that this machine does not have.
+    AxisNotHere,
+    /// A letter that is no address.
+    UnknownWord,
+    /// G number outside of the language.
+    UnknownG,
+    /// M, H, T, D or S number.
+    UnknownHash,
+    /// `$` statement outside of the language.
+    UnknownDollar,
+    /// Keyword that the command does not have.
+    UnknownKeyword {
+        /// Command.
+        command: &'static str,
+        /// Its keywords.
+        expected: &'static str,
+    },
+    /// Keyword that does not go with the method or switch of the same command.
+    KeywordMismatch {
+        /// What it was combined with.
+        with: &'static str,
+    },
+    /// Function name outside of the language.
+    UnknownFunction,
+    /// Number outside its range.
+    Range {
+        /// Quantity.
+        what: &'static str,
+        /// Least value.
+        min: i64,
+        /// Largest value.
+        max: i64,
+        /// Unit.
+        unit: &'static str,
+        /// The least value itself is refused.
+        above: bool,
+    },
+    /// A whole number was expected.
+    NotWhole(&'static str),
+    /// 20013: the same thing twice in a block.
+    Twice(&'static str),
+    /// Two words that exclude each other.
+    Conflict(&'static str),
+    /// G01, G02 or G03 without F so far.
+    NoFeed,
+    /// 20003: G60 without motion.
+    ExactStopAlone,
+    /// I, J, K or R missing.
+    ArcUndefined,
+    /// 21024: I, J, K and R.
+    ArcTwice,
+    /// 20034: full circle by R.
+    FullCircleByRadius,
+    /// I, J or K outside of the plane.
+    OutsidePlane,
+    /// I, J, K or R without G02/G03.
+    ArcWordAlone,
+    /// A main axis that the machine does not have.
+    NoMainAxis,
+    /// Division by zero in an expression.
+    DivisionByZero,
+    /// Argument outside the domain of a function.
+    Domain(&'static str),
+    /// Result of an expression is beyond all numbers.
+    Overflow,
+    /// Expression deeper than [`super::EXPRESSION_DEPTH`].
+    ExpressionTooDeep,
+    /// 20400: parameter index not above 0.
+    ParameterIndex,
+    /// Parameter read before it was written.
+    ParameterUnset(u32),
+    /// More parameters than [`super::PARAMETERS`].
+    TooManyParameters,
+    /// 20227: counter of $FOR is no parameter.
+    ForCounter,
+    /// Closing word without its opening word (20232 for $ENDFOR).
+    Unopened {
+        /// Opening word.
+        opening: &'static str,
+    },
+    /// Opening word without its closing word; the place is the opening word.
+    Unclosed {
+        /// Closing word.
+        closing: &'static str,
+    },
+    /// Control blocks nested deeper than [`super::NESTING`].
+    NestingTooDeep,
+    /// Subroutines nested deeper than [`super::CALL_DEPTH`].
+    CallTooDeep,
+    /// $BREAK or $CONTINUE outside of a loop.
+    NoLoop,
+    /// Label of $GOTO not found in this program.
+    NoLabel,
+    /// No program head but those of local subroutines.
+    NoMainProgram,
+    /// LL of a name that no %L declares.
+    NoSubroutine,
+    /// Name declared twice.
+    SubroutineTwice,
+    /// More local subroutines than [`super::SUBROUTINES`].
+    TooManySubroutines,
+    /// Name longer than 83 characters.
+    NameTooLong,
+    /// Words in a block that must stand alone.
+    NotAlone(&'static str),
+    /// More M and H words, or G words, than a block holds.
+    BlockTooFull,
+    /// 50593: oscillation without FEED, FREQ or TIME.
+    OscillationSpeed,
+    /// 22277: modulo axis positions outside 0…360°.
+    OscillationModulo,
+    /// A word is missing.
+    Missing(&'static str),
+}
+
+impl NcErrorKind {
+    /// ISG's number of this message, 0 where none is known.
+    pub const fn id(&self) -> u32 {
+        match self {
+            Self::Twice(_) => 20013,
+            Self::ExactStopAlone => 20003,
+            Self::FullCircleByRadius => 20034,
+            Self::ArcTwice => 21024,
+            Self::ForCounter => 20227,
+            Self::Unopened { opening } if matches!(opening.as_bytes(), b"$FOR") => 20232,
+            Self::Unopened { opening } if matches!(opening.as_bytes(), b"$SWITCH") => 20225,
+            Self::ParameterIndex => 20400,
+            Self::OscillationSpeed => 50593,
+            Self::OscillationModulo => 22277,
+            _ => 0,
+        }
+    }
+}
+
+impl fmt::Display for NcError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use NcErrorKind as K;
+        let found = self.found.as_str();
+        match self.kind {
+            K::Unreadable => write!(f, "the program text could not be read"),
+            K::ControlByte(byte) => write!(f, "byte {byte:#04x} in the program: expected text"),
+            K::ForeignByte(byte) => {
+                write!(f, "byte {byte:#04x} outside of a comment: expected ASCII text")
+            }
+            K::LineTooLong => {
+                write!(f, "line too long: expected at most {} bytes", super::LINE_BYTES)
+            }
+            K::TooManyContinuations => {
+                write!(f, "too many continuation lines: expected at most {}", super::CONTINUATIONS)
+            }
+            K::Expected(what) if found.is_empty() => write!(f, "end of line: expected {what}"),
+            K::Expected(what) => write!(f, "unexpected \"{found}\": expected {what}"),
+            K::NotAvailable(what) => {
+                write!(f, "{what} \"{found}\" is known, not available in this version")
+            }
+            K::AxisNotHere => {
+                write!(f, "axis {found} is known, not available on this machine (axes {})", self.axes)
+            }
+            K::UnknownWord => write!(f, "unknown word \"{found}\": expected an address or an axis ({})", self.axes),
+            K::UnknownG => write!(f, "unknown G word \"{found}\": expected a G word of the language"),
+            K::UnknownHash => write!(f, "unknown command \"{found}\": expected a # command of the language"),
+            K::UnknownDollar => write!(f, "unknown statement \"{found}\": expected a $ statement of the language"),
+            K::UnknownKeyword { command, expected } => {
+                write!(f, "unknown keyword \"{found}\" in {command}: expected {expected}")
+            }
+            K::KeywordMismatch { with } => write!(f, "keyword \"{found}\" does not go with {with}"),
+            K::UnknownFunction => write!(f, "unknown function \"{found}\": expected SIN, COS, TAN, SQRT …"),
+            K::Range { what, min, max, unit, above } => {
+                let from = if above { "above " } else { "" };
+                write!(f, "{what} out of range, \"{found}\": expected {from}{min} to {max}")?;
+                if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+            }
+            K::NotWhole(what) => write!(f, "\"{found}\" has a fraction: expected a whole number for {what}"),
+            K::Twice(what) => write!(f, "\"{found}\" gives {what} twice in this block"),
+            K::Conflict(with) => write!(f, "\"{found}\" cannot stand in one block with {with}"),
+            K::NoFeed => write!(f, "motion without feed: expected F before G01, G02 or G03"),
+            K::ExactStopAlone => write!(f, "G60 without motion: expected axis positions in its block"),
+            K::ArcUndefined => write!(f, "arc without centre or radius: expected I, J, K or R"),
+            K::ArcTwice => write!(f, "arc by centre and radius: expected either I, J, K or R"),
+            K::FullCircleByRadius => write!(f, "full circle by radius: expected I, J, K"),
+            K::OutsidePlane => write!(f, "\"{found}\" is outside of the plane: expected {}", "the plane's I, J, K"),
+            K::ArcWordAlone => write!(f, "\"{found}\" without arc: expected G02 or G03"),
+            K::NoMainAxis => {
+                write!(f, "\"{found}\" needs a main axis this machine lacks (axes {})", self.axes)
+            }
+            K::DivisionByZero => write!(f, "division by zero in \"{found}\""),
+            K::Domain(function) => write!(f, "argument outside the domain of {function} in \"{found}\""),
+            K::Overflow => write!(f, "result too large in \"{found}\""),
+            K::ExpressionTooDeep => {
+                write!(f, "expression too deep: expected at most {} open terms", super::EXPRESSION_DEPTH)
+            }
+            K::ParameterIndex => write!(f, "parameter index in \"{found}\": expected a whole number above 0"),
+            K::ParameterUnset(index) => write!(f, "parameter P{index} has no value yet"),
+            K::TooManyParameters => {
+                write!(f, "too many parameters: expected at most {}", super::PARAMETERS)
+            }
+            K::ForCounter => write!(f, "counter \"{found}\" of $FOR: expected a P parameter"),
+            K::Unopened { opening } => write!(f, "\"{found}\" without {opening}"),
+            K::Unclosed { closing } => write!(f, "\"{found}\" without {closing}"),
+            K::NestingTooDeep => write!(f, "control blocks too deep: expected at most {}", super::NESTING),
+            K::CallTooDeep => write!(f, "subroutine calls too deep: expected at most {}", super::CALL_DEPTH),
+            K::NoLoop => write!(f, "\"{found}\" outside of a loop"),
+            K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
+            K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
+            K::NoSubroutine => write!(f, "subroutine \"{found}\" is not in this file: expected %L {found}"),
+            K::SubroutineTwice => write!(f, "subroutine \"{found}\" is declared twice"),
+            K::TooManySubroutines => {
+                write!(f, "too many local subroutines: expected at most {}", super::SUBROUTINES)
+            }
+            K::NameTooLong => write!(f, "name too long: expected at most 83 characters"),
+            K::NotAlone(what) => write!(f, "unexpected \"{found}\": expected {what} alone in its block"),
+            K::BlockTooFull => write!(f, "too many words in a block: expected at most {}", super::BLOCK_WORDS),
+            K::OscillationSpeed => write!(f, "oscillation speed not defined: expected FEED, FREQ or TIME"),
+            K::OscillationModulo => write!(f, "position \"{found}\" of a modulo axis: expected 0 to 360 deg"),
+            K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),
+        }
+    }
+}
+
+impl core::error::Error for NcError {}
+
+/// A remark; the program goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NcWarning {
+    /// The word meant.
+    pub place: Place,
+    /// What it is about.
+    pub kind: NcWarningKind,
+}
+
+/// Kinds of remark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NcWarningKind {
+    /// 20685: another axis beside the time of G04; it is ignored.
+    DwellExtraAxis,
+    /// $FOR with step 0 never ends.
+    EndlessFor,
+    /// M02 or M30 inside a subroutine ends the whole program.
+    EndInSubroutine,
+    /// A keyword below its least value was raised (RELEVANT_PATH to 32 µm).
+    Raised,
+    /// LOG OFF carries PARAM, or a similar addition that older programs have.
+    Ignored,
+}
+
+impl NcWarning {
+    /// ISG's number of this message, 0 where none is known.
+    pub const fn id(&self) -> u32 {
+        match self.kind {
+            NcWarningKind::DwellExtraAxis => 20685,
+            _ => 0,
+        }
+    }
+}
+
+impl fmt::Display for NcWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.kind {
+            NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
+            NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
+            NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
+            NcWarningKind::Raised => "value below the least one: it is raised",
+            NcWarningKind::Ignored => "ignored here",
+        })
+    }
+}
+
+impl core::error::Error for NcWarning {}
+
+/// Where in the logical line: byte and length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Span {
+    pub at: u16,
+    pub len: u16,
+}
+
+/// A refusal inside the line at hand; the decoder adds place and text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fault {
+    pub span: Span,
+    pub kind: NcErrorKind,
+}
+
+impl Span {
+    /// A fault with this span.
+    pub fn fault<V>(self, kind: NcErrorKind) -> Result<V, Fault> {
+        Err(Fault { span: self, kind })
+    }
+}

@@ -1,0 +1,499 @@
+//! Arithmetic expressions without recursion: two fixed stacks, operators by priority.
+//!
+//! `**`, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, AND, OR/XOR; square brackets group.
+//! A condition is true from 0.5 on. `P` binds to the index that follows it: `P5`, `PP5`, `P[P1+5]`.
+use super::cursor::Cursor;
+use super::number::Number;
+use super::parameter::{Parameters, index};
+use super::{Fault, NcErrorKind, real};
+use heapless::Vec;
+
+/// Operators (and operands) that may wait at the same time.
+pub const EXPRESSION_DEPTH: usize = 24;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Function {
+    Abs,
+    Sqr,
+    Sqrt,
+    Exp,
+    Ln,
+    Dexp,
+    Dlog,
+    Sin,
+    Cos,
+    Tan,
+    Cot,
+    Asin,
+    Acos,
+    Atan,
+    Acot,
+    Atan2,
+    Int,
+    Fract,
+    Round,
+    Fup,
+    Sign,
+    Min,
+    Max,
+}
+
+const FUNCTIONS: [(&str, Function); 23] = [
+    ("ABS", Function::Abs),
+    ("SQR", Function::Sqr),
+    ("SQRT", Function::Sqrt),
+    ("EXP", Function::Exp),
+    ("LN", Function::Ln),
+    ("DEXP", Function::Dexp),
+    ("DLOG", Function::Dlog),
+    ("SIN", Function::Sin),
+    ("COS", Function::Cos),
+    ("TAN", Function::Tan),
+    ("COT", Function::Cot),
+    ("ASIN", Function::Asin),
+    ("ACOS", Function::Acos),
+    ("ATAN", Function::Atan),
+    ("ACOT", Function::Acot),
+    ("ATAN2", Function::Atan2),
+    ("INT", Function::Int),
+    ("FRACT", Function::Fract),
+    ("ROUND", Function::Round),
+    ("FUP", Function::Fup),
+    ("SIGN", Function::Sign),
+    ("MIN", Function::Min),
+    ("MAX", Function::Max),
+];
+
+impl Function {
+    const fn name(self) -> &'static str {
+        let mut i = 0;
+        while i < FUNCTIONS.len() {
+            let (name, function) = FUNCTIONS[i];
+            if function as u8 == self as u8 {
+                return name;
+            }
+            i += 1;
+        }
+        ""
+    }
+
+    const fn arguments(self) -> u8 {
+        match self {
+            Self::Atan2 | Self::Min | Self::Max => 2,
+            _ => 1,
+        }
+    }
+
+    fn apply(self, x: f64, y: f64) -> Result<f64, NcErrorKind> {
+        let domain = NcErrorKind::Domain(self.name());
+        let value = match self {
+            Self::Abs => Some(real::abs(x)),
+            Self::Sqr => Some(x * x),
+            Self::Sqrt => (x >= 0.0).then(|| real::sqrt(x)),
+            Self::Exp => Some(real::exp(x)),
+            Self::Ln => real::ln(x),
+            Self::Dexp => real::power(10.0, x),
+            Self::Dlog => real::ln(x).map(|l| l / core::f64::consts::LN_10),
+            Self::Sin => real::sin_cos(x).map(|(s, _)| s),
+            Self::Cos => real::sin_cos(x).map(|(_, c)| c),
+            Self::Tan => real::tan(x),
+            Self::Cot => real::sin_cos(x).and_then(|(s, c)| (s != 0.0).then(|| c / s)),
+            Self::Asin => real::asin(x),
+            Self::Acos => real::acos(x),
+            Self::Atan => Some(real::atan(x)),
+            Self::Acot => Some(90.0 - real::atan(x)),
+            Self::Atan2 => Some(real::atan2(x, y)),
+            Self::Int => Some(real::trunc(x)),
+            Self::Fract => Some(x - real::trunc(x)),
+            Self::Round => Some(real::round(x)),
+            Self::Fup => Some(real::ceil(x)),
+            Self::Sign => Some(f64::from(i8::from(x > 0.0) - i8::from(x < 0.0))),
+            Self::Min => Some(if x < y { x } else { y }),
+            Self::Max => Some(if x > y { x } else { y }),
+        };
+        value.ok_or(domain)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Op {
+    Or,
+    Xor,
+    And,
+    Equal,
+    Unequal,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Modulo,
+    Negate,
+    Not,
+    Power,
+    /// P: turns the index on the value stack into the parameter's value.
+    Parameter,
+    Call(Function),
+    /// `[`, with the count of commas behind it.
+    Open(u8),
+}
+
+impl Op {
+    const fn priority(self) -> u8 {
+        match self {
+            Self::Open(_) | Self::Call(_) => 0,
+            Self::Or | Self::Xor => 1,
+            Self::And => 2,
+            Self::Equal | Self::Unequal | Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual => 3,
+            Self::Add | Self::Subtract => 4,
+            Self::Multiply | Self::Divide | Self::Modulo => 5,
+            Self::Negate | Self::Not => 6,
+            Self::Power => 7,
+            Self::Parameter => 8,
+        }
+    }
+}
+
+struct Evaluation<'p> {
+    parameters: &'p Parameters,
+    values: Vec<f64, EXPRESSION_DEPTH>,
+    ops: Vec<Op, EXPRESSION_DEPTH>,
+}
+
+type Step<V> = Result<V, NcErrorKind>;
+
+impl Evaluation<'_> {
+    fn push(&mut self, value: f64) -> Step<()> {
+        self.values.push(value).map_err(|_| NcErrorKind::ExpressionTooDeep)
+    }
+
+    fn wait(&mut self, op: Op) -> Step<()> {
+        self.ops.push(op).map_err(|_| NcErrorKind::ExpressionTooDeep)
+    }
+
+    /// Takes the value on top; the parser never pushes an operator without its operands.
+    fn pop(&mut self) -> f64 {
+        self.values.pop().unwrap_or(0.0)
+    }
+
+    fn apply(&mut self, op: Op) -> Step<()> {
+        let y = self.pop();
+        let truth = |b: bool| if b { 1.0 } else { 0.0 };
+        let value = match op {
+            Op::Negate => -y,
+            Op::Not => truth(y < 0.5),
+            Op::Parameter => self.parameters.get(index(y)?)?,
+            _ => {
+                let x = self.pop();
+                match op {
+                    Op::Add => x + y,
+                    Op::Subtract => x - y,
+                    Op::Multiply => x * y,
+                    Op::Divide | Op::Modulo if y == 0.0 => return Err(NcErrorKind::DivisionByZero),
+                    Op::Divide => x / y,
+                    Op::Modulo => real::remainder(x, y),
+                    Op::Power => real::power(x, y).ok_or(NcErrorKind::Domain("**"))?,
+                    Op::And => truth(x >= 0.5 && y >= 0.5),
+                    Op::Or => truth(x >= 0.5 || y >= 0.5),
+                    Op::Xor => truth((x >= 0.5) != (y >= 0.5)),
+                    Op::Equal => truth(x == y),
+                    Op::Unequal => truth(x != y),
+                    Op::Less => truth(x < y),
+                    Op::LessEqual => truth(x <= y),
+                    Op::Greater => truth(x > y),
+                    _ => truth(x >= y),
+                }
+            }
+        };
+        if !(real::abs(value) <= f64::MAX) {
+            return Err(NcErrorKind::Overflow);
+        }
+        self.push(value)
+    }
+
+    /// Applies what waits with at least `priority`, down to the last open bracket.
+    fn reduce(&mut self, priority: u8) -> Step<()> {
+        while let Some(&op) = self.ops.last() {
+            if op.priority() < priority.max(1) {
+                break;
+            }
+            self.ops.pop();
+            self.apply(op)?;
+        }
+        Ok(())
+    }
+
+    /// `]`: false if no bracket is open.
+    fn close(&mut self) -> Step<bool> {
+        self.reduce(1)?;
+        let Some(Op::Open(commas)) = self.ops.pop() else { return Ok(false) };
+        if let Some(&Op::Call(function)) = self.ops.last() {
+            self.ops.pop();
+            if commas + 1 != function.arguments() {
+                return Err(NcErrorKind::Expected("one argument, two for ATAN2, MIN and MAX"));
+            }
+            let y = if commas == 1 { self.pop() } else { 0.0 };
+            let x = self.pop();
+            let value = function.apply(x, y)?;
+            if !(real::abs(value) <= f64::MAX) {
+                return Err(NcErrorKind::Overflow);
+            }
+            self.push(value)?;
+        }
+        self.reduce(8)?;
+        Ok(true)
+    }
+
+    /// `,` inside the brackets of a function: false anywhere else.
+    fn comma(&mut self) -> Step<bool> {
+        let open = self.ops.iter().rposition(|op| matches!(op, Op::Open(_)));
+        let Some(at) = open else { return Ok(false) };
+        let call = at.checked_sub(1).and_then(|i| self.ops.get(i));
+        if !matches!(call, Some(Op::Call(_))) {
+            return Ok(false);
+        }
+        self.reduce(1)?;
+        if let Some(Op::Open(commas)) = self.ops.last_mut() {
+            *commas = commas.saturating_add(1);
+        }
+        Ok(true)
+    }
+}
+
+/// Reads an expression as far as it goes. A lone literal stays exact.
+pub(super) fn expression(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<Number, Fault> {
+    let start = c.mark();
+    if let Some(literal) = literal(c) {
+        return Ok(literal);
+    }
+    c.back_to(start);
+    let mut e = Evaluation { parameters, values: Vec::new(), ops: Vec::new() };
+    let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
+    loop {
+        operand(c, &mut e, start)?;
+        // Behind an operand: closing brackets, then an operator or the end.
+        let operator = loop {
+            let mark = c.mark();
+            if c.peek() == b']' && e.ops.iter().any(|op| matches!(op, Op::Open(_))) {
+                c.bump();
+                e.close().map_err(|kind| fault(c, kind))?;
+                continue;
+            }
+            if c.peek() == b',' {
+                c.bump();
+                if e.comma().map_err(|kind| fault(c, kind))? {
+                    break Some(None);
+                }
+                c.back_to(mark);
+            }
+            break operator(c).map(Some);
+        };
+        match operator {
+            None => break,
+            Some(None) => {}
+            Some(Some(op)) => {
+                e.reduce(op.priority()).map_err(|kind| fault(c, kind))?;
+                e.wait(op).map_err(|kind| fault(c, kind))?;
+            }
+        }
+    }
+    e.reduce(1).map_err(|kind| fault(c, kind))?;
+    if !e.ops.is_empty() {
+        return c.expected("] or an operator");
+    }
+    Ok(Number::Real(e.pop()))
+}
+
+/// A literal with at most signs before it and no operator behind it.
+fn literal(c: &mut Cursor<'_>) -> Option<Number> {
+    let mut minus = false;
+    loop {
+        match c.peek() {
+            b'-' => minus = !minus,
+            b'+' => {}
+            b'0'..=b'9' | b'.' => break,
+            _ => return None,
+        }
+        c.bump();
+    }
+    let Ok(Number::Decimal { mantissa, scale, .. }) = c.decimal() else { return None };
+    let behind = c.mark();
+    let alone = operator(c).is_none();
+    c.back_to(behind);
+    alone.then_some(Number::Decimal { negative: minus, mantissa, scale })
+}
+
+/// Reads signs, P, brackets and functions up to the end of one operand.
+fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(), Fault> {
+    let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
+    loop {
+        let after_p = matches!(e.ops.last(), Some(Op::Parameter));
+        let mark = c.mark();
+        let byte = c.peek_upper();
+        match byte {
+            b'+' if !after_p => c.bump(),
+            b'-' if !after_p => {
+                c.bump();
+                e.wait(Op::Negate).map_err(|kind| fault(c, kind))?;
+            }
+            b'[' => {
+                c.bump();
+                e.wait(Op::Open(0)).map_err(|kind| fault(c, kind))?;
+            }
+            b'0'..=b'9' if after_p => {
+                let index = f64::from(c.whole("parameter index")?);
+                e.push(index).map_err(|kind| fault(c, kind))?;
+                let span = c.since(mark.saturating_sub(1));
+                e.reduce(8).map_err(|kind| Fault { span, kind })?;
+                if c.raw() == b'[' {
+                    return c.since(start).fault(NcErrorKind::NotAvailable("array of P parameters"));
+                }
+                return Ok(());
+            }
+            b'0'..=b'9' | b'.' => {
+                let value = c.decimal()?.real();
+                return e.push(value).map_err(|kind| fault(c, kind));
+            }
+            b'"' => return c.rest_of_word().fault(NcErrorKind::NotAvailable("macro")),
+            b'A'..=b'Z' => {
+                let word = c.letters();
+                if word.is("ATAN") && c.raw() == b'2' {
+                    c.bump();
+                    e.wait(Op::Call(Function::Atan2)).map_err(|kind| fault(c, kind))?;
+                    if c.peek() != b'[' {
+                        return c.expected("[ after the function");
+                    }
+                    continue;
+                }
+                if byte == b'P' && word.bytes().iter().all(|b| *b == b'P') {
+                    c.back_to(mark);
+                    c.bump();
+                    e.wait(Op::Parameter).map_err(|kind| fault(c, kind))?;
+                    if !matches!(c.peek_upper(), b'0'..=b'9' | b'[' | b'P') {
+                        return c.expected("a parameter index");
+                    }
+                    continue;
+                }
+                if word.is("V") && c.raw() == b'.' {
+                    c.back_to(mark);
+                    return c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"));
+                }
+                if word.is("NOT") && !after_p {
+                    e.wait(Op::Not).map_err(|kind| fault(c, kind))?;
+                    continue;
+                }
+                if word.is("PI") && !after_p {
+                    return e.push(core::f64::consts::PI).map_err(|kind| fault(c, kind));
+                }
+                let function = FUNCTIONS.iter().find(|(name, _)| word.is(name));
+                let Some((_, function)) = function else {
+                    if c.peek() == b'[' {
+                        return c.since(mark).fault(NcErrorKind::UnknownFunction);
+                    }
+                    c.back_to(mark);
+                    return c.expected("a number, P or a function");
+                };
+                if c.peek() != b'[' {
+                    return c.expected("[ after the function");
+                }
+                e.wait(Op::Call(*function)).map_err(|kind| fault(c, kind))?;
+            }
+            _ => return c.expected("a number, P, a function or ["),
+        }
+    }
+}
+
+/// Steps over an operator between operands.
+fn operator(c: &mut Cursor<'_>) -> Option<Op> {
+    let mark = c.mark();
+    let first = c.peek_upper();
+    if first.is_ascii_alphabetic() {
+        let word = c.letters();
+        for (name, op) in [("MOD", Op::Modulo), ("AND", Op::And), ("XOR", Op::Xor), ("OR", Op::Or)] {
+            // `MODP2` is an operator and its operand.
+            if word.is(name) {
+                return Some(op);
+            }
+            if word.bytes().starts_with(name.as_bytes()) && word.bytes().get(name.len()) == Some(&b'P') {
+                c.back_to(mark);
+                for _ in 0..name.len() {
+                    c.bump();
+                }
+                return Some(op);
+            }
+        }
+        c.back_to(mark);
+        return None;
+    }
+    c.bump();
+    let second = c.raw();
+    let (op, double) = match (first, second) {
+        (b'*', b'*') => (Op::Power, true),
+        (b'*', _) => (Op::Multiply, false),
+        (b'/', _) => (Op::Divide, false),
+        (b'+', _) => (Op::Add, false),
+        (b'-', _) => (Op::Subtract, false),
+        (b'=', b'=') => (Op::Equal, true),
+        (b'!', b'=') | (b'<', b'>') => (Op::Unequal, true),
+        (b'<', b'=') => (Op::LessEqual, true),
+        (b'<', _) => (Op::Less, false),
+        (b'>', b'=') => (Op::GreaterEqual, true),
+        (b'>', _) => (Op::Greater, false),
+        _ => {
+            c.back_to(mark);
+            return None;
+        }
+    };
+    if double {
+        c.bump();
+    }
+    Some(op)
+}
+
+/// The index of the parameter that stands here (`P5`, `PP5`, `P[…]`), as the target of an assignment.
+pub(super) fn parameter_target(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<u32, Fault> {
+    let mark = c.mark();
+    if c.peek_upper() != b'P' {
+        return c.expected("a P parameter");
+    }
+    c.bump();
+    let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(mark), kind };
+    match c.peek_upper() {
+        b'P' => {
+            // PP5: the inner parameters are read, the outer one is written.
+            let mut depth = 0_u8;
+            while c.peek_upper() == b'P' {
+                c.bump();
+                depth = depth.saturating_add(1);
+            }
+            let mut value = c.whole("parameter index")?;
+            for _ in 0..depth {
+                let read = parameters.get(value).map_err(|kind| fault(c, kind))?;
+                value = index(read).map_err(|kind| fault(c, kind))?;
+            }
+            Ok(value)
+        }
+        b'[' => {
+            let value = expression_in_brackets(c, parameters)?;
+            index(value).map_err(|kind| fault(c, kind))
+        }
+        _ => {
+            let value = f64::from(c.whole("parameter index")?);
+            if c.raw() == b'[' {
+                return c.since(mark).fault(NcErrorKind::NotAvailable("array of P parameters"));
+            }
+            index(value).map_err(|kind| fault(c, kind))
+        }
+    }
+}
+
+/// `[expression]` and not one step further.
+fn expression_in_brackets(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<f64, Fault> {
+    c.require(b'[', "[")?;
+    let value = expression(c, parameters)?.real();
+    c.require(b']', "]")?;
+    Ok(value)
+}

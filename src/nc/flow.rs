@@ -1,0 +1,177 @@
+//! What the program text does to its own order: control blocks, calls, jumps; bounded stacks of places in the text.
+use super::line::Mark;
+use super::{NcErrorKind, Place};
+use heapless::Vec;
+
+/// Control blocks that may be open at the same time, over all calls.
+pub const NESTING: usize = 20;
+/// Subroutine calls that may be open at the same time.
+pub const CALL_DEPTH: usize = 10;
+/// Local subroutines in one file.
+pub const SUBROUTINES: usize = 64;
+
+/// Kinds of control blocks, with what is needed to go on.
+#[derive(Clone, Copy)]
+pub(super) enum Block {
+    /// Counter, last value, step.
+    For { counter: u32, end: f64, step: f64 },
+    While,
+    Do,
+    Repeat,
+    If,
+    Switch { value: f64 },
+}
+
+impl Block {
+    pub const fn opening(self) -> &'static str {
+        match self {
+            Self::For { .. } => "$FOR",
+            Self::While => "$WHILE",
+            Self::Do => "$DO",
+            Self::Repeat => "$REPEAT",
+            Self::If => "$IF",
+            Self::Switch { .. } => "$SWITCH",
+        }
+    }
+
+    pub const fn closing(self) -> &'static str {
+        match self {
+            Self::For { .. } => "$ENDFOR",
+            Self::While => "$ENDWHILE",
+            Self::Do => "$ENDDO",
+            Self::Repeat => "$UNTIL",
+            Self::If => "$ENDIF",
+            Self::Switch { .. } => "$ENDSWITCH",
+        }
+    }
+
+    pub const fn is_loop(self) -> bool {
+        matches!(self, Self::For { .. } | Self::While | Self::Do | Self::Repeat)
+    }
+}
+
+/// An open control block.
+#[derive(Clone, Copy)]
+pub(super) struct Open {
+    pub block: Block,
+    /// The line that opened it.
+    pub start: Mark,
+    /// The line behind it.
+    pub body: Mark,
+    pub place: Place,
+}
+
+/// An open call.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    /// Where the caller goes on.
+    pub back: Mark,
+    /// Start of the caller's own text.
+    pub program: Mark,
+    /// Control blocks that were open at the call.
+    pub blocks: u8,
+}
+
+/// A local subroutine: hash of its name, first line of its text.
+#[derive(Clone, Copy)]
+pub(super) struct Subroutine {
+    pub name: u64,
+    pub body: Mark,
+}
+
+/// What lines are passed over for.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Passing {
+    /// To the next $ELSEIF, $ELSE or $ENDIF.
+    Branch,
+    /// To the next $CASE, $DEFAULT or $ENDSWITCH.
+    Case,
+    /// To the closing word, and out of the block.
+    Out,
+    /// To the closing word of a loop, which is then carried out ($CONTINUE).
+    Round,
+    /// To a label, by its hash; blocks opened on the way are in `Flow::passed`.
+    Label(u64),
+}
+
+/// The state of the order of blocks.
+pub(super) struct Flow {
+    pub blocks: Vec<Open, NESTING>,
+    pub frames: Vec<Frame, CALL_DEPTH>,
+    pub subroutines: Vec<Subroutine, SUBROUTINES>,
+    /// Start of the text of the program that runs.
+    pub program: Mark,
+    pub passing: Option<Passing>,
+    /// Depth of blocks opened while passing.
+    pub depth: u16,
+    /// Offsets of the blocks open at the line reached in a search for a label.
+    pub passed: Vec<u32, NESTING>,
+    /// What the passing began with, for messages.
+    pub origin: Place,
+}
+
+impl Flow {
+    pub const fn new() -> Self {
+        Self {
+            blocks: Vec::new(),
+            frames: Vec::new(),
+            subroutines: Vec::new(),
+            program: Mark { offset: 0, line: 1 },
+            passing: None,
+            depth: 0,
+            passed: Vec::new(),
+            origin: Place { line: 0, column: 0, length: 0, offset: 0 },
+        }
+    }
+
+    /// Control blocks open before the running program was called.
+    pub fn base(&self) -> usize {
+        self.frames.last().map_or(0, |f| usize::from(f.blocks))
+    }
+
+    /// The innermost control block of the running program.
+    pub fn innermost(&mut self) -> Option<&mut Open> {
+        let base = self.base();
+        if self.blocks.len() > base { self.blocks.last_mut() } else { None }
+    }
+
+    pub fn open(&mut self, open: Open) -> Result<(), NcErrorKind> {
+        self.blocks.push(open).map_err(|_| NcErrorKind::NestingTooDeep)
+    }
+
+    /// Begins to pass over lines, `depth` blocks inside the one that matters.
+    pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
+        self.passing = Some(passing);
+        self.depth = depth;
+        self.passed.clear();
+        self.origin = origin;
+    }
+
+    /// Leaves control blocks until a loop (or a switch) is innermost and says how many; `None` if there is none.
+    pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
+        let base = self.base();
+        let mut left = 0;
+        while self.blocks.len() > base {
+            let block = self.blocks.last()?.block;
+            if block.is_loop() || or_switch && matches!(block, Block::Switch { .. }) {
+                return Some(left);
+            }
+            self.blocks.pop();
+            left += 1;
+        }
+        None
+    }
+
+    /// Goes back to the caller; `None` in the main program.
+    pub fn leave_call(&mut self) -> Option<Mark> {
+        let frame = self.frames.pop()?;
+        self.blocks.truncate(usize::from(frame.blocks));
+        self.program = frame.program;
+        Some(frame.back)
+    }
+}
+
+/// FNV-1a, 64 bits: two names of one file with one hash are not expected in this universe.
+pub(super) fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
+}

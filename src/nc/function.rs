@@ -1,0 +1,496 @@
+//! Commands other than motion, as types: what is `None` was not programmed and keeps its value (ISG defaults in brackets).
+//!
+//! Lengths in mm, angles in degrees, both with an LSB of 2^-32, to nearest.
+use super::Place;
+use crate::quantity::Position;
+
+/// A number without a dimension of its own: percent, seconds, Hz, 1/min; LSB 2^-32, to nearest.
+pub type Value = fixed::types::I32F32;
+
+/// Where a command comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Head {
+    /// Programmed block number, 0 if none.
+    pub n: u32,
+    /// The word in the text.
+    pub place: Place,
+    /// The block holds a motion too: the motion comes after switches and weights, before M and H.
+    pub in_motion: bool,
+}
+
+/// G04, #TIME.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DwellTime {
+    /// Seconds, 0…100 000.
+    Seconds(Value),
+    /// Revolutions of the spindle.
+    Revolutions(Value),
+}
+
+/// Feed words other than G94.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FeedMode {
+    /// G93: F is a time.
+    Time,
+    /// G95: F per revolution.
+    PerRevolution,
+    /// G194: F in percent.
+    Percent,
+}
+
+/// G60, G360, G359; also folded into [`super::Motion::exact_stop`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ExactStop {
+    /// G60: at the end of this block.
+    Block,
+    /// G360.
+    On,
+    /// G359.
+    Off,
+}
+
+/// Profile types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SlopeType {
+    /// Step-shaped acceleration.
+    Step,
+    /// Trapezoidal acceleration.
+    Trapez,
+    /// Sine-square acceleration.
+    Sin2,
+    /// Acceleration across blocks.
+    Hsc,
+}
+
+/// #SLOPE, #SLOPE DEFAULT, #SET SLOPE PROFIL.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Slope {
+    /// DEFAULT: the type of P-CHAN-00071.
+    pub default: bool,
+    /// TYPE.
+    pub kind: Option<SlopeType>,
+    /// NO_OPT: true switches the optimised use of jerk off \[true\].
+    pub no_opt: Option<bool>,
+}
+
+/// Methods of #CONTOUR MODE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ContourMethod {
+    /// Corner deviation \[default\].
+    Dev,
+    /// Corner distances.
+    Dist,
+    /// Interim point.
+    Pos,
+    /// Dynamically optimised.
+    DistSoft,
+    /// Dynamically optimised, master axis.
+    DistMaster,
+    /// Optimised over the whole contour.
+    Ptp,
+}
+
+/// When M and H of a corner are carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ContourAction {
+    /// PRE_ACTION: before the curve.
+    Pre,
+    /// INTER_ACTION: in its middle \[default\].
+    Inter,
+    /// POST_ACTION: behind it.
+    Post,
+}
+
+/// On and off of contouring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ContourSwitch {
+    /// G61: the end of this block.
+    Block,
+    /// G261, #CONTOUR MODE ON.
+    On,
+    /// G260, #CONTOUR MODE OFF.
+    Off,
+}
+
+/// #CONTOUR MODE, G61, G261, G260.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contour {
+    /// On or off.
+    pub switch: Option<ContourSwitch>,
+    /// DEV, DIST, POS, DIST_SOFT, DIST_MASTER, PTP.
+    pub method: Option<ContourMethod>,
+    /// PRE_ACTION, INTER_ACTION, POST_ACTION.
+    pub action: Option<ContourAction>,
+    /// PATH_DEV \[1 mm\].
+    pub path_dev: Option<Position>,
+    /// TRACK_DEV \[0°\].
+    pub track_dev: Option<Position>,
+    /// RELEVANT_PATH \[0 mm\]; at least 0.032 mm where it is not 0.
+    pub relevant_path: Option<Position>,
+    /// RELEVANT_TRACK \[0°\].
+    pub relevant_track: Option<Position>,
+    /// REMAIN_PART, percent \[0\].
+    pub remain_part: Option<Value>,
+    /// CHECK_JERK, 0…2 \[P-CHAN-00110\].
+    pub check_jerk: Option<u8>,
+    /// MAX_ANGLE \[178°\].
+    pub max_angle: Option<Position>,
+    /// CONST_VEL \[false\].
+    pub const_vel: Option<bool>,
+    /// PRE_DIST \[1 mm\].
+    pub pre_dist: Option<Position>,
+    /// POST_DIST \[1 mm\].
+    pub post_dist: Option<Position>,
+    /// X, Y, Z of POS: the interim point on the three main axes, offsets applied.
+    pub point: [Option<Position>; 3],
+    /// PATH_DIST \[1 mm\]; -1: not monitored.
+    pub path_dist: Option<Position>,
+    /// TRACK_DIST \[as PATH_DIST\]; -1: not monitored.
+    pub track_dist: Option<Position>,
+    /// SYM_DIST \[1 mm\]; -1: not monitored.
+    pub sym_dist: Option<Position>,
+    /// ACC_MAX, percent \[100\].
+    pub acc_max: Option<Value>,
+    /// ACC_MIN, percent \[50\].
+    pub acc_min: Option<Value>,
+    /// RAMP_TIME, percent \[100\].
+    pub ramp_time: Option<Value>,
+    /// DIST_WEIGHT, percent \[0\].
+    pub dist_weight: Option<Value>,
+    /// MERGE \[true\].
+    pub merge: Option<bool>,
+}
+
+/// Methods of #HSC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum HscMethod {
+    /// SURFACE.
+    Surface,
+    /// BSPLINE.
+    Bspline,
+    /// OPMODE 1 or 2.
+    Op(u8),
+}
+
+/// #HSC.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hsc {
+    /// ON, OFF.
+    pub switch: Option<bool>,
+    /// SURFACE, BSPLINE, OPMODE.
+    pub method: Option<HscMethod>,
+    /// PATH_DEV \[0.2 mm\]; Surface: above 0, B-spline: 0 is not monitored.
+    pub path_dev: Option<Position>,
+    /// PATH_DEV_G00 \[as PATH_DEV\].
+    pub path_dev_g00: Option<Position>,
+    /// TRACK_DEV \[Surface 2°, B-spline 5°\].
+    pub track_dev: Option<Position>,
+    /// TRACK_DEV_G00 \[as TRACK_DEV\].
+    pub track_dev_g00: Option<Position>,
+    /// MAX_ANGLE \[160°\].
+    pub max_angle: Option<Position>,
+    /// CHECK_JERK, 0…2 \[P-CHAN-00110\].
+    pub check_jerk: Option<u8>,
+    /// AUTO_OFF_G00 \[false\].
+    pub auto_off_g00: Option<bool>,
+    /// CIR_MODE, 0…2 \[1\].
+    pub cir_mode: Option<u8>,
+    /// CIR_MIN_ANGLE \[30°\].
+    pub cir_min_angle: Option<Position>,
+    /// CIR_MIN_RADIUS \[0 mm\].
+    pub cir_min_radius: Option<Position>,
+    /// MERGE \[false\].
+    pub merge: Option<bool>,
+    /// LENGTH_LONG_CIR \[2 mm\].
+    pub length_long_cir: Option<Position>,
+    /// AUTO_OFF_PATH \[false\].
+    pub auto_off_path: Option<bool>,
+    /// AUTO_OFF_TRACK \[false\].
+    pub auto_off_track: Option<bool>,
+    /// AUTO_OFF_G60 \[false\].
+    pub auto_off_g60: Option<bool>,
+    /// MAX_PATH_LENGTH \[0 mm: off\].
+    pub max_path_length: Option<Position>,
+    /// CONTERROR of OPMODE 1 \[0.1 mm\].
+    pub conterror: Option<Position>,
+}
+
+/// #FILTER.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Filter {
+    /// ON, OFF.
+    pub switch: Option<bool>,
+    /// HSC: the old form #FILTER ON \[HSC\].
+    pub hsc: bool,
+    /// ORDER, 0…200.
+    pub order: Option<u8>,
+    /// ORDER_TIME, µs.
+    pub order_time_us: Option<Value>,
+    /// SHARE, percent \[100\].
+    pub share: Option<Value>,
+    /// AX_DEV \[0 mm: not monitored\].
+    pub ax_dev: Option<Position>,
+    /// FCUT, Hz \[30\].
+    pub fcut: Option<Value>,
+    /// ACC_FACT, 1…10 \[1\].
+    pub acc_fact: Option<Value>,
+    /// QUALITY, above 0 to 1 \[1\].
+    pub quality: Option<Value>,
+}
+
+/// One limit of #VECTOR LIMIT.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// The channel parameter (P-CHAN-00002, 00090, 00208).
+    Channel,
+    /// A value of its own, in the unit that P-CHAN-00351 chooses.
+    Is(Value),
+}
+
+/// #VECTOR LIMIT ON or OFF, with the limits named.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VectorLimit {
+    /// ON (true) or OFF.
+    pub on: bool,
+    /// ALL.
+    pub all: bool,
+    /// ACC.
+    pub acc: Option<Limit>,
+    /// DEC.
+    pub dec: Option<Limit>,
+    /// VEL.
+    pub vel: Option<Limit>,
+    /// RADIAL_ACC.
+    pub radial_acc: Option<Limit>,
+    /// RADIAL_JERK.
+    pub radial_jerk: Option<Limit>,
+    /// JERK.
+    pub jerk: Option<Limit>,
+    /// TRANS_ACC.
+    pub trans_acc: Option<Limit>,
+    /// FEED: for G01, G02, G03.
+    pub feed: bool,
+    /// RAPID: for G00.
+    pub rapid: bool,
+}
+
+/// Kinds of splines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SplineType {
+    /// Through the points \[default\].
+    Akima,
+    /// Points control it.
+    Bspline,
+}
+
+/// Ends of an Akima spline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Tangent {
+    /// From the points \[default\].
+    Auto,
+    /// Tangential to the neighbour block.
+    Tangential,
+    /// From #AKIMA STARTVECTOR or ENDVECTOR.
+    User,
+}
+
+/// Direct splines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spline<const AXES: usize> {
+    /// G151, #SPLINE ON, #SET SPLINE ON.
+    On,
+    /// G150, #SPLINE OFF, #SET SPLINE OFF.
+    Off,
+    /// #SPLINE TYPE, #SET SPLINETYPE.
+    Type(SplineType),
+    /// #AKIMA TRANS, #SET ASPLINE MODE.
+    Transition {
+        /// START.
+        start: Option<Tangent>,
+        /// END.
+        end: Option<Tangent>,
+    },
+    /// #AKIMA STARTVECTOR.
+    StartVector([Option<Value>; AXES]),
+    /// #AKIMA ENDVECTOR.
+    EndVector([Option<Value>; AXES]),
+}
+
+/// What a weight acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WeightKind {
+    /// G130: acceleration, feed, per axis.
+    Acceleration,
+    /// G131: acceleration, feed, all axes.
+    AccelerationAll,
+    /// G132: ramp time, feed, per axis.
+    RampTime,
+    /// G133: ramp time, feed, all axes.
+    RampTimeAll,
+    /// G134: geometric ramp time, all axes.
+    GeometricRampTime,
+    /// G231: acceleration, rapid, all axes.
+    RapidAcceleration,
+    /// G232: ramp time, rapid, per axis.
+    RapidRampTime,
+    /// G233: ramp time, rapid, all axes.
+    RapidRampTimeAll,
+    /// G338: ramp time, feed, all axes.
+    G338,
+    /// G339: ramp time, rapid, all axes.
+    G339,
+}
+
+impl WeightKind {
+    /// From a G number.
+    pub const fn from_g(number: u16) -> Option<Self> {
+        Some(match number {
+            130 => Self::Acceleration,
+            131 => Self::AccelerationAll,
+            132 => Self::RampTime,
+            133 => Self::RampTimeAll,
+            134 => Self::GeometricRampTime,
+            231 => Self::RapidAcceleration,
+            232 => Self::RapidRampTime,
+            233 => Self::RapidRampTimeAll,
+            338 => Self::G338,
+            339 => Self::G339,
+            _ => return None,
+        })
+    }
+
+    /// Whether it takes values axis by axis.
+    pub const fn per_axis(self) -> bool {
+        matches!(self, Self::Acceleration | Self::RampTime | Self::RapidRampTime)
+    }
+
+    /// The G word.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "G130",
+            Self::AccelerationAll => "G131",
+            Self::RampTime => "G132",
+            Self::RampTimeAll => "G133",
+            Self::GeometricRampTime => "G134",
+            Self::RapidAcceleration => "G231",
+            Self::RapidRampTime => "G232",
+            Self::RapidRampTimeAll => "G233",
+            Self::G338 => "G338",
+            Self::G339 => "G339",
+        }
+    }
+}
+
+/// A weighting: percent per axis (`None`: 100 % by ISG's rule), above 0 to 10 000.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weight<const AXES: usize> {
+    /// What it acts on.
+    pub kind: WeightKind,
+    /// Percent.
+    pub percent: [Option<Value>; AXES],
+}
+
+/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Kinematics {
+    /// #KIN ID: selected for the next #TRAFO ON.
+    Select(u16),
+    /// #TRAFO ON.
+    On,
+    /// #TRAFO\[n\]: select and switch on.
+    OnWith(u16),
+    /// #TRAFO OFF.
+    Off,
+}
+
+/// #CONTOUR LOOKAHEAD \[LOG\] ….
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContourLog {
+    /// ON, with PARAM.
+    On(Option<f64>),
+    /// OFF, with PARAM.
+    Off(Option<f64>),
+    /// PARAM alone: an entry.
+    Parameter(f64),
+    /// CLEAR.
+    Clear,
+}
+
+/// Speed of an oscillation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OscillationSpeed {
+    /// FEED, mm/min (P-CHAN-00108).
+    Feed(Value),
+    /// FREQ, Hz.
+    Frequency(Value),
+    /// TIME, period in s.
+    Period(Value),
+}
+
+/// `X[OSC …]`: reversals are machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OscillationAction {
+    /// ON.
+    On {
+        /// 1ST_POS, or ZERO_POS - EXCUR.
+        first: Position,
+        /// 2ND_POS, or ZERO_POS + EXCUR.
+        second: Position,
+        /// FEED, FREQ or TIME.
+        speed: OscillationSpeed,
+        /// 1ST_DELT, s \[0\].
+        first_wait: Value,
+        /// 2ND_DELT, s \[0\].
+        second_wait: Value,
+        /// NBR_OSC \[endless\].
+        count: Option<u32>,
+        /// SHORT.
+        short: bool,
+    },
+    /// OFF: after the cycle at hand.
+    Off,
+    /// OFF FEED: breaks off, goes to the second position with this feed.
+    OffFeed(Value),
+    /// OFF INSTANT.
+    OffInstant,
+}
+
+/// An oscillation command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillation {
+    /// Index of the axis.
+    pub axis: usize,
+    /// What to do.
+    pub action: OscillationAction,
+}
+
+/// `X[INDP_SYN …]`, `X[INDP_ASYN …]`: an axis on its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Independent {
+    /// Index of the axis.
+    pub axis: usize,
+    /// The path waits for it (INDP_SYN).
+    pub synchronous: bool,
+    /// G00 instead of G01.
+    pub rapid: bool,
+    /// G91 instead of G90.
+    pub relative: bool,
+    /// POS, POSITION.
+    pub position: Option<Position>,
+    /// FEED, mm/min.
+    pub feed: Option<Value>,
+    /// SLOPE_TYPE.
+    pub slope: Option<SlopeType>,
+}

@@ -1,0 +1,280 @@
+//! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short queue.
+use super::block::{Item, Modal};
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::flow::{Flow, Frame, Passing, Subroutine, hash};
+use super::line::{Line, Mark};
+use super::parameter::Parameters;
+use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
+use crate::quantity::Position;
+use heapless::{Deque, Vec};
+
+/// Words of a block that can wait for their turn.
+pub const BLOCK_WORDS: usize = 16;
+
+/// Where the program stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// Before the first head.
+    Start,
+    /// Among local subroutines, before the main program.
+    Heads,
+    Running,
+    /// The last commands are handed out, then there is nothing more.
+    Ended,
+}
+
+/// Which line comes next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Next {
+    Line,
+    At(Mark),
+}
+
+/// A refusal of a part of the line at hand, or of an earlier place.
+pub(super) enum Refusal {
+    Here(Fault),
+    At(Place, NcErrorKind),
+}
+
+impl From<Fault> for Refusal {
+    fn from(fault: Fault) -> Self {
+        Self::Here(fault)
+    }
+}
+
+/// Everything but the text.
+pub(super) struct Interpreter<const AXES: usize> {
+    pub setup: Setup<AXES>,
+    pub phase: Phase,
+    pub flow: Flow,
+    pub parameters: Parameters,
+    pub modal: Modal<AXES>,
+    /// Programmed end of the last motion, machine coordinates.
+    pub position: [Position; AXES],
+    /// Block number of the line at hand.
+    pub n: u32,
+    /// Whether the block at hand moves.
+    pub moves: bool,
+    pub queue: Deque<Item, BLOCK_WORDS>,
+    pub motion: Option<Motion<AXES>>,
+    /// Command of a block that holds nothing else.
+    pub single: Option<Command<AXES>>,
+    /// Values per axis of the block's G130, G132 or G232.
+    pub values: [Option<Position>; AXES],
+    pub warnings: Vec<NcWarning, 4>,
+}
+
+/// Start of a logical line and of the one behind it.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    pub start: Mark,
+    pub next: Mark,
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    pub fn new(setup: Setup<AXES>) -> Self {
+        Self {
+            phase: Phase::Start,
+            flow: Flow::new(),
+            parameters: Parameters::new(),
+            modal: Modal::new(),
+            position: setup.start,
+            n: 0,
+            moves: false,
+            queue: Deque::new(),
+            motion: None,
+            single: None,
+            values: [None; AXES],
+            warnings: Vec::new(),
+            setup,
+        }
+    }
+
+    /// Remembers a warning; more than four in one line say nothing new.
+    pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
+        let _ = self.warnings.push(NcWarning { place: line.place(span), kind });
+    }
+
+    /// What is still open where the running program ends.
+    pub fn unfinished(&mut self) -> Option<Refusal> {
+        if let Some(Passing::Label(_)) = self.flow.passing {
+            return Some(Refusal::At(self.flow.origin, NcErrorKind::NoLabel));
+        }
+        let open = self.flow.innermost()?;
+        Some(Refusal::At(open.place, NcErrorKind::Unclosed { closing: open.block.closing() }))
+    }
+
+    /// Interprets one line.
+    pub fn line(&mut self, line: &Line, bounds: Bounds) -> Result<Next, Refusal> {
+        let mut c = Cursor::new(line.bytes());
+        if c.at_end() {
+            return Ok(Next::Line);
+        }
+        if c.peek() == b'%' {
+            if self.phase == Phase::Running {
+                return self.end_of_program();
+            }
+            return Ok(self.head(&mut c, bounds)?);
+        }
+        match self.phase {
+            Phase::Heads | Phase::Ended => return Ok(Next::Line),
+            Phase::Start => {
+                self.phase = Phase::Running;
+                self.flow.program = bounds.start;
+            }
+            Phase::Running => {}
+        }
+        if self.flow.passing.is_some() && !self.pass(&mut c, bounds)? {
+            return Ok(Next::Line);
+        }
+        Ok(self.statement(&mut c, line, bounds)?)
+    }
+
+    /// `%name` or `%L name`.
+    fn head(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
+        c.bump();
+        let local = c.raw().to_ascii_uppercase() == b'L' && {
+            let mut ahead = *c;
+            ahead.bump();
+            ahead.raw() == b' '
+        };
+        if local {
+            c.bump();
+        }
+        let name = c.rest_of_word();
+        if name.len > 83 {
+            return name.fault(NcErrorKind::NameTooLong);
+        }
+        if !local {
+            self.phase = Phase::Running;
+            self.flow.program = bounds.next;
+            return Ok(Next::Line);
+        }
+        if name.len == 0 {
+            return c.expected("a name after %L");
+        }
+        self.phase = Phase::Heads;
+        let entry = Subroutine { name: hash(c.part(name)), body: bounds.next };
+        if self.flow.subroutines.iter().any(|s| s.name == entry.name) {
+            return name.fault(NcErrorKind::SubroutineTwice);
+        }
+        if self.flow.subroutines.push(entry).is_err() {
+            return name.fault(NcErrorKind::TooManySubroutines);
+        }
+        Ok(Next::Line)
+    }
+
+    /// The next head or the end of the text: back to the caller, or the end of everything.
+    pub fn end_of_program(&mut self) -> Result<Next, Refusal> {
+        match self.unfinished() {
+            Some(refusal) => Err(refusal),
+            None => Ok(self.finish_program()),
+        }
+    }
+
+    /// Back to the caller, or the end of everything (M17, M29, end of the text).
+    pub fn finish_program(&mut self) -> Next {
+        match self.flow.leave_call() {
+            Some(back) => Next::At(back),
+            None => {
+                self.phase = Phase::Ended;
+                Next::Line
+            }
+        }
+    }
+
+    /// A line that is not passed over.
+    fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
+        self.n = 0;
+        self.moves = false;
+        self.block_number(c)?;
+        if c.peek() == b'[' {
+            // `[NAME]`: a label.
+            while !c.at_end() && !c.eat(b']') {
+                c.bump();
+            }
+        }
+        match c.peek_upper() {
+            0 => Ok(Next::Line),
+            b'$' => self.control(c, line, bounds),
+            b'#' => {
+                self.single = Some(self.hash_command(c, line)?);
+                Ok(Next::Line)
+            }
+            b'/' => c.here().fault(NcErrorKind::NotAvailable("block skip")),
+            b'"' => c.rest_of_word().fault(NcErrorKind::NotAvailable("macro")),
+            b'L' => self.call(c, bounds),
+            _ => self.words(c, line),
+        }
+    }
+
+    /// `N10`, `N10:`, `NP123`; the fraction is cut.
+    fn block_number(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
+        let mark = c.mark();
+        if c.peek_upper() != b'N' {
+            return Ok(());
+        }
+        c.bump();
+        let value = real::trunc(expression(c, &self.parameters)?.real());
+        if !(0.0..4_294_967_296.0).contains(&value) {
+            return c.since(mark).fault(NcErrorKind::Range {
+                what: "block number",
+                min: 0,
+                max: i64::from(u32::MAX),
+                unit: "",
+                above: false,
+            });
+        }
+        self.n = value as u32;
+        c.eat(b':');
+        Ok(())
+    }
+
+    /// `LL name`.
+    fn call(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
+        let mark = c.mark();
+        c.bump();
+        if c.raw().to_ascii_uppercase() != b'L' {
+            let _ = c.rest_of_word();
+            return c.since(mark).fault(NcErrorKind::NotAvailable("global subroutine"));
+        }
+        c.bump();
+        if c.raw() != b' ' {
+            return c.expected("a blank and a name after LL");
+        }
+        let name = c.rest_of_word();
+        if name.len == 0 {
+            return c.expected("a name after LL");
+        }
+        let wanted = hash(c.part(name));
+        let Some(found) = self.flow.subroutines.iter().find(|s| s.name == wanted).copied() else {
+            return name.fault(NcErrorKind::NoSubroutine);
+        };
+        c.step_over(name);
+        c.require_end("LL")?;
+        let blocks = self.flow.blocks.len() as u8;
+        let frame = Frame { back: bounds.next, program: self.flow.program, blocks };
+        if self.flow.frames.push(frame).is_err() {
+            return name.fault(NcErrorKind::CallTooDeep);
+        }
+        self.flow.program = found.body;
+        Ok(Next::At(found.body))
+    }
+
+    /// Passes over lines until something ends it; true if this line is to be carried out.
+    fn pass(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<bool, Fault> {
+        let start = c.mark();
+        let label = super::control::label_of(c);
+        if let (Some(Passing::Label(wanted)), Some(label)) = (self.flow.passing, label)
+            && wanted == label
+        {
+            c.back_to(start);
+            return self.arrive(c);
+        }
+        if c.peek() != b'$' {
+            return Ok(false);
+        }
+        self.pass_control(c, start, bounds)
+    }
+}

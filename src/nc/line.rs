@@ -1,0 +1,277 @@
+//! Bytes to logical lines: comments dropped, continuations joined, the place of every byte kept.
+use super::{NcError, NcErrorKind, Place, Span, Text};
+use heapless::{String, Vec};
+
+/// Longest logical line in bytes, comments and blanks at its ends not counted.
+pub const LINE_BYTES: usize = 512;
+/// Most continuation lines (and long gaps) in one logical line.
+pub const CONTINUATIONS: usize = 12;
+/// Bytes looked at in one call.
+const SLICE: usize = 256;
+/// Gaps up to this many bytes are kept as blanks; longer ones become one blank and an anchor.
+const GAP: u32 = 16;
+
+/// From `index` on the bytes of the line stand at `offset` and after.
+#[derive(Clone, Copy, Debug, Default)]
+struct Anchor {
+    index: u16,
+    line: u32,
+    column: u32,
+    offset: u32,
+}
+
+/// One logical line.
+pub(super) struct Line {
+    bytes: Vec<u8, LINE_BYTES>,
+    anchors: Vec<Anchor, CONTINUATIONS>,
+}
+
+/// Start of a physical line in the text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Mark {
+    pub offset: u32,
+    pub line: u32,
+}
+
+/// What one call of [`LineReader::fill`] achieved.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fill {
+    Partial,
+    Line,
+    End,
+}
+
+impl Line {
+    pub const fn new() -> Self {
+        Self { bytes: Vec::new(), anchors: Vec::new() }
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The place of a part of the line.
+    pub fn place(&self, span: Span) -> Place {
+        let mut found = Anchor::default();
+        for anchor in &self.anchors {
+            if anchor.index <= span.at {
+                found = *anchor;
+            }
+        }
+        let delta = u32::from(span.at.saturating_sub(found.index));
+        Place {
+            line: found.line,
+            column: found.column + delta,
+            length: u32::from(span.len),
+            offset: found.offset + delta,
+        }
+    }
+
+    /// The refusal of a part of the line.
+    pub fn error(&self, span: Span, kind: NcErrorKind) -> NcError {
+        let mut found = String::new();
+        let part = self.bytes.get(usize::from(span.at)..).unwrap_or(&[]);
+        for byte in part.iter().take(usize::from(span.len)) {
+            let _ = found.push(char::from(*byte)); // longer words are cut
+        }
+        NcError { place: self.place(span), kind, found, axes: String::new() }
+    }
+
+    fn clear(&mut self) {
+        self.bytes.clear();
+        self.anchors.clear();
+    }
+}
+
+/// Reads logical lines, a slice of the text per call.
+pub(super) struct LineReader<T> {
+    text: T,
+    chunk: [u8; 64],
+    used: u8,
+    filled: u8,
+    /// Next byte.
+    offset: u32,
+    line: u32,
+    column: u32,
+    /// Where the logical line began.
+    start: Mark,
+    fresh: bool,
+    comment: u16,
+    remark: bool,
+    continued: bool,
+    /// Bytes dropped since the last one kept, and whether a line end is among them.
+    gap: u32,
+    broken: bool,
+}
+
+impl<T: Text> LineReader<T> {
+    pub const fn new(text: T) -> Self {
+        Self {
+            text,
+            chunk: [0; 64],
+            used: 0,
+            filled: 0,
+            offset: 0,
+            line: 1,
+            column: 1,
+            start: Mark { offset: 0, line: 1 },
+            fresh: true,
+            comment: 0,
+            remark: false,
+            continued: false,
+            gap: 0,
+            broken: false,
+        }
+    }
+
+    /// Goes on reading at the start of a line.
+    pub fn seek(&mut self, mark: Mark) {
+        self.used = 0;
+        self.filled = 0;
+        self.offset = mark.offset;
+        self.line = mark.line;
+        self.column = 1;
+        self.fresh = true;
+    }
+
+    /// Start of the logical line last read.
+    pub const fn line_start(&self) -> Mark {
+        self.start
+    }
+
+    /// Start of the line to be read next.
+    pub const fn next_start(&self) -> Mark {
+        Mark { offset: self.offset, line: self.line }
+    }
+
+    /// Reads on until a logical line is complete, at most a slice.
+    pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
+        if self.fresh {
+            line.clear();
+            self.start = self.next_start();
+            self.fresh = false;
+            self.comment = 0;
+            self.remark = false;
+            self.continued = false;
+            self.gap = 0;
+            self.broken = false;
+        }
+        for _ in 0..SLICE {
+            let Some(byte) = self.next_byte()? else {
+                self.fresh = true;
+                let nothing = self.offset == self.start.offset;
+                return Ok(if nothing { Fill::End } else { Fill::Line });
+            };
+            let here = Place { line: self.line, column: self.column, length: 1, offset: self.offset };
+            self.offset = self.offset.wrapping_add(1);
+            self.column = self.column.saturating_add(1);
+            if byte == b'\n' {
+                self.line = self.line.wrapping_add(1);
+                self.column = 1;
+                self.comment = 0;
+                self.remark = false;
+                if !self.continued {
+                    self.fresh = true;
+                    return Ok(Fill::Line);
+                }
+                self.continued = false;
+                self.gap = self.gap.saturating_add(1);
+                self.broken = true;
+                continue;
+            }
+            if byte < b' ' && byte != b'\t' && byte != b'\r' || byte == 0x7f {
+                return Err(refusal(here, NcErrorKind::ControlByte(byte)));
+            }
+            if self.dropped(byte) {
+                self.gap = self.gap.saturating_add(1);
+            } else if byte >= 0x80 {
+                return Err(refusal(here, NcErrorKind::ForeignByte(byte)));
+            } else if self.continued {
+                let mut error = refusal(here, NcErrorKind::Expected("the end of the line after \\"));
+                let _ = error.found.push(char::from(byte));
+                return Err(error);
+            } else {
+                keep(line, byte, here, self.gap, self.broken)?;
+                self.gap = 0;
+                self.broken = false;
+            }
+        }
+        Ok(Fill::Partial)
+    }
+
+    /// Follows comments and continuations; true for a byte that is not part of the line.
+    fn dropped(&mut self, byte: u8) -> bool {
+        match byte {
+            _ if self.remark => true,
+            b'(' => {
+                self.comment = self.comment.saturating_add(1);
+                true
+            }
+            b')' if self.comment > 0 => {
+                self.comment -= 1;
+                true
+            }
+            _ if self.comment > 0 => true,
+            b';' => {
+                self.remark = true;
+                true
+            }
+            b' ' | b'\t' | b'\r' => true,
+            b'\\' => {
+                self.continued = true;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// A refusal of an earlier part of the text.
+    pub fn error_at(&mut self, place: Place, kind: NcErrorKind) -> NcError {
+        let mut error = refusal(place, kind);
+        let mut buffer = [0; 24];
+        let wanted = (place.length as usize).min(buffer.len());
+        let count = buffer.get_mut(..wanted).and_then(|b| self.text.read(place.offset, b).ok()).unwrap_or(0);
+        for byte in buffer.iter().take(count) {
+            let _ = error.found.push(char::from(*byte));
+        }
+        error
+    }
+
+    fn next_byte(&mut self) -> Result<Option<u8>, NcError> {
+        if self.used >= self.filled {
+            let place = Place { line: self.line, column: self.column, length: 0, offset: self.offset };
+            let count = self
+                .text
+                .read(self.offset, &mut self.chunk)
+                .map_err(|_| refusal(place, NcErrorKind::Unreadable))?;
+            self.used = 0;
+            self.filled = count.min(64) as u8;
+        }
+        let byte = if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
+        self.used += u8::from(byte.is_some());
+        Ok(byte)
+    }
+}
+
+/// Adds a byte after a gap; anchors keep its place where the gap is not written out.
+fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcError> {
+    let long = || refusal(here, NcErrorKind::LineTooLong);
+    if line.bytes.is_empty() || broken || gap > GAP {
+        if !line.bytes.is_empty() {
+            line.bytes.push(b' ').map_err(|_| long())?;
+        }
+        let index = line.bytes.len() as u16;
+        let anchor = Anchor { index, line: here.line, column: here.column, offset: here.offset };
+        line.anchors.push(anchor).map_err(|_| refusal(here, NcErrorKind::TooManyContinuations))?;
+    } else {
+        for _ in 0..gap {
+            line.bytes.push(b' ').map_err(|_| long())?;
+        }
+    }
+    line.bytes.push(byte).map_err(|_| long())
+}
+
+/// A refusal of what is not in the line yet.
+fn refusal(place: Place, kind: NcErrorKind) -> NcError {
+    NcError { place, kind, found: String::new(), axes: String::new() }
+}

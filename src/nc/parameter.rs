@@ -1,0 +1,58 @@
+//! P parameters: a sorted table of fixed size.
+use super::NcErrorKind;
+use heapless::Vec;
+
+/// Parameters that can hold a value at the same time.
+pub const PARAMETERS: usize = 128;
+
+#[derive(Clone, Copy)]
+struct Entry {
+    index: u32,
+    value: f64,
+}
+
+/// Values of the P parameters written so far.
+pub(super) struct Parameters {
+    entries: Vec<Entry, PARAMETERS>,
+}
+
+impl Parameters {
+    pub const fn new() -> Self {
+        Self { entries: Vec::new() }
+    }
+
+    /// The value of a parameter.
+    pub fn get(&self, index: u32) -> Result<f64, NcErrorKind> {
+        let found = self.entries.binary_search_by_key(&index, |e| e.index);
+        found
+            .ok()
+            .and_then(|at| self.entries.get(at))
+            .map(|e| e.value)
+            .ok_or(NcErrorKind::ParameterUnset(index))
+    }
+
+    /// Writes a parameter.
+    pub fn set(&mut self, index: u32, value: f64) -> Result<(), NcErrorKind> {
+        match self.entries.binary_search_by_key(&index, |e| e.index) {
+            Ok(at) => {
+                if let Some(entry) = self.entries.get_mut(at) {
+                    entry.value = value;
+                }
+                Ok(())
+            }
+            Err(at) => {
+                // Shifts the tail by one: at most PARAMETERS moves.
+                let mut entry = Entry { index, value };
+                for slot in self.entries.iter_mut().skip(at) {
+                    core::mem::swap(slot, &mut entry);
+                }
+                self.entries.push(entry).map_err(|_| NcErrorKind::TooManyParameters)
+            }
+        }
+    }
+}
+
+/// A parameter index from the result of an expression: cut to a whole number above 0.
+pub(super) fn index(value: f64) -> Result<u32, NcErrorKind> {
+    if (1.0..4e9).contains(&value) { Ok(value as u32) } else { Err(NcErrorKind::ParameterIndex) }
+}
