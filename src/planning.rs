@@ -168,10 +168,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             if let Some(phase) = self.emitter.step() {
                 return Ok(self.hand_over(phase));
             }
-            if self.emitter.is_done() && self.stops {
+            if self.stops {
                 self.emitter.settle();
             }
-            return Ok(Work::Working);
         }
         match self.stage {
             Stage::Passing(batch) => {
