@@ -22,10 +22,10 @@ struct Panel<'a> {
 
 /// Draws the three charts into `area`.
 pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
-    let main = scene.machine.main_axes();
+    let main = &scene.picture.axes;
     let rapid = scene.program.motions().any(|segment| segment.feed.is_none());
     let [mut up, mut down, mut jerk] = [0.0_f64; 3];
-    for &index in &main {
+    for &index in main {
         let limits = limits(&scene.machine.axes[index]);
         up = up.max(limits.accel_feed).max(if rapid { limits.accel_rapid } else { 0.0 });
         down = down.max(limits.brake_feed).max(if rapid { limits.accel_rapid } else { 0.0 });
@@ -35,7 +35,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     let panels = [
         Panel {
             title: "Path speed",
-            unit: "mm/s",
+            unit: "/s",
             path: 0,
             axes: Vec::new(),
             limits: Vec::new(),
@@ -44,7 +44,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
         },
         Panel {
             title: "Acceleration",
-            unit: "mm/s²",
+            unit: "/s²",
             path: 1,
             axes: axes(0),
             limits: vec![(up, "axis limit"), (-down, "")],
@@ -53,7 +53,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
         },
         Panel {
             title: "Jerk",
-            unit: "mm/s³",
+            unit: "/s³",
             path: 2,
             axes: axes(1),
             limits: vec![(jerk, "axis limit"), (-jerk, "")],
@@ -61,7 +61,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
             signed: true,
         },
     ];
-    let gap = 46.0;
+    let gap = 52.0;
     let height = (area.height - 2.0 * gap - 34.0) / 3.0;
     for (index, panel) in panels.iter().enumerate() {
         let frame = Rect {
@@ -141,11 +141,15 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Sce
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     canvas.text(Point(frame.x, above), panel.title, &title);
     let unit = Point(frame.x + Font::new(title.size, true).width(panel.title) + 8.0, above);
-    canvas.text(unit, panel.unit, &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
+    canvas.text(
+        unit,
+        &format!("{}{}", scene.picture.unit, panel.unit),
+        &TextStyle { size: 12.0, ..TextStyle::new(SOFT) },
+    );
 
     let mut names: Vec<(String, Colour, bool)> = Vec::new();
     names.push(("path".into(), INK, false));
-    for (&index, colour) in scene.machine.main_axes().iter().zip(AXES) {
+    for (&index, colour) in scene.picture.axes.iter().zip(AXES) {
         if !panel.axes.is_empty() {
             names.push((scene.machine.axes[index].name.as_str().to_owned(), colour, false));
         }
