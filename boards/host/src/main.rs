@@ -101,7 +101,14 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         None => None,
     };
 
-    let program = program::decode(&source, &machine)?;
+    let program = match program::decode(&source, &machine) {
+        Ok(program) => program,
+        // An earlier command may be refused by the planner: the first one counts.
+        Err(refusal) => {
+            let empty = program::Program::empty(&machine);
+            return Err(run::simulate(&source, &machine, &empty, None, false).err().unwrap_or(refusal));
+        }
+    };
     let (result, picture) = run::simulate(&source, &machine, &program, trace, arguments.plot.is_some())?;
 
     let summary = summary::Summary::new(&source, &machine, &program, &result);

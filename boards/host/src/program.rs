@@ -149,6 +149,11 @@ pub fn refusal(source: &Source, error: &Error) -> Diagnostic {
 }
 
 impl Program {
+    /// One without blocks.
+    pub fn empty(machine: &Machine) -> Self {
+        Self { start: vec![0.0; machine.axes.len()], segments: Vec::new(), motions: 0, warnings: Vec::new() }
+    }
+
     fn add<const AXES: usize>(
         &mut self,
         motion: &Motion<AXES>,
