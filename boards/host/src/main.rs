@@ -19,6 +19,7 @@ use clap::{Parser, Subcommand};
 use diagnose::{Diagnostic, Source};
 use machine::Machine;
 use output::Outputs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -128,7 +129,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     for warning in &program.warnings {
         warning.print();
     }
-    anstream::print!("{}", summary.to_text());
+    say(&summary.to_text());
     Ok(())
 }
 
@@ -139,6 +140,11 @@ fn check(program: &std::path::Path, machine: Option<&std::path::Path>) -> Result
     for warning in &program.warnings {
         warning.print();
     }
-    anstream::println!("{}: {}", source.name, program.describe());
+    say(&format!("{}: {}\n", source.name, program.describe()));
     Ok(())
+}
+
+/// On the standard output; a reader that has gone away is no failure of the run.
+fn say(text: &str) {
+    let _ = anstream::stdout().write_all(text.as_bytes());
 }
