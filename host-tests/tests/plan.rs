@@ -91,15 +91,33 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
     largest
 }
 
-#[test]
-fn the_library_plans_what_the_reference_plans() {
+fn same_plan<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
     let mut worst = 0.0_f64;
-    for seed in 2500..2530 {
-        let mix = if seed % 5 == 4 { Mix::surface(3, 500) } else { Mix::general(3, 60) };
-        for machine in [machines::even::<3>(1000), machines::uneven(1000), machines::mill(1000)] {
-            worst = worst.max(compare(&program(seed, mix), &machine));
+    for program in programs {
+        for machine in
+            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+        {
+            worst = worst.max(compare(&program, &machine));
         }
     }
-    println!("{worst}");
+    println!("largest relative difference {worst:.2e}");
     assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans() {
+    same_plan::<1>((2500..2510).map(|seed| program(seed, Mix::general(1, 60))), 1000);
+    same_plan::<2>((2510..2520).map(|seed| program(seed, Mix::general(2, 60))), 1000);
+    same_plan::<3>((2520..2540).map(|seed| program(seed, Mix::general(3, 60))), 1000);
+    same_plan::<3>((2540..2550).map(|seed| program(seed, Mix::surface(3, 500))), 1000);
+    same_plan::<6>((2550..2560).map(|seed| program(seed, Mix::general(6, 60))), 1000);
+    same_plan::<3>((2560..2564).map(|seed| program(seed, Mix::general(3, 60))), 250);
+    same_plan::<3>((2564..2570).map(|seed| program(seed, Mix::general(3, 60))), 4000);
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans_at_the_edges() {
+    same_plan::<3>(edges::three_axes().into_iter(), 1000);
+    same_plan::<4>(edges::rotary().into_iter(), 1000);
+    same_plan::<3>([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)].into_iter(), 1000);
 }

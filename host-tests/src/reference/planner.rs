@@ -4,7 +4,9 @@
 //! then it is filled again. At the end of the program all that is left is handed on.
 use super::geometry::Contour;
 use super::limits::{BlockLimits, Machine, path_length};
-use super::profile::{Profile, reach};
+use super::profile::{Change, Profile, reach};
+use glidepath::channel::PlannedBlock;
+use glidepath::quantity::Speed;
 
 /// What the plan needs of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,4 +80,19 @@ fn entries(blocks: &[Block]) -> Vec<f64> {
         .collect();
     entries.reverse();
     entries
+}
+
+/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the duration at
+/// the highest speed.
+pub fn laws(blocks: &[Block], planned: &[PlannedBlock]) -> Vec<Profile> {
+    let law = |(block, planned): (&Block, &PlannedBlock)| {
+        let speed = |v: Speed| v.to_bits() as f64 / 2f64.powi(58);
+        let (v_in, v_peak, v_out) = (speed(planned.v_in), speed(planned.v_peak), speed(planned.v_out));
+        let rise = Change::new(v_in, v_peak, block.limits.accelerate());
+        let fall = Change::new(v_out, v_peak, block.limits.brake().reversed());
+        let time = planned.time.to_bits() as f64 / 2f64.powi(36);
+        let length = planned.length.to_bits() as f64 / 2f64.powi(44);
+        Profile { v_in, v_peak, v_out, length, cruise: time - rise.time() - fall.time(), rise, fall }
+    };
+    blocks.iter().zip(planned).map(law).collect()
 }
