@@ -56,6 +56,12 @@ pub fn bench(accept: bool) -> Result<(), String> {
     if accept { figures::accept(&measured) } else { figures::compare(&measured) }
 }
 
+/// The panic proof only: `cargo xtask hil --panic`.
+pub fn panic_proof() -> Result<(), String> {
+    step("no panicking path");
+    no_panic(&Firmware::prepare(Place::Emulator)?)
+}
+
 fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, String> {
     let output = firmware.run("same")?;
     let runs = target::read_runs(&String::from_utf8_lossy(&output.out))?;
@@ -185,7 +191,11 @@ fn no_panic(firmware: &Firmware) -> Result<(), String> {
         ));
     }
     eprintln!("   an unchecked index is refused by the linker");
-    firmware.build(TESTS, &["--bin", "nopanic"], &[])?;
+    if let Err(error) = firmware.build(TESTS, &["--bin", "nopanic"], &[]) {
+        firmware.build(TESTS, &["--bin", "nopanic", "--features", "locate"], &[])?;
+        let places = elf::panic_locations(&binary("nopanic")?).join("\n   ");
+        return Err(format!("{error}\nplaces that can panic, standard library's own included:\n   {places}"));
+    }
     panic_symbols("nopanic")?;
     for features in ["", "hardware"] {
         firmware.build(BOARD, &["--features", features], &[])?;
@@ -194,9 +204,14 @@ fn no_panic(firmware: &Firmware) -> Result<(), String> {
     Ok(())
 }
 
+fn binary(name: &str) -> Result<Vec<u8>, String> {
+    let file = artifact(name);
+    std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))
+}
+
 fn panic_symbols(name: &str) -> Result<(), String> {
     let file = artifact(name);
-    let bytes = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let bytes = binary(name)?;
     let symbols = elf::symbols(&bytes).ok_or_else(|| format!("{}: no symbol table", file.display()))?;
     let panics = |symbol: &&String| {
         symbol.contains("9panicking") || symbol.contains("rust_begin_unwind") || symbol.contains("panic_fmt")
