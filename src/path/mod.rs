@@ -150,7 +150,16 @@ impl<const AXES: usize> Shape<AXES> {
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(1);
-        Self { length, gain: [0; AXES], a: [0; 2], grow: [0; 2], miss: [0; 2], turn: 0, plane: [NO_PLANE; 2], shift }
+        Self {
+            length,
+            gain: [0; AXES],
+            a: [0; 2],
+            grow: [0; 2],
+            miss: [0; 2],
+            turn: 0,
+            plane: [NO_PLANE; 2],
+            shift,
+        }
     }
 
     /// Whether it is an arc.

@@ -92,7 +92,8 @@ impl Change {
 
     /// The same change in `factor`·2^-62 of the time.
     fn shrunk(&self, factor: u64) -> Self {
-        let times = self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
+        let times =
+            self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
         Self::new(self.speeds[0], self.speeds[3], times)
     }
 
