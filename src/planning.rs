@@ -27,8 +27,8 @@ pub enum Work {
     Working,
     /// The queue is full.
     Waiting,
-    /// A block has its time law.
-    Planned(PlannedBlock),
+    /// A block has its time law: [`Planning::planned`].
+    Planned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
 }
@@ -68,6 +68,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     blocks: u32,
     /// Blocks taken in.
     taken: u32,
+    planned: PlannedBlock,
     queue: Sender<'a, AXES>,
 }
 
@@ -95,6 +96,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             distance: Distance::ZERO,
             blocks: 0,
             taken: 0,
+            planned: PlannedBlock::default(),
             queue,
         }
     }
@@ -231,7 +233,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         block.shape.at(length.to_bits(), &base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
         self.blocks = self.blocks.wrapping_add(1);
-        Ok(Work::Planned(PlannedBlock {
+        self.planned = PlannedBlock {
             block: segment.block,
             n: block.n,
             place: block.place,
@@ -241,7 +243,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             v_out: release.v_out,
             time: profile.time(),
             wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
-        }))
+        };
+        Ok(Work::Planned)
+    }
+
+    /// The block planned last.
+    pub fn planned(&self) -> &PlannedBlock {
+        &self.planned
     }
 
     fn come_to_rest(&mut self) -> Work {

@@ -8,7 +8,7 @@
 //! 2^-58 mm the cubic stays within 2^-41 mm.
 use super::profile::{Change, Profile};
 use crate::math::divide::div_wide;
-use crate::math::wide::{mul_shift, mul_wide};
+use crate::math::wide::{mul_hi, mul_shift, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::Phase;
 
@@ -144,7 +144,11 @@ impl Emitter {
             self.reciprocal_of = part.time;
         }
         // per_tick: x / time; fraction: t / time, LSB 2^-62
-        let per_tick = |x: i64| mul_shift(x, self.reciprocal as i64, 90 - self.zeros);
+        let per_tick = |x: i64| {
+            let x = mul_hi(x, self.reciprocal as i64);
+            // A part below two ticks has so few of them that the bits missing on the right do not add up.
+            if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
+        };
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
         let by = |x: i64, u: i64| mul_shift(x, u, 62);
         let slope = per_tick(delta);

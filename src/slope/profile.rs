@@ -6,9 +6,8 @@
 //! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
 //! that, and [`Profile::plan`] verifies it.
 use super::ramp::{Ramp, root_of_cubic};
-use crate::lookahead::{Limits, min};
+use crate::lookahead::{Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
-use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
 
@@ -71,8 +70,11 @@ impl Change {
             let size = div_wide(hi, lo, whole.max(1)) as i64;
             if dv < 0 { -size } else { size }
         };
-        let first = part(t1);
-        let last = if t3 == t1 { first } else { part(t3) };
+        let [first, last] = match (t1 == t3, t2 == 0) {
+            (true, true) => [dv >> 1, dv - (dv >> 1)],
+            (true, false) => [part(t1); 2],
+            _ => [part(t1), part(t3)],
+        };
         let [a, b] = [v0 + first, v1 - last];
         // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
@@ -105,7 +107,10 @@ impl Change {
         let whole = t1 + 2 * t2 + t3;
         let within = |a: i64| dv <= mul_shift(a, whole as i64, 37) + ROUNDING;
         let jerk = |j: f32, t: u64| t == 0 || within(mul_shift(speed_bits(j * JERK_SLACK), t as i64, 36));
-        dv == 0 || (within(speed_bits(a * ACCEL_SLACK)) && jerk(j_first, t1) && jerk(j_last, t3))
+        let jerks = || {
+            if t1 == t3 { jerk(min(j_first, j_last), t1) } else { jerk(j_first, t1) && jerk(j_last, t3) }
+        };
+        dv == 0 || (within(speed_bits(a * ACCEL_SLACK)) && jerks())
     }
 }
 
@@ -179,51 +184,42 @@ impl Profile {
 
 /// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length allows.
 ///
-/// The distance of both slopes grows with the peak; the root is bracketed and found by the Illinois form of the
-/// secant method in a bounded number of steps.
+/// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
+/// halves where a step leaves it; the first guess is exact from rest to rest.
 fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
         return 0;
     }
     let [from_in, from_out] = [v_in, v_out].map(speed_f32);
-    let [above_in, above_out] = [v_in, v_out].map(|v| speed_f32(low - v));
+    let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { speed_f32(low - v) });
     let target = length as f32 * (1.0 / (1u64 << 44) as f32);
-    let excess =
-        |x: f32| up.distance(from_in, above_in + x) + down.distance(from_out, above_out + x) - target;
-    let [mut x0, mut x1] = [0.0, speed_f32(limit)];
-    let mut over = excess(x1);
-    if over <= 0.0 {
+    let excess = |x: f32| {
+        let [s0, d0] = up.distance(from_in, above_in + x);
+        let [s1, d1] = down.distance(from_out, above_out + x);
+        [s0 + s1 - target, d0 + d1]
+    };
+    let [mut below, mut above] = [0.0, speed_f32(limit)];
+    if excess(above)[0] <= 0.0 {
         return limit;
     }
-    let mut under = excess(x0);
-    if under >= 0.0 {
+    if v_in != v_out && excess(below)[0] >= 0.0 {
         return 0;
     }
-    let mut x = triangular(up, down, speed_f32(low), -under);
-    if x >= x1 {
-        x = x1 * sqrt_f32(min(under / (under - over), 1.0));
-    }
-    let mut last_over = false;
-    for step in 0..PEAK_STEPS {
-        let value = excess(x);
-        let same = step > 0 && last_over == (value > 0.0);
-        last_over = value > 0.0;
-        if last_over {
-            (x1, over) = (x, value);
-            if same {
-                under *= 0.5;
-            }
-        } else {
-            (x0, under) = (x, value);
-            if same {
-                over *= 0.5;
-            }
+    let mut x = triangular(up, down, max(from_in, from_out), target);
+    for _ in 0..PEAK_STEPS {
+        if !(x > below && x < above) {
+            x = 0.5 * (below + above);
         }
-        let next = x0 + (x1 - x0) * (under / (under - over));
-        let step = next - x;
-        x = next;
-        if value == 0.0 || step * step <= x * x * CLOSE {
+        let [over, slope] = excess(x);
+        if over > 0.0 {
+            above = x;
+        } else {
+            below = x;
+        }
+        let step = over / slope;
+        x -= step;
+        if step * step <= x * x * CLOSE {
             break;
         }
     }
@@ -233,8 +229,8 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
     if gain < low >> 22 { 0 } else { gain }
 }
 
-/// Square of 2^-16: after a step so small the error is below the LSB of `f32`.
-const CLOSE: f32 = 1.0 / (1u64 << 32) as f32;
+/// Square of 2^-12: Newton's next step would be about the square of that.
+const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
 
 /// The peak above `low` if both speeds were `low` and no plateau were reached: with u = √x both slopes together take
 /// c1·u + c3·u³. Exact from rest to rest, a good guess elsewhere.

@@ -52,16 +52,17 @@ impl Ramp {
         }
     }
 
-    /// Path length of the change by `dv` from `low` on.
-    pub fn distance(&self, low: f32, dv: f32) -> f32 {
+    /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
+    pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;
-            low * (self.rise + hold + self.fall)
-                + self.cubic
-                + self.a * hold * (0.5 * (self.rise + hold) + self.fall)
+            let length = linear + low * hold + self.cubic + self.a * hold * (0.5 * (self.rise + hold) + self.fall);
+            [length, low / self.a + 0.5 * self.rise + hold + self.fall]
         } else {
-            let k = sqrt_f32(max(dv, 0.0) / self.full);
-            k * (low * (self.rise + self.fall) + self.cubic * k * k)
+            let k = sqrt_f32(max(dv, f32::MIN_POSITIVE) / self.full);
+            let square = self.cubic * k * k;
+            [k * (linear + square), (linear + 3.0 * square) / (2.0 * k * self.full)]
         }
     }
 
