@@ -80,7 +80,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
-                Phase::Heads => Err(Refusal::At(self.here(), NcErrorKind::NoMainProgram)),
+                Phase::Heads => Err(Refusal::At(self.reader.here(), NcErrorKind::NoMainProgram)),
                 Phase::Start | Phase::Ended => {
                     self.interpreter.phase = Phase::Ended;
                     Ok(Next::Line)
@@ -95,11 +95,6 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             }
             Err(refusal) => Err(self.error(refusal)),
         }
-    }
-
-    fn here(&self) -> Place {
-        let mark = self.reader.next_start();
-        Place { line: mark.line, column: 1, length: 0, offset: mark.offset }
     }
 
     /// Adds place and text to a refusal.

@@ -97,7 +97,7 @@ impl Function {
             Self::Sin => real::sin_cos(x).map(|(s, _)| s),
             Self::Cos => real::sin_cos(x).map(|(_, c)| c),
             Self::Tan => real::tan(x),
-            Self::Cot => real::sin_cos(x).and_then(|(s, c)| (s != 0.0).then(|| c / s)),
+            Self::Cot => real::cot(x),
             Self::Asin => real::asin(x),
             Self::Acos => real::acos(x),
             Self::Atan => Some(real::atan(x)),

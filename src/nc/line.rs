@@ -144,6 +144,11 @@ impl<T: Text> LineReader<T> {
         Mark { offset: self.offset, line: self.line }
     }
 
+    /// Where the next byte stands.
+    pub const fn here(&self) -> Place {
+        Place { line: self.line, column: self.column, length: 0, offset: self.offset }
+    }
+
     /// Reads on until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.fresh {
@@ -162,7 +167,7 @@ impl<T: Text> LineReader<T> {
                 let nothing = self.offset == self.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
-            let here = Place { line: self.line, column: self.column, length: 1, offset: self.offset };
+            let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
             self.column = self.column.saturating_add(1);
             if byte == b'\n' {
@@ -239,7 +244,7 @@ impl<T: Text> LineReader<T> {
 
     fn next_byte(&mut self) -> Result<Option<u8>, NcError> {
         if self.used >= self.filled {
-            let place = Place { line: self.line, column: self.column, length: 0, offset: self.offset };
+            let place = self.here();
             let count = self
                 .text
                 .read(self.offset, &mut self.chunk)
