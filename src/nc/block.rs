@@ -168,9 +168,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             after: Vec::new(),
             ends: None,
         };
+        let first = c.mark();
         while !c.at_end() {
             if let Some(single) = self.word(c, line, &mut w)? {
-                if w.first.is_some() || !w.before.is_empty() || !w.after.is_empty() {
+                if usize::from(single.at) != first {
                     return single.fault(NcErrorKind::NotAlone("an axis command"));
                 }
                 c.require_end("an axis command")?;
@@ -475,6 +476,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     });
                 };
                 push(&mut w.before, given.span, ItemKind::Spindle(speed))?;
+                move_into_order(&mut w.before);
             }
         }
         if let Some(given) = w.radius {
@@ -723,6 +725,19 @@ fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Resul
 
 fn push<const SIZE: usize>(list: &mut Vec<Item, SIZE>, span: Span, kind: ItemKind) -> Result<(), Fault> {
     list.push(Item { span, kind }).map_err(|_| Fault { span, kind: NcErrorKind::BlockTooFull })
+}
+
+/// Moves the last item to its place in the order of the text.
+fn move_into_order(items: &mut [Item]) {
+    let Some(mut last) = items.last().copied() else { return };
+    for item in items.iter_mut() {
+        if item.span.at > last.span.at {
+            core::mem::swap(item, &mut last);
+        }
+    }
+    if let Some(slot) = items.last_mut() {
+        *slot = last;
+    }
 }
 
 /// Stores a word that a block may hold once.
