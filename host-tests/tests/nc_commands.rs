@@ -75,19 +75,28 @@ fn ranges(rows: &[(&str, &[&str], &[&str])]) {
 
 #[test]
 fn contour_switches_d3_015_to_017_and_059_to_061() {
-    let switch = |text: &str| commands(text).iter().find_map(|c| if let Command::Contour(h, c) = c { Some((h.in_motion, c.switch)) } else { None });
+    let switch = |text: &str| {
+        commands(text)
+            .iter()
+            .find_map(|c| if let Command::Contour(h, c) = c { Some((h.in_motion, c.switch)) } else { None })
+    };
     assert_eq!(switch("F1 X1 G61"), Some((true, Some(ContourSwitch::Block))));
     assert_eq!(switch("G261"), Some((false, Some(ContourSwitch::On))));
     assert_eq!(switch("F1 G260 X1"), Some((true, Some(ContourSwitch::Off))));
     assert_eq!(contour("ON").switch, Some(ContourSwitch::On));
     assert_eq!(contour("OFF").switch, Some(ContourSwitch::Off));
     let on = contour("ON [DEV PATH_DEV=1.0]");
-    assert_eq!((on.switch, on.method, on.path_dev), (Some(ContourSwitch::On), Some(ContourMethod::Dev), mm(1.0)));
+    assert_eq!(
+        (on.switch, on.method, on.path_dev),
+        (Some(ContourSwitch::On), Some(ContourMethod::Dev), mm(1.0))
+    );
 }
 
 #[test]
 fn contour_methods_d3_062_to_088() {
-    let c = contour("[DEV, PATH_DEV 5, RELEVANT_PATH 2 TRACK_DEV=1 RELEVANT_TRACK=0.2 REMAIN_PART=10 CHECK_JERK=2 MAX_ANGLE=73 CONST_VEL=1, POST_ACTION]");
+    let c = contour(
+        "[DEV, PATH_DEV 5, RELEVANT_PATH 2 TRACK_DEV=1 RELEVANT_TRACK=0.2 REMAIN_PART=10 CHECK_JERK=2 MAX_ANGLE=73 CONST_VEL=1, POST_ACTION]",
+    );
     let expected = Contour {
         method: Some(ContourMethod::Dev),
         action: Some(ContourAction::Post),
@@ -102,7 +111,11 @@ fn contour_methods_d3_062_to_088() {
         ..Contour::default()
     };
     assert_eq!(c, expected);
-    assert_eq!(contour("[CHECK_JERK=1]"), Contour { check_jerk: Some(1), ..Contour::default() }, "single keywords");
+    assert_eq!(
+        contour("[CHECK_JERK=1]"),
+        Contour { check_jerk: Some(1), ..Contour::default() },
+        "single keywords"
+    );
     assert_eq!(contour("[PRE_ACTION]").action, Some(ContourAction::Pre));
     assert_eq!(contour("[INTER_ACTION]").action, Some(ContourAction::Inter));
 }
@@ -128,13 +141,21 @@ fn contour_pos_d3_105_to_114() {
 
 #[test]
 fn contour_dynamic_methods_d3_117_to_148() {
-    let c = contour("[DIST_SOFT PATH_DIST=-1 TRACK_DIST=12 ACC_MAX=90 ACC_MIN=40 RAMP_TIME=10000 DIST_WEIGHT=100]");
+    let c = contour(
+        "[DIST_SOFT PATH_DIST=-1 TRACK_DIST=12 ACC_MAX=90 ACC_MIN=40 RAMP_TIME=10000 DIST_WEIGHT=100]",
+    );
     assert_eq!((c.method, c.path_dist, c.track_dist), (Some(ContourMethod::DistSoft), mm(-1.0), mm(12.0)));
-    assert_eq!((c.acc_max, c.acc_min, c.ramp_time, c.dist_weight), (mm(90.0), mm(40.0), mm(10_000.0), mm(100.0)));
+    assert_eq!(
+        (c.acc_max, c.acc_min, c.ramp_time, c.dist_weight),
+        (mm(90.0), mm(40.0), mm(10_000.0), mm(100.0))
+    );
     let c = contour("[DIST_MASTER SYM_DIST=3 ACC_MAX=50]");
     assert_eq!((c.method, c.sym_dist), (Some(ContourMethod::DistMaster), mm(3.0)));
     let c = contour("[PTP PATH_DEV=5 PATH_DIST=6 MERGE=0 INTER_ACTION]");
-    assert_eq!((c.method, c.path_dev, c.path_dist, c.merge), (Some(ContourMethod::Ptp), mm(5.0), mm(6.0), Some(false)));
+    assert_eq!(
+        (c.method, c.path_dev, c.path_dist, c.merge),
+        (Some(ContourMethod::Ptp), mm(5.0), mm(6.0), Some(false))
+    );
 }
 
 #[test]
@@ -159,7 +180,9 @@ fn contour_ranges() {
 
 #[test]
 fn hsc_surface_d3_161_to_173() {
-    let h = hsc("ON [SURFACE PATH_DEV=0.02 PATH_DEV_G00=1 TRACK_DEV=3 TRACK_DEV_G00=4 MAX_ANGLE=150 CHECK_JERK=0 AUTO_OFF_G00=1 CIR_MODE=2 CIR_MIN_ANGLE=40 CIR_MIN_RADIUS=0.5 MERGE=1 LENGTH_LONG_CIR=3]");
+    let h = hsc(
+        "ON [SURFACE PATH_DEV=0.02 PATH_DEV_G00=1 TRACK_DEV=3 TRACK_DEV_G00=4 MAX_ANGLE=150 CHECK_JERK=0 AUTO_OFF_G00=1 CIR_MODE=2 CIR_MIN_ANGLE=40 CIR_MIN_RADIUS=0.5 MERGE=1 LENGTH_LONG_CIR=3]",
+    );
     let expected = Hsc {
         switch: Some(true),
         method: Some(HscMethod::Surface),
@@ -184,12 +207,17 @@ fn hsc_surface_d3_161_to_173() {
     assert_eq!(hsc("ON[SURFACE PATH_DEV 0.1]").method, Some(HscMethod::Surface), "no blank");
     let first = error("#HSC ON [PATH_DEV=1 SURFACE]").kind;
     assert_eq!(first, NcErrorKind::KeywordMismatch { with: "a keyword before it" });
-    assert_eq!(error("#HSC [SURFACE AUTO_OFF_PATH=1]").kind, NcErrorKind::KeywordMismatch { with: "SURFACE" });
+    assert_eq!(
+        error("#HSC [SURFACE AUTO_OFF_PATH=1]").kind,
+        NcErrorKind::KeywordMismatch { with: "SURFACE" }
+    );
 }
 
 #[test]
 fn hsc_bspline_d3_183_to_192() {
-    let h = hsc("ON [BSPLINE PATH_DEV=0.2 TRACK_DEV=0 MERGE=1 AUTO_OFF_PATH=1 AUTO_OFF_TRACK=0 AUTO_OFF_G00=1 AUTO_OFF_G60=1 MAX_PATH_LENGTH=9 MAX_ANGLE=100]");
+    let h = hsc(
+        "ON [BSPLINE PATH_DEV=0.2 TRACK_DEV=0 MERGE=1 AUTO_OFF_PATH=1 AUTO_OFF_TRACK=0 AUTO_OFF_G00=1 AUTO_OFF_G60=1 MAX_PATH_LENGTH=9 MAX_ANGLE=100]",
+    );
     let expected = Hsc {
         switch: Some(true),
         method: Some(HscMethod::Bspline),
@@ -230,14 +258,25 @@ fn hsc_ranges() {
 
 #[test]
 fn slope_d3_201_to_207() {
-    for (text, kind) in [("STEP", SlopeType::Step), ("TRAPEZ", SlopeType::Trapez), ("SIN2", SlopeType::Sin2), ("HSC", SlopeType::Hsc)] {
+    for (text, kind) in [
+        ("STEP", SlopeType::Step),
+        ("TRAPEZ", SlopeType::Trapez),
+        ("SIN2", SlopeType::Sin2),
+        ("HSC", SlopeType::Hsc),
+    ] {
         assert_eq!(slope(&format!("#SLOPE [TYPE={text}]")), Slope { kind: Some(kind), ..Slope::default() });
     }
-    assert_eq!(slope("#SLOPE[TYPE=HSC NO_OPT=0]"), Slope { kind: Some(SlopeType::Hsc), no_opt: Some(false), default: false });
+    assert_eq!(
+        slope("#SLOPE[TYPE=HSC NO_OPT=0]"),
+        Slope { kind: Some(SlopeType::Hsc), no_opt: Some(false), default: false }
+    );
     assert_eq!(slope("#SLOPE DEFAULT"), Slope { default: true, ..Slope::default() });
     assert_eq!(slope("#SET SLOPE PROFIL [1]").kind, Some(SlopeType::Trapez));
     assert_eq!(slope("#SET SLOPE PROFIL [TYPE=SIN2]").kind, Some(SlopeType::Sin2));
-    ranges(&[("#SLOPE [TYPE=HSC NO_OPT={}]", &["2"], &["1"]), ("#SET SLOPE PROFIL [{}]", &["4"], &["0", "3"])]);
+    ranges(&[
+        ("#SLOPE [TYPE=HSC NO_OPT={}]", &["2"], &["1"]),
+        ("#SET SLOPE PROFIL [{}]", &["4"], &["0", "3"]),
+    ]);
     assert_eq!(error("#SLOPE [TYPE=LINEAR]").kind, NcErrorKind::Expected("STEP, TRAPEZ, SIN2 or HSC"));
 }
 
@@ -277,7 +316,10 @@ fn vector_limit_d3_215_gaps_4() {
     assert!(l.on && l.feed && l.rapid && !l.all);
     assert!(limit("ON ALL").all);
     let off = limit("OFF [ACC] [VEL]");
-    assert_eq!((off.on, off.acc, off.dec, off.vel), (false, Some(Limit::Channel), None, Some(Limit::Channel)));
+    assert_eq!(
+        (off.on, off.acc, off.dec, off.vel),
+        (false, Some(Limit::Channel), None, Some(Limit::Channel))
+    );
     assert!(limit("OFF ALL").all);
     let more = limit("ON [RADIAL_ACC=1 RADIAL_JERK=2 JERK=3 TRANS_ACC=4]");
     assert_eq!((more.radial_acc, more.trans_acc), (mm(1.0).map(Limit::Is), mm(4.0).map(Limit::Is)));
@@ -299,8 +341,14 @@ fn splines_gaps_3() {
     let ends = Spline::Transition { start: Some(Tangent::Tangential), end: Some(Tangent::User) };
     assert_eq!(spline("#AKIMA TRANS [START=TANGENTIAL END=USER]"), ends);
     assert_eq!(spline("#SET ASPLINE MODE [2,3]"), ends);
-    assert_eq!(spline("#AKIMA TRANS [END=AUTO]"), Spline::Transition { start: None, end: Some(Tangent::Auto) });
-    assert_eq!(spline("#AKIMA STARTVECTOR X1 Y-0.5 C2"), Spline::StartVector([mm(1.0), mm(-0.5), None, None, mm(2.0)]));
+    assert_eq!(
+        spline("#AKIMA TRANS [END=AUTO]"),
+        Spline::Transition { start: None, end: Some(Tangent::Auto) }
+    );
+    assert_eq!(
+        spline("#AKIMA STARTVECTOR X1 Y-0.5 C2"),
+        Spline::StartVector([mm(1.0), mm(-0.5), None, None, mm(2.0)])
+    );
     assert_eq!(spline("#AKIMA ENDVECTOR Z=1"), Spline::EndVector([None, None, mm(1.0), None, None]));
 }
 
@@ -401,7 +449,10 @@ fn oscillation_on_a8_019_to_040() {
     let short = on("C[OSC ON 1ST_POS=10 2ND_POS=350 FEED=1000 SHORT]");
     assert_eq!((short.0, short.1, short.6), (p(10.0), p(350.0), true));
     assert_eq!(oscillation("C[OSC OFF]").axis, 4);
-    match commands("G92 X10\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 INCL_OFFSETS]\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1]")[..] {
+    match commands(
+        "G92 X10\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 INCL_OFFSETS]\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1]",
+    )[..]
+    {
         [Command::Oscillation(_, a), Command::Oscillation(_, b)] => {
             assert!(matches!(a.action, OscillationAction::On { first, .. } if first == 11));
             assert!(matches!(b.action, OscillationAction::On { first, .. } if first == 1));
@@ -451,7 +502,9 @@ fn independent_axes_d3_271() {
         }
         other => panic!("{other:?}"),
     }
-    assert!(matches!(one("Y[INDP_SYN G00 G91 POS=1]"), Command::Independent(_, i) if i.synchronous && i.rapid && i.relative));
+    assert!(
+        matches!(one("Y[INDP_SYN G00 G91 POS=1]"), Command::Independent(_, i) if i.synchronous && i.rapid && i.relative)
+    );
 }
 
 #[test]
@@ -468,7 +521,10 @@ fn feed_modes_and_exact_stop_gaps_6_and_11() {
 #[test]
 fn every_command_knows_its_place_and_name() {
     for command in commands(include_str!("../programs/nc/everything.nc")) {
-        assert!(command.place().line > 0 && command.place().column > 0 && command.place().length > 0, "{command:?}");
+        assert!(
+            command.place().line > 0 && command.place().column > 0 && command.place().length > 0,
+            "{command:?}"
+        );
         assert!(!command.name().is_empty());
     }
 }
@@ -478,6 +534,9 @@ fn sizes() {
     let setup = std::mem::size_of::<Setup<3>>();
     let decoder = std::mem::size_of::<Decoder<&[u8], 3>>();
     let parameters = PARAMETERS * 16;
-    println!("decoder {decoder}, of it parameters {parameters}, setup {setup}; command {}", std::mem::size_of::<Command<3>>());
+    println!(
+        "decoder {decoder}, of it parameters {parameters}, setup {setup}; command {}",
+        std::mem::size_of::<Command<3>>()
+    );
     assert!(decoder - parameters <= 6 * 1024);
 }

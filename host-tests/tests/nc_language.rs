@@ -20,10 +20,15 @@ fn ns(text: &str) -> Vec<u32> {
 
 #[test]
 fn nc_001_heads_local_subroutines_and_ends() {
-    let text = "%L one\nN1 G0 X1\nM29\n%L two\nN2 X2\nLL one\nM17\n%main\nLL one\nN3 X3\nLL two\nN4 X4 M30\nN5 X5\n";
+    let text =
+        "%L one\nN1 G0 X1\nM29\n%L two\nN2 X2\nLL one\nM17\n%main\nLL one\nN3 X3\nLL two\nN4 X4 M30\nN5 X5\n";
     assert_eq!(ns(text), [1, 3, 2, 1, 4], "nothing after M30");
     assert_eq!(ns("N1 G0 X1\nN2 X2"), [1, 2], "file without a head");
-    assert_eq!(ns("%L s\nN1 G0 X1\n%main\nLL s\nN2 X2\n%other\nN9 X9"), [1, 2], "the next head ends a program");
+    assert_eq!(
+        ns("%L s\nN1 G0 X1\n%main\nLL s\nN2 X2\n%other\nN9 X9"),
+        [1, 2],
+        "the next head ends a program"
+    );
     assert_eq!(ns("%main (comment) ; another\nN1 G0 X1"), [1]);
     assert_eq!(ns("% name\nN1 G0 X1"), [1], "blank after %");
     let ends = commands("G0 X1 M02");
@@ -52,7 +57,10 @@ fn nc_001_calls_nest_and_return_out_of_control_blocks() {
 
 #[test]
 fn nc_002_block_numbers() {
-    assert_eq!(ns("N10 G0 X1\nN10 X2\nX3\nN907090 X4\nP123=7.9\nNP123 X5\nN 20 X6\nN0030 X7"), [10, 10, 0, 907_090, 7, 20, 30]);
+    assert_eq!(
+        ns("N10 G0 X1\nN10 X2\nX3\nN907090 X4\nP123=7.9\nNP123 X5\nN 20 X6\nN0030 X7"),
+        [10, 10, 0, 907_090, 7, 20, 30]
+    );
 }
 
 #[test]
@@ -97,7 +105,11 @@ fn nc_004_arcs_by_centre() {
     assert_eq!(arc("F1 X10 Y5\nG162 G03 X20 J-5"), at(Plane::G17, false, 10.0, 0.0));
     assert_eq!(arc("F1 X10 Z5\nG18 G03 X20 K1 I2"), at(Plane::G18, false, 6.0, 12.0));
     assert_eq!(arc("F1 Y10 Z5\nG19 G02 Y20 J1 K2"), at(Plane::G19, true, 11.0, 7.0));
-    assert_eq!(arc("F1 X10 Y5\nG92 X100 G161\nG02 X20 Y5 I15 J5"), at(Plane::G17, true, 115.0, 5.0), "offsets");
+    assert_eq!(
+        arc("F1 X10 Y5\nG92 X100 G161\nG02 X20 Y5 I15 J5"),
+        at(Plane::G17, true, 115.0, 5.0),
+        "offsets"
+    );
     assert_eq!(arc("F1 P5=4\nG03 JP5"), at(Plane::G17, false, 0.0, 4.0), "JP5: full circle");
     assert_eq!(motions("F1 X3 P5=4\nG03 JP5")[1].target[0], 3);
     assert_eq!(arc("F1 G91 G02 X2 I1"), at(Plane::G17, true, 1.0, 0.0));
@@ -115,7 +127,10 @@ fn nc_004_arcs_by_radius() {
     assert_eq!(by("F1 G02 X10 R=-7.5"), ArcBy::Radius(mm(-7.5)));
     assert_eq!(by("F1 G02 R=50\nX10"), ArcBy::Radius(mm(50.0)), "R alone waits for the motion");
     assert_eq!(by("F1 G02 X10 R5\nX20"), ArcBy::Radius(mm(5.0)), "modal");
-    assert_eq!(by("F1 G70 G02 X1 R1"), ArcBy::Radius(Position::from_bits((25.4 * 4_294_967_296.0_f64).round() as i64)));
+    assert_eq!(
+        by("F1 G70 G02 X1 R1"),
+        ArcBy::Radius(Position::from_bits((25.4 * 4_294_967_296.0_f64).round() as i64))
+    );
 }
 
 #[test]
@@ -148,13 +163,19 @@ fn nc_004_exact_stop() {
 #[test]
 fn nc_004_offsets() {
     assert_eq!(xs("G0 X1\nG92 X10\nX1\nG92 X0\nX1"), [1.0, 11.0, 1.0], "G92: additive offset");
-    assert_eq!(xs("G0 X1\nG92 X10\nG91 X0\nG90 X0"), [1.0, 1.0, 10.0], "effective with the next absolute position");
+    assert_eq!(
+        xs("G0 X1\nG92 X10\nG91 X0\nG90 X0"),
+        [1.0, 1.0, 10.0],
+        "effective with the next absolute position"
+    );
     assert_eq!(xs("G0 G92 X10\nG91 G92 X5\nG90 X0"), [15.0], "G91 adds");
     let mut with_table = setup();
     with_table.zero_offsets[1][0] = mm(100.0);
     let x = |text: &str| {
         let (out, ..) = decode_with(with_table, text.as_bytes(), 1000);
-        out.iter().filter_map(|c| if let Command::Motion(m) = c { Some(m.target[0].to_num()) } else { None }).collect::<Vec<f64>>()
+        out.iter()
+            .filter_map(|c| if let Command::Motion(m) = c { Some(m.target[0].to_num()) } else { None })
+            .collect::<Vec<f64>>()
     };
     assert_eq!(x("G0 X1\nG55 X1\nX2\nG54 X1\nG53 X1"), [1.0, 101.0, 102.0, 1.0, 1.0]);
     assert_eq!(x("G55 G92 X10\nG0 X1"), [111.0]);
@@ -163,16 +184,26 @@ fn nc_004_offsets() {
 #[test]
 fn nc_005_m_and_h_come_after_the_motion() {
     let names = |text: &str| {
-        commands(text).iter().map(|c| match c {
-            Command::M(h, m) => format!("M{m}{}", if h.in_motion { "+" } else { "" }),
-            Command::H(_, h) => format!("H{h}"),
-            other => other.name().to_string(),
-        }).collect::<Vec<_>>()
+        commands(text)
+            .iter()
+            .map(|c| match c {
+                Command::M(h, m) => format!("M{m}{}", if h.in_motion { "+" } else { "" }),
+                Command::H(_, h) => format!("H{h}"),
+                other => other.name().to_string(),
+            })
+            .collect::<Vec<_>>()
     };
-    assert_eq!(names("X1 F1 G61 M25 H7"), ["contouring (#CONTOUR MODE, G61, G261, G260)", "G01", "M25+", "H7"]);
+    assert_eq!(
+        names("X1 F1 G61 M25 H7"),
+        ["contouring (#CONTOUR MODE, G61, G261, G260)", "G01", "M25+", "H7"]
+    );
     assert_eq!(names("M25\nM999 M0"), ["M25", "M999", "M0"]);
     assert_eq!(names("G0 X1 M30"), ["G00", "program end"]);
-    assert_eq!(names("T5 S1000 D2 G61")[..3], ["tool T", "spindle speed S", "tool offset D"], "order of the text");
+    assert_eq!(
+        names("T5 S1000 D2 G61")[..3],
+        ["tool T", "spindle speed S", "tool offset D"],
+        "order of the text"
+    );
     assert_eq!(names("S1000 M3 T5 D2"), ["spindle speed S", "tool T", "tool offset D", "M3"]);
     let mut before = setup();
     before.m_before = &[26];
@@ -183,7 +214,10 @@ fn nc_005_m_and_h_come_after_the_motion() {
 #[test]
 fn nc_006_feed_words() {
     let feeds = |text: &str| motions(text).iter().map(|m| m.feed.to_num::<f64>()).collect::<Vec<_>>();
-    assert_eq!(feeds("G01 X1 F200\nX2\nF500\nX3\nF=1000 X4\nP1=60 X5 FP1"), [200.0, 200.0, 500.0, 1000.0, 60.0]);
+    assert_eq!(
+        feeds("G01 X1 F200\nX2\nF500\nX3\nF=1000 X4\nP1=60 X5 FP1"),
+        [200.0, 200.0, 500.0, 1000.0, 60.0]
+    );
     assert_eq!(feeds("F10000\nX1\nG94 X2"), [10_000.0, 10_000.0]);
 }
 
@@ -240,7 +274,10 @@ fn nc_008_for_loops() {
     assert_eq!(passes("1, 1, 1"), 1);
     assert_eq!(passes("1, 3"), 3);
     assert_eq!(xs("G0 P3=3\n$FOR P1=1, P3, 1\nX[P1*P3]\n$ENDFOR"), [3.0, 6.0, 9.0]);
-    assert_eq!(xs("G0\n$FOR P1=1,2,1\n$FOR P2=1,2,1\nX[P1*10+P2]\n$ENDFOR\n$ENDFOR"), [11.0, 12.0, 21.0, 22.0]);
+    assert_eq!(
+        xs("G0\n$FOR P1=1,2,1\n$FOR P2=1,2,1\nX[P1*10+P2]\n$ENDFOR\n$ENDFOR"),
+        [11.0, 12.0, 21.0, 22.0]
+    );
 }
 
 #[test]
@@ -269,8 +306,15 @@ fn control_blocks() {
     assert_eq!(x(&format!("$SWITCH 2.0005\n{switch}")), [2.0, 3.0, 5.0], "equal up to 0.001, no $BREAK");
     assert_eq!(x(&format!("P2=3\n$SWITCH P1=INT[P2*1.2]\n{switch}")), [3.0, 5.0]);
     assert_eq!(x(&format!("$SWITCH -1\n{switch}")), [4.0, 5.0]);
-    assert_eq!(x("$FOR P1=1,5,1\n$IF P1==2\n$CONTINUE\n$ENDIF\n$IF P1==4\n$BREAK\n$ENDIF\nXP1\n$ENDFOR\nX9"), [1.0, 3.0, 9.0]);
-    assert_eq!(x("$FOR P1=1,2,1\n$IF P1==2\n$CONTINUE\n$ENDIF\nXP1\n$ENDFOR\nX9"), [1.0, 9.0], "$CONTINUE in the last pass");
+    assert_eq!(
+        x("$FOR P1=1,5,1\n$IF P1==2\n$CONTINUE\n$ENDIF\n$IF P1==4\n$BREAK\n$ENDIF\nXP1\n$ENDFOR\nX9"),
+        [1.0, 3.0, 9.0]
+    );
+    assert_eq!(
+        x("$FOR P1=1,2,1\n$IF P1==2\n$CONTINUE\n$ENDIF\nXP1\n$ENDFOR\nX9"),
+        [1.0, 9.0],
+        "$CONTINUE in the last pass"
+    );
     assert_eq!(x("P1=0\n$DO\nP1=P1+1\n$IF P1==1\n$CONTINUE\n$ENDIF\nXP1\n$ENDDO P1<3"), [2.0, 3.0]);
     assert_eq!(x("$FOR P1=1,2,1\n$WHILE 1\n$BREAK\n$ENDWHILE\nXP1\n$ENDFOR"), [1.0, 2.0]);
 }
@@ -280,8 +324,16 @@ fn jumps() {
     let x = |text: &str| xs(&format!("G0\n{text}"));
     assert_eq!(x("X1\n$GOTO N20\nX2\nN20: X3"), [1.0, 3.0]);
     assert_eq!(x("P1=0\n[AGAIN]\nP1=P1+1\nXP1\n$IF P1<3 $GOTO [AGAIN]\nX9"), [1.0, 2.0, 3.0, 9.0]);
-    assert_eq!(x("$FOR P1=1,9,1\nXP1\n$IF P1==2 $GOTO N5\n$ENDFOR\nN5: X9"), [1.0, 2.0, 9.0], "out of a block");
-    assert_eq!(x("$FOR P1=1,2,1\n$IF 1\n$GOTO [SKIP]\n$ENDIF\nX5\n[SKIP]\nXP1\n$ENDFOR"), [1.0, 2.0], "inside a block");
+    assert_eq!(
+        x("$FOR P1=1,9,1\nXP1\n$IF P1==2 $GOTO N5\n$ENDFOR\nN5: X9"),
+        [1.0, 2.0, 9.0],
+        "out of a block"
+    );
+    assert_eq!(
+        x("$FOR P1=1,2,1\n$IF 1\n$GOTO [SKIP]\n$ENDIF\nX5\n[SKIP]\nXP1\n$ENDFOR"),
+        [1.0, 2.0],
+        "inside a block"
+    );
     let local = "%L s\nN5: G0 X1\nM29\n%main\nLL s\n$GOTO N5\nX2\nN5: X3\nM30";
     assert_eq!(xs(local), [1.0, 3.0], "labels belong to their program");
 }

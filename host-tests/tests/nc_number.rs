@@ -50,9 +50,11 @@ fn inches_are_25_4_mm() {
         let text = text_of(digits, scale);
         assert_eq!(x_bits(&format!("G70 G0 X{text}")), reference(digits, scale, 254, 10), "{text}");
     }
-    assert_eq!(motions("G70 G0 X1 C90")[0].target.map(|p| p.to_num::<f64>()), [25.4, 0.0, 0.0, 0.0, 90.0].map(|x: f64| {
-        (x * 4_294_967_296.0).round() / 4_294_967_296.0
-    }), "rotary axes stay in degrees");
+    assert_eq!(
+        motions("G70 G0 X1 C90")[0].target.map(|p| p.to_num::<f64>()),
+        [25.4, 0.0, 0.0, 0.0, 90.0].map(|x: f64| { (x * 4_294_967_296.0).round() / 4_294_967_296.0 }),
+        "rotary axes stay in degrees"
+    );
 }
 
 #[test]
@@ -70,16 +72,24 @@ fn ties_go_away_from_zero() {
 #[test]
 fn feed_follows_p_chan_00108() {
     use glidepath::nc::Command;
-    for (milli, text, digits, scale) in
-        [(100_000, "1000", 1000, 0), (100, "2.5", 25, 1), (100, "20", 20, 0), (100_000, "0.125", 125, 3), (254_000, "7.1", 71, 1)]
-    {
+    for (milli, text, digits, scale) in [
+        (100_000, "1000", 1000, 0),
+        (100, "2.5", 25, 1),
+        (100, "20", 20, 0),
+        (100_000, "0.125", 125, 3),
+        (254_000, "7.1", 71, 1),
+    ] {
         let mut setup = nc_decode::setup();
         setup.feedrate_factor_milli = milli;
         let program = format!("G01 X1 F{text}");
         let (out, _, error, _) = nc_decode::decode_with(setup, program.as_bytes(), 100);
         assert_eq!(error, None);
         let Command::Motion(motion) = out[0] else { panic!("{out:?}") };
-        assert_eq!(motion.feed.to_bits(), reference(digits, scale, 100_000, u64::from(milli)), "{milli} {text}");
+        assert_eq!(
+            motion.feed.to_bits(),
+            reference(digits, scale, 100_000, u64::from(milli)),
+            "{milli} {text}"
+        );
     }
 }
 

@@ -18,7 +18,8 @@ fn worst(name: &str, from: i64, to: i64, reference: impl Fn(f64) -> f64) -> f64 
     let mut worst = 0.0_f64;
     for _ in 0..4000 {
         let milli = from + random.below((to - from) as u64) as i64;
-        let text = format!("{}{}.{:03}", if milli < 0 { "-" } else { "" }, milli.abs() / 1000, milli.abs() % 1000);
+        let text =
+            format!("{}{}.{:03}", if milli < 0 { "-" } else { "" }, milli.abs() / 1000, milli.abs() % 1000);
         let (ours, theirs) = (value(&format!("{name}[{text}]")), reference(text.parse().unwrap()));
         let distance = ulps(ours, theirs);
         assert!(distance <= 3.0, "{name}[{text}] = {ours:e}, std {theirs:e}: {distance} ulp");

@@ -137,7 +137,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let local = c.raw().to_ascii_uppercase() == b'L' && {
             let mut ahead = *c;
             ahead.bump();
-            ahead.raw() == b' '
+            matches!(ahead.raw(), b' ' | 0)
         };
         if local {
             c.bump();

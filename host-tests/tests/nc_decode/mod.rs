@@ -22,7 +22,11 @@ pub fn setup() -> Setup<5> {
     Setup::new(&MachineData { axes, channel: ChannelData::new() }, [Position::ZERO; 5])
 }
 
-pub fn decode_with<const AXES: usize>(setup: Setup<AXES>, text: &[u8], limit: usize) -> (Vec<Command<AXES>>, Vec<NcWarning>, Option<NcError>, usize) {
+pub fn decode_with<const AXES: usize>(
+    setup: Setup<AXES>,
+    text: &[u8],
+    limit: usize,
+) -> (Vec<Command<AXES>>, Vec<NcWarning>, Option<NcError>, usize) {
     let mut decoder: Decoder<&[u8], AXES> = Decoder::new(setup, text);
     let (mut commands, mut warnings) = (Vec::new(), Vec::new());
     for steps in 1..=limit {
