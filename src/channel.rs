@@ -1,30 +1,68 @@
 //! Planner and interpolator: wiring only, all that an application holds.
-use crate::machine::MachineData;
-use crate::nc::{Place, Text};
+//!
+//! ```
+//! # // compiled, not run: `program` is any NC text
+//! use glidepath::channel::{Channel, Progress};
+//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+//! use glidepath::quantity::Position;
+//!
+//! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
+//! let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+//! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
+//! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
+//!
+//! let mut memory = Channel::<3, 120>::new();
+//! let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+//! while !matches!(planner.poll(), Ok(Progress::Done)) {
+//!     interpolator.tick(); // in reality a timer interrupt
+//!     let _ = interpolator.set_points();
+//! }
+//! ```
+use crate::machine::parameter::{RangeError, check_axis};
+use crate::machine::{AxisKind, MachineData};
+use crate::math::divide::div_wide;
+use crate::math::wide::mul_shift;
+use crate::nc::{
+    Command, Contour, ContourSwitch, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
+    Step, Text,
+};
+use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
+use crate::queue::{Function, Rings};
+use crate::slope::profile::Unplannable;
 use crate::tick::Interpolator;
 
-/// The static memory of one channel: `AXES` axes, `BLOCKS` blocks of look-ahead.
-pub struct Channel<const AXES: usize, const BLOCKS: usize> {}
+/// The memory that planner and interrupt share, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+pub struct Channel<const AXES: usize, const BLOCKS: usize> {
+    rings: Rings<AXES>,
+}
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     /// An empty channel.
     pub const fn new() -> Self {
-        Self {}
+        Self { rings: Rings::new() }
     }
 
     /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
     ///
     /// # Errors
-    /// Machine data that this version cannot work with.
+    /// Machine data out of range, or that this version cannot work with.
     pub fn split<'a, T: Text>(
         &'a mut self,
         machine: &MachineData<AXES>,
         start: [Position; AXES],
         text: T,
-    ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), Error> {
-        let _ = machine;
-        Ok((Planner { _text: text, _channel: self }, Interpolator::new(start)))
+    ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError> {
+        check::<AXES, BLOCKS>(machine)?;
+        let (sender, receiver) = self.rings.split();
+        let planner = Planner {
+            decoder: Decoder::new(Setup::new(machine, start), text),
+            planning: Planning::new(machine, start, sender),
+            cycle_us: machine.channel.cycle_us,
+            source: Source::Open,
+            held: None,
+        };
+        Ok((planner, Interpolator::new(receiver, start)))
     }
 }
 
@@ -32,6 +70,65 @@ impl<const AXES: usize, const BLOCKS: usize> Default for Channel<AXES, BLOCKS> {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Machine data that cannot be worked with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineError {
+    /// A parameter of the axis with this index is out of range.
+    Axis(usize, RangeError),
+    /// A parameter of the channel is out of range.
+    Channel(RangeError),
+    /// P-CHAN-00071 names a slope that this version does not have.
+    Slope(u8),
+    /// Two axes have this name.
+    Name(crate::machine::AxisName),
+}
+
+impl core::fmt::Display for MachineError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Axis(_, e) | Self::Channel(e) => write!(
+                f,
+                "{} ({}) = {} is outside {}…{}, bound by {}",
+                e.name, e.id, e.value, e.min, e.max, e.because
+            ),
+            Self::Slope(profile) => write!(
+                f,
+                "prog_start.slope.profile (P-CHAN-00071) = {profile} is known, not available in this version; set 1 (TRAPEZ)"
+            ),
+            Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
+        }
+    }
+}
+
+impl core::error::Error for MachineError {}
+
+fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) -> Result<(), MachineError> {
+    let channel = &machine.channel;
+    let range = |id, name, value: u32, min, max, because| {
+        let value = i64::from(value);
+        if value < min || value > max {
+            return Err(MachineError::Channel(RangeError { id, name, value, min, max, because }));
+        }
+        Ok(())
+    };
+    range("", "cycle_us", channel.cycle_us, 100, 10_000, "the range of the tick")?;
+    range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
+    let factor = channel.feedrate_factor_milli;
+    range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
+    for (k, axis) in machine.axes.iter().enumerate() {
+        if axis.kind != AxisKind::Spindle {
+            check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
+        }
+        if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
+            return Err(MachineError::Name(axis.name));
+        }
+    }
+    if channel.slope_profile != 1 {
+        return Err(MachineError::Slope(channel.slope_profile));
+    }
+    Ok(())
 }
 
 /// What one call of [`Planner::poll`] achieved.
@@ -43,6 +140,8 @@ pub enum Progress {
     Waiting,
     /// A motion block was planned for good.
     Planned(PlannedBlock),
+    /// The program holds something doubtful; it goes on.
+    Warning(NcWarning),
     /// The program has ended and everything is handed to the interpolator.
     Done,
 }
@@ -66,19 +165,70 @@ pub struct PlannedBlock {
     pub v_out: Speed,
     /// Duration.
     pub time: Time,
+    /// Where it ends in a standstill: time from there to the tick at which the next motion may begin.
+    pub wait: Time,
 }
 
-/// Why a program or a machine was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Why a program was refused.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Error {
-    /// Filled in by the stages.
-    Placeholder,
+    /// The text is not a program.
+    Nc(NcError),
+    /// A command that the language knows and this version does not do: its place and name.
+    NotAvailable(Place, &'static str),
+    /// A motion block without path or speed.
+    Motion(Place, MotionError),
+    /// The plan of a block failed its verification: a defect of the planner.
+    Unplannable,
+}
+
+impl Error {
+    /// The word it is about.
+    pub fn place(&self) -> Place {
+        match self {
+            Self::Nc(e) => e.place,
+            Self::NotAvailable(place, _) | Self::Motion(place, _) => *place,
+            Self::Unplannable => Place::default(),
+        }
+    }
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Nc(e) => e.fmt(f),
+            Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
+            Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
+            Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
+            Self::Motion(_, MotionError::TooSlow) => f.write_str(
+                "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
+            ),
+            Self::Unplannable => {
+                f.write_str("internal: the plan of a block broke a limit and is not executed")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// Where the program stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Source {
+    Open,
+    /// The last standstill is being planned.
+    Ending,
+    Ended,
 }
 
 /// The half of a channel that works ahead: text to time law, a bounded piece per call.
-pub struct Planner<'a, T, const AXES: usize, const BLOCKS: usize> {
-    _text: T,
-    _channel: &'a mut Channel<AXES, BLOCKS>,
+pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
+    decoder: Decoder<T, AXES>,
+    planning: Planning<'a, AXES, BLOCKS>,
+    cycle_us: u32,
+    source: Source,
+    /// A function that the ring of events did not take.
+    held: Option<(u32, Function)>,
 }
 
 impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCKS> {
@@ -88,6 +238,96 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
     /// The program is refused; what was planned before stays valid and comes to a standstill. Further calls go on
     /// with planning that rest and end in [`Progress::Done`].
     pub fn poll(&mut self) -> Result<Progress, Error> {
-        Ok(Progress::Done)
+        match self.planning.work() {
+            Ok(Work::Working) => return Ok(Progress::Working),
+            Ok(Work::Waiting) => return Ok(Progress::Waiting),
+            Ok(Work::Planned(block)) => return Ok(Progress::Planned(block)),
+            Ok(Work::Hungry) => {}
+            Err(Unplannable) => {
+                self.source = Source::Ended;
+                return Err(Error::Unplannable);
+            }
+        }
+        if let Some((n, function)) = self.held {
+            return Ok(self.output(n, function));
+        }
+        match self.source {
+            Source::Open => self.decode(),
+            Source::Ending => {
+                self.source = Source::Ended;
+                Ok(Progress::Working)
+            }
+            Source::Ended => Ok(Progress::Done),
+        }
+    }
+
+    fn decode(&mut self) -> Result<Progress, Error> {
+        let result = match self.decoder.step() {
+            Ok(Step::Working) => Ok(Progress::Working),
+            Ok(Step::Warning(warning)) => Ok(Progress::Warning(warning)),
+            Ok(Step::Command(command)) => self.execute(&command),
+            Ok(Step::End) => {
+                self.end();
+                Ok(Progress::Working)
+            }
+            Err(error) => Err(Error::Nc(error)),
+        };
+        if result.is_err() {
+            self.end();
+        }
+        result
+    }
+
+    /// Stands still after what was taken in, for the one tick that shows it.
+    fn end(&mut self) {
+        self.planning.rest(1);
+        self.source = Source::Ending;
+    }
+
+    fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        let refuse = |name| Err(Error::NotAvailable(command.place(), name));
+        match command {
+            Command::Motion(motion) => {
+                self.planning.take(motion).map_err(|e| Error::Motion(motion.place, e))?;
+            }
+            Command::Dwell(_, DwellTime::Seconds(time)) => {
+                // 2^-32 s to µs to ticks, up
+                let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
+                let cycle = u64::from(self.cycle_us);
+                self.planning.rest(div_wide(0, us + cycle - 1, cycle));
+            }
+            Command::Dwell(_, DwellTime::Revolutions(_)) => return refuse("G04 S (revolutions)"),
+            Command::M(_, 0) => return refuse("M00"),
+            Command::M(_, 1) => return refuse("M01"),
+            Command::M(head, code) => return Ok(self.output(head.n, Function::M(*code))),
+            Command::H(head, code) => return Ok(self.output(head.n, Function::H(*code))),
+            Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
+            Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
+            Command::Slope(_, slope) => match slope.kind {
+                // P-CHAN-00071 is TRAPEZ: checked in `split`
+                None | Some(SlopeType::Trapez) => {}
+                Some(SlopeType::Step) => return refuse("#SLOPE TYPE=STEP"),
+                Some(SlopeType::Sin2) => return refuse("#SLOPE TYPE=SIN2"),
+                Some(SlopeType::Hsc) => return refuse("#SLOPE TYPE=HSC"),
+            },
+            Command::FlushWait(_) => self.planning.rest(0),
+            // Exact stop came with the motion; the others switch off what this version cannot switch on.
+            Command::ExactStop(..) | Command::ProgramEnd(..) => {}
+            Command::Contour(_, Contour { switch: Some(ContourSwitch::Off), .. }) => {}
+            Command::Spline(_, Spline::Off) => {}
+            _ => return refuse(command.name()),
+        }
+        Ok(Progress::Working)
+    }
+
+    fn output(&mut self, n: u32, function: Function) -> Progress {
+        self.held = None;
+        if let Err(function) = self.planning.output(n, function) {
+            // Motion frees the ring: let all of it run.
+            self.held = Some((n, function));
+            self.planning.rest(0);
+            return Progress::Waiting;
+        }
+        Progress::Working
     }
 }

@@ -20,6 +20,10 @@ pub mod nc;
 
 pub mod path;
 
+pub mod lookahead;
+
+pub mod slope;
+
 pub mod queue;
 
 pub mod tick;
@@ -27,5 +31,7 @@ pub mod tick;
 pub mod axis;
 
 pub mod digest;
+
+pub mod planning;
 
 pub mod channel;

@@ -8,11 +8,11 @@
 //! | [`Speed`] | mm/tick | I6F58 | 2^-58 | ±32 | limits down |
 //! | [`Accel`] | mm/tick² | I6F58 | 2^-58 | ±32 | limits down |
 //! | [`Jerk`] | mm/tick³ | I6F58 | 2^-58 | ±32 | limits down |
-//! | [`Time`] | ticks | U24F40 | 2^-40 | 0…2^24 | needed times up |
+//! | [`Time`] | ticks | U28F36 | 2^-36 | 0…2^28 | down, what is left goes to the cruise |
 //!
 //! Speeds are per tick so that the interrupt needs no multiplication by time. A path speed of a block without
 //! motion of the main axes counts degrees instead of millimetres.
-use fixed::types::{I6F58, I20F44, I32F32, U24F40};
+use fixed::types::{I6F58, I20F44, I32F32, U28F36};
 
 /// Axis coordinate or set point: mm (linear) or degrees (rotary), LSB 2^-32.
 pub type Position = I32F32;
@@ -63,5 +63,5 @@ quantity!(
     /// Path jerk, mm/tick³, LSB 2^-58.
     Jerk, I6F58, i64);
 quantity!(
-    /// Duration or instant, ticks, LSB 2^-40.
-    Time, U24F40, u64);
+    /// Duration or instant, ticks, LSB 2^-36.
+    Time, U28F36, u64);

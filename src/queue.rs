@@ -1,1 +1,121 @@
-//! The one door between planner and interrupt: two static single-producer single-consumer rings.
+//! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
+//! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
+use crate::path::Shape;
+use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
+use heapless::spsc::{Consumer, Producer, Queue};
+
+/// Elements handed over.
+pub const SEGMENTS: usize = 32;
+/// Pieces of time handed over.
+pub const PHASES: usize = 64;
+
+/// Events handed over.
+pub const EVENTS: usize = 32;
+
+/// Something the application is to do at a point of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Event {
+    /// It belongs before this motion block, counted from 0; after the last block it belongs to the end.
+    pub block: u32,
+    /// Programmed N number.
+    pub n: u32,
+    /// What to do.
+    pub function: Function,
+}
+
+/// Technology functions, output without waiting for an acknowledgement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Function {
+    /// M function.
+    M(u16),
+    /// H function.
+    H(u16),
+    /// S: spindle speed, 1/min.
+    Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
+    /// T: tool number.
+    Tool(u32),
+}
+
+/// A curve at its place on the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<const AXES: usize> {
+    /// The curve.
+    pub shape: Shape<AXES>,
+    /// What its offsets are added to.
+    pub base: [Position; AXES],
+    /// Path distance of its start.
+    pub start: Distance,
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks since program start, from 0.
+    pub block: u32,
+}
+
+/// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
+/// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase {
+    /// Path distance at its first tick.
+    pub distance: Distance,
+    /// Speed there.
+    pub speed: Speed,
+    /// Half the acceleration there.
+    pub half_accel: Accel,
+    /// A sixth of the jerk.
+    pub sixth_jerk: Jerk,
+    /// Ticks it lasts, at least 1.
+    pub ticks: u16,
+}
+
+/// Static memory of the rings; a ring of `N` holds `N` − 1.
+pub struct Rings<const AXES: usize> {
+    segments: Queue<Segment<AXES>, SEGMENTS>,
+    phases: Queue<Phase, PHASES>,
+    events: Queue<Event, EVENTS>,
+}
+
+/// The planner's end.
+pub struct Sender<'a, const AXES: usize> {
+    /// Curves.
+    pub segments: Producer<'a, Segment<AXES>>,
+    /// Pieces of time.
+    pub phases: Producer<'a, Phase>,
+    /// Events.
+    pub events: Producer<'a, Event>,
+}
+
+/// The interrupt's end.
+pub struct Receiver<'a, const AXES: usize> {
+    /// Curves.
+    pub segments: Consumer<'a, Segment<AXES>>,
+    /// Pieces of time.
+    pub phases: Consumer<'a, Phase>,
+    /// Events.
+    pub events: Consumer<'a, Event>,
+}
+
+impl<const AXES: usize> Rings<AXES> {
+    /// Empty rings.
+    pub const fn new() -> Self {
+        Self { segments: Queue::new(), phases: Queue::new(), events: Queue::new() }
+    }
+
+    /// Both ends of every ring.
+    pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>) {
+        let (to_segments, segments) = self.segments.split();
+        let (to_phases, phases) = self.phases.split();
+        let (to_events, events) = self.events.split();
+        (
+            Sender { segments: to_segments, phases: to_phases, events: to_events },
+            Receiver { segments, phases, events },
+        )
+    }
+}
+
+impl<const AXES: usize> Default for Rings<AXES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

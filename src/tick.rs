@@ -1,5 +1,16 @@
 //! Set points of one tick: time to path distance to axis positions.
-use crate::quantity::{Accel, Distance, Position, Speed};
+//!
+//! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the elements
+//! the path distance has left, and evaluates the one it is on. Integers only; no division, square root or search.
+//!
+//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
+//! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
+use crate::math::wide::mul_u32;
+use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
+use crate::queue::{Event, Phase, Receiver, Segment};
+
+/// Most elements one tick may pass.
+pub const SKIP_PER_TICK: usize = 8;
 
 /// What the tick just did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,18 +39,62 @@ pub struct Telemetry {
 
 /// The half of a channel that lives in the timer interrupt.
 pub struct Interpolator<'a, const AXES: usize> {
+    queue: Receiver<'a, AXES>,
+    phase: Phase,
+    /// Ticks of the piece evaluated.
+    done: u16,
+    distance: Distance,
     set_points: [Position; AXES],
-    _queue: core::marker::PhantomData<&'a ()>,
 }
 
-impl<const AXES: usize> Interpolator<'_, AXES> {
-    pub(crate) fn new(start: [Position; AXES]) -> Self {
-        Self { set_points: start, _queue: core::marker::PhantomData }
+/// Nothing to do.
+const REST: Phase = Phase {
+    distance: Distance::ZERO,
+    speed: Speed::ZERO,
+    half_accel: Accel::ZERO,
+    sixth_jerk: Jerk::ZERO,
+    ticks: 0,
+};
+
+impl<'a, const AXES: usize> Interpolator<'a, AXES> {
+    /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
+    /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
+    pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
+        Self { queue, phase: REST, done: 0, distance: Distance::ZERO, set_points: start }
     }
 
-    /// Computes the next set point.
+    /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
     pub fn tick(&mut self) -> State {
-        State::Idle
+        if self.done >= self.phase.ticks {
+            match self.queue.phases.dequeue() {
+                Some(phase) => self.phase = phase,
+                None => return State::Idle,
+            }
+            self.done = 0;
+        }
+        let n = u32::from(self.done);
+        self.done += 1;
+        let phase = &self.phase;
+        let times = i64::from(n);
+        let slope = phase.half_accel.to_bits().wrapping_add(phase.sixth_jerk.to_bits().wrapping_mul(times));
+        let mean = phase.speed.to_bits().wrapping_add(slope.wrapping_mul(times));
+        // 2^-58 to 2^-44
+        let distance = phase.distance.to_bits().wrapping_add(mul_u32(mean, n, 14));
+        self.distance = Distance::from_bits(distance);
+
+        for _ in 0..SKIP_PER_TICK {
+            match self.queue.segments.peek() {
+                Some(segment) if segment.is_behind(distance) && self.queue.segments.len() > 1 => {
+                    let _ = self.queue.segments.dequeue();
+                }
+                _ => break,
+            }
+        }
+        if let Some(segment) = self.queue.segments.peek() {
+            let along = distance.wrapping_sub(segment.start.to_bits());
+            segment.shape.at(along, &segment.base, &mut self.set_points);
+        }
+        State::Active
     }
 
     /// The set point of every axis after the last tick.
@@ -47,8 +102,36 @@ impl<const AXES: usize> Interpolator<'_, AXES> {
         &self.set_points
     }
 
+    /// The next event whose point of the motion the last tick has reached or passed. Call it after a tick until it
+    /// says `None`, in the interrupt or elsewhere.
+    pub fn event(&mut self) -> Option<Event> {
+        let event = self.queue.events.peek()?;
+        // Standing still at the end of a block, what comes after that block is due.
+        let rests = self.phase.speed == Speed::ZERO && self.phase.sixth_jerk == Jerk::ZERO;
+        let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(rests));
+        if event.block <= reached { self.queue.events.dequeue() } else { None }
+    }
+
     /// Path values of the last set point.
     pub fn telemetry(&self) -> Telemetry {
-        Telemetry::default()
+        let n = i64::from(self.done.saturating_sub(1));
+        let (half, sixth) = (self.phase.half_accel.to_bits(), self.phase.sixth_jerk.to_bits());
+        let speed = self.phase.speed.to_bits() + n * (2 * half + 3 * n * sixth);
+        let (number, block) = self.queue.segments.peek().map_or((0, 0), |s| (s.n, s.block));
+        Telemetry {
+            n: number,
+            block,
+            distance: self.distance,
+            speed: Speed::from_bits(speed),
+            accel: Accel::from_bits(2 * half + 6 * n * sixth),
+        }
+    }
+}
+
+impl<const AXES: usize> Segment<AXES> {
+    /// Whether the path distance has reached its end.
+    #[inline(always)]
+    fn is_behind(&self, distance: i64) -> bool {
+        distance.wrapping_sub(self.start.to_bits()) >= self.shape.length.to_bits()
     }
 }

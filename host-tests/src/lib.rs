@@ -1,1 +1,23 @@
-//! Reference and helpers of the tests.
+//! What the interpolator is measured against. Nothing here shares code with the library beyond the public types
+//! of its interface: the judge, the reference and the cases would notice if the library were wrong.
+//!
+//! | module | question it answers |
+//! |---|---|
+//! | [`cases`] | which programs on which machines |
+//! | [`trace`] | what the library made of them, tick by tick |
+//! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
+//! | [`reference`] | what would exact arithmetic have done |
+//! | [`tolerance`] | how far apart may the two be, and why |
+//! | [`properties`] | do all of these agree that the motion is a good one |
+
+pub mod cases;
+
+pub mod trace;
+
+pub mod check;
+
+pub mod reference;
+
+pub mod tolerance;
+
+pub mod properties;

@@ -1,1 +1,239 @@
-//! Geometry over distance; knows nothing of time.
+//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length, and knows nothing
+//! of time.
+//!
+//! The curve itself is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
+//!
+//! ```text
+//! x_k = base_k + gain_k·w [+ a_p(w)·cos φ − a_q(w)·sin φ, a_q(w)·cos φ + a_p(w)·sin φ for the two axes of an arc]
+//! φ = turn·w,  a(w) = a + grow·w
+//! ```
+//!
+//! so that a tick multiplies and adds. `w` is the distance shifted to 63 bits: every factor then uses its full
+//! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. The linear
+//! part of an arc carries the axes outside its plane, and in the plane what rounding left between the end of the
+//! circle and the programmed end, so that the end is met to the last bit.
+mod arc;
+mod line;
+
+pub use arc::{arc, centre_of_radius};
+pub use line::line;
+
+use crate::math::root::sqrt_wide;
+use crate::math::trig::sin_cos;
+use crate::math::wide::{mul_hi, mul_wide};
+use crate::nc::Plane;
+use crate::quantity::{Distance, Position};
+
+/// Direction and curvature of every axis over the path length, at one end of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End<const AXES: usize> {
+    /// dx/ds, LSB 2^-40.
+    pub tangent: [i64; AXES],
+    /// d²x/ds², 1/mm.
+    pub curvature: [f32; AXES],
+}
+
+/// The circle an arc runs on, for limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// Axes of its plane.
+    pub plane: [usize; 2],
+    /// Smaller one of start and end radius, mm.
+    pub radius: f32,
+    /// Share of the path that lies in the plane: 1, less for a helix.
+    pub share: f32,
+}
+
+/// A block as a curve: what `path` hands on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element<const AXES: usize> {
+    /// The curve.
+    pub shape: Shape<AXES>,
+    /// Its first point.
+    pub entry: End<AXES>,
+    /// Its last point.
+    pub exit: End<AXES>,
+    /// Set for arcs.
+    pub circle: Option<Circle>,
+}
+
+/// Why a block has no curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PathError {
+    /// Longer than 2^18 mm.
+    TooLong,
+    /// The machine has no such main axis.
+    NoPlane(Plane),
+    /// R is shorter than half the distance from start to end: radius and half distance, LSB 2^-32 mm.
+    RadiusTooShort {
+        /// R.
+        radius: i64,
+        /// Half the distance.
+        half: i64,
+    },
+    /// R needs an end point that differs from the start.
+    RadiusWithoutEnd,
+    /// Start or end lies on the centre.
+    NoRadius,
+    /// Distances of start and end from the centre differ too much: LSB 2^-32 mm.
+    RadiusDiffers {
+        /// Distance of the start.
+        start: i64,
+        /// Distance of the end.
+        end: i64,
+    },
+}
+
+impl core::fmt::Display for PathError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let mm = Position::from_bits;
+        match *self {
+            Self::TooLong => f.write_str("block longer than 262 144 mm; split it"),
+            Self::NoPlane(plane) => write!(f, "the machine lacks a main axis of the plane {plane:?}"),
+            Self::RadiusTooShort { radius, half } => write!(
+                f,
+                "radius {:.6} mm is shorter than half the distance from start to end, {:.6} mm",
+                mm(radius),
+                mm(half)
+            ),
+            Self::RadiusWithoutEnd => f.write_str(
+                "an arc by radius ends where it starts; give a full circle by its centre (I, J, K)",
+            ),
+            Self::NoRadius => {
+                f.write_str("start or end of the arc lies on its centre; expected a radius above 0")
+            }
+            Self::RadiusDiffers { start, end } => write!(
+                f,
+                "the end is {:.6} mm from the centre, the start {:.6} mm; expected the same radius",
+                mm(end),
+                mm(start)
+            ),
+        }
+    }
+}
+
+impl core::error::Error for PathError {}
+
+/// Longest path length of one block: 2^18 mm.
+pub const LONGEST: i64 = 1 << 62;
+
+/// Bits below the LSB of a position that sums inside a tick carry.
+const GUARD: u32 = 10;
+
+/// No plane: the shape is a line.
+const NO_PLANE: u8 = u8::MAX;
+
+/// A curve over its path length, ready for the tick. See the module for the formula.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape<const AXES: usize> {
+    /// Path length, above 0.
+    pub length: Distance,
+    /// Linear part: 2^-42 mm per 2^64 units of `w`.
+    gain: [i64; AXES],
+    /// Radius vector at the start, 2^-44 mm.
+    a: [i64; 2],
+    /// Its growth: 2^-44 mm per 2^64 units of `w`.
+    grow: [i64; 2],
+    /// Angle: 2^-60 revolutions per 2^64 units of `w`.
+    turn: i64,
+    /// Axes of the arc's plane.
+    plane: [u8; 2],
+    /// `w = distance << shift`; `length << shift` is in 2^62..2^63.
+    shift: u8,
+}
+
+impl<const AXES: usize> Shape<AXES> {
+    /// A shape of that length that does not move yet.
+    fn resting(length: Distance) -> Self {
+        let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(1);
+        Self { length, gain: [0; AXES], a: [0; 2], grow: [0; 2], turn: 0, plane: [NO_PLANE; 2], shift }
+    }
+
+    /// Whether it is an arc.
+    pub fn is_arc(&self) -> bool {
+        self.plane[0] != NO_PLANE
+    }
+
+    /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.
+    pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
+        let mut base = *start;
+        for (axis, a) in self.plane.iter().zip(self.a) {
+            if let Some(x) = base.get_mut(*axis as usize) {
+                *x = Position::from_bits(x.to_bits().wrapping_sub(a >> 12));
+            }
+        }
+        base
+    }
+
+    /// Position of every axis at `distance` from the start of the block. Runs in the tick: no branch but line or arc.
+    /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
+    #[inline(always)]
+    pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        let w = distance << (self.shift & 63);
+        if self.plane[0] == NO_PLANE {
+            for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
+                *x = add(*base, mul_hi(w, *gain));
+            }
+        } else {
+            let mut sum = [0i64; AXES];
+            for (sum, gain) in sum.iter_mut().zip(&self.gain) {
+                *sum = mul_hi(w, *gain);
+            }
+            for (axis, part) in self.plane.iter().zip(self.circle(w)) {
+                if let Some(sum) = sum.get_mut(*axis as usize) {
+                    *sum = sum.wrapping_add(part);
+                }
+            }
+            for ((x, base), sum) in out.iter_mut().zip(base).zip(&sum) {
+                *x = add(*base, *sum);
+            }
+        }
+    }
+
+    /// Both coordinates of the radius vector at `w`, 2^-42 mm.
+    #[inline(always)]
+    fn circle(&self, w: i64) -> [i64; 2] {
+        let (sin, cos) = sin_cos((mul_hi(w, self.turn) << 4) as u64);
+        let p = self.a[0].wrapping_add(mul_hi(w, self.grow[0]));
+        let q = self.a[1].wrapping_add(mul_hi(w, self.grow[1]));
+        [mul_hi(p, cos).wrapping_sub(mul_hi(q, sin)), mul_hi(q, cos).wrapping_add(mul_hi(p, sin))]
+    }
+}
+
+/// `base` plus an offset of 2^-42 mm, rounded to nearest.
+#[inline(always)]
+fn add(base: Position, offset: i64) -> Position {
+    let rounded = offset.wrapping_add(1 << (GUARD - 1)) >> GUARD;
+    Position::from_bits(base.to_bits().wrapping_add(rounded))
+}
+
+/// Square root of a sum of squares, rounded down; each term within ±2^62.
+fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
+    let mut sum = 0u128;
+    for term in terms {
+        let (hi, lo) = mul_wide(term.unsigned_abs(), term.unsigned_abs());
+        sum = sum.saturating_add((u128::from(hi) << 64) | u128::from(lo));
+    }
+    i64::try_from(sqrt_wide((sum >> 64) as u64, sum as u64)).unwrap_or(i64::MAX)
+}
+
+/// From the LSB of a position to that of a distance.
+const FINER: u32 = 12;
+
+/// Path length of a block, from what its main axes travel (mm, LSB 2^-44) and what every axis travels: the main
+/// axes count. Where none of them moves, the length is that of the tracking axes together. Where a tracking axis
+/// moves more than 1024 degrees per millimetre, a 1024th of its travel counts, so that a distance still resolves it.
+fn path_length<const AXES: usize>(
+    main_length: i64,
+    travel: &[i64; AXES],
+    main: &[Option<usize>; 3],
+) -> Result<Distance, PathError> {
+    let tracking = || travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))).map(|(_, x)| *x);
+    let length = if main_length == 0 {
+        hypot(tracking().map(|x| x << FINER))
+    } else {
+        tracking().map(|x| x.saturating_abs() << (FINER - 10)).fold(main_length, i64::max)
+    };
+    if length < LONGEST { Ok(Distance::from_bits(length)) } else { Err(PathError::TooLong) }
+}

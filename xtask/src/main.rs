@@ -1,1 +1,54 @@
-fn main() {}
+//! The project's commands. Each prints what it does and leaves with a code other than 0 when something is wrong.
+mod elf;
+mod figures;
+mod firmware;
+mod hil;
+mod host;
+mod lint;
+mod shell;
+mod target;
+mod toolchain;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask COMMAND
+
+  test          everything: host tests, then the target in the emulator; installs what is missing (Debian, root)
+  test --host   host tests only
+  hil           the target in the emulator: digests, interrupt, figures, panic proof
+  hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
+  bench         instruction counts and memory, against the accepted ones
+  bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
+  lint          formatting, clippy and documentation of host and firmware
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words.as_slice() {
+        ["test"] => host_tests().and_then(|()| hil::all(firmware::Place::Emulator)),
+        ["test", "--host"] => host_tests(),
+        ["hil"] => hil::all(firmware::Place::Emulator),
+        ["hil", "--probe"] => hil::all(firmware::Place::Probe),
+        ["bench"] => hil::bench(false),
+        ["bench", "--accept"] => hil::bench(true),
+        ["lint"] => lint::all(),
+        _ => {
+            eprint!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("\nxtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn host_tests() -> Result<(), String> {
+    shell::step("host tests");
+    shell::run(shell::cargo(&shell::root()).args(["test", "--workspace", "--release"]))
+}

@@ -1,1 +1,137 @@
-fn main() {}
+//! The desktop simulator: runs NC programs through the code of the controller and shows what the axes do.
+//!
+//! A board like the others: it supplies program text, machine data and a clock, here one that runs as fast as the
+//! processor allows.
+
+mod contour;
+mod decimal;
+mod diagnose;
+mod machine;
+mod output;
+mod plot;
+mod program;
+mod run;
+mod statistics;
+mod summary;
+mod trace;
+
+use clap::{Parser, Subcommand};
+use diagnose::{Diagnostic, Source};
+use machine::Machine;
+use output::Outputs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Runs NC programs through the Glidepath interpolator.
+#[derive(Parser)]
+#[command(name = "glidepath", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Decode, plan and interpolate a program; say what it did and write what is asked for.
+    Run(Run),
+    /// Decode a program only: syntax, words and their ranges.
+    Check {
+        /// The NC program.
+        program: PathBuf,
+        /// Machine data (TOML); without it the built-in three-axis machine.
+        #[arg(long, value_name = "FILE.toml")]
+        machine: Option<PathBuf>,
+    },
+}
+
+#[derive(clap::Args)]
+struct Run {
+    /// The NC program.
+    program: PathBuf,
+    /// Machine data (TOML); without it the built-in three-axis machine.
+    #[arg(long, value_name = "FILE.toml")]
+    machine: Option<PathBuf>,
+    /// Every set point of every tick, as exact decimals.
+    #[arg(long, value_name = "FILE.csv")]
+    trace: Option<PathBuf>,
+    /// What is printed, and more, for programs to read.
+    #[arg(long, value_name = "FILE.json")]
+    summary: Option<PathBuf>,
+    /// The programmed contour, before smoothing.
+    #[arg(long, value_name = "FILE.json")]
+    contour: Option<PathBuf>,
+    /// A picture: path, speed, acceleration and jerk.
+    #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
+    plot: Option<plot::Target>,
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run(&arguments),
+        Command::Check { program, machine } => check(&program, machine.as_deref()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(diagnostics) => {
+            for diagnostic in diagnostics {
+                diagnostic.print();
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What stops a run, at least one.
+type Refusal = Vec<Diagnostic>;
+
+fn load(machine: Option<&std::path::Path>) -> Result<Machine, Refusal> {
+    match machine {
+        Some(path) => machine::load(path),
+        None => Ok(Machine::built_in()),
+    }
+}
+
+fn run(arguments: &Run) -> Result<(), Refusal> {
+    let source = Source::read(&arguments.program)?;
+    let machine = load(arguments.machine.as_deref())?;
+    let mut outputs =
+        Outputs::new([&arguments.program].into_iter().chain(&arguments.machine).map(PathBuf::as_path));
+    let trace = match arguments.trace.as_deref() {
+        Some(path) => Some((path, outputs.create(path)?)),
+        None => None,
+    };
+
+    let program = program::decode(&source, &machine)?;
+    let (result, picture) = run::simulate(&source, &machine, &program, trace, arguments.plot.is_some())?;
+
+    let summary = summary::Summary::new(&source, &machine, &program, &result);
+    if let Some(path) = &arguments.contour {
+        outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
+    }
+    if let Some(path) = &arguments.summary {
+        outputs.write(path, summary.to_json().as_bytes())?;
+    }
+    if let (Some(target), Some(picture)) = (&arguments.plot, picture) {
+        let scene =
+            plot::Scene { machine: &machine, program: &program, statistics: &result, picture: &picture };
+        outputs.write(&target.path, &plot::draw(target.format, &source, &scene))?;
+    }
+    outputs.commit()?;
+
+    for warning in &program.warnings {
+        warning.print();
+    }
+    anstream::print!("{}", summary.to_text());
+    Ok(())
+}
+
+fn check(program: &std::path::Path, machine: Option<&std::path::Path>) -> Result<(), Refusal> {
+    let source = Source::read(program)?;
+    let machine = load(machine)?;
+    let program = program::decode(&source, &machine)?;
+    for warning in &program.warnings {
+        warning.print();
+    }
+    anstream::println!("{}: {}", source.name, program.describe());
+    Ok(())
+}

@@ -1,0 +1,248 @@
+//! Messages that show where: source line, caret, what was refused, what was expected.
+//!
+//! Places count bytes, as the decoder does. Program text may be anything: bytes that are not text or would move the
+//! cursor are shown as one substitute character each, and long lines are cut around the caret.
+use anstyle::{AnsiColor, Style};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// A text with a name.
+pub struct Source {
+    /// As the user gave it.
+    pub name: String,
+    /// Its bytes.
+    pub text: Vec<u8>,
+}
+
+impl Source {
+    /// Reads a file.
+    pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
+        let name = path.display().to_string();
+        match std::fs::read(path) {
+            Ok(text) => Ok(Self { name, text }),
+            Err(error) => Err(vec![Diagnostic::error(format!("cannot read {name}: {error}"))]),
+        }
+    }
+
+    /// Line and column (both from 1, the column in bytes) of a byte offset.
+    pub fn position(&self, offset: usize) -> (usize, usize) {
+        let before = &self.text[..offset.min(self.text.len())];
+        let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        (before.iter().filter(|&&byte| byte == b'\n').count() + 1, before.len() - line_start + 1)
+    }
+
+    fn line(&self, number: usize) -> &[u8] {
+        let line = self.text.split(|&byte| byte == b'\n').nth(number.saturating_sub(1)).unwrap_or(b"");
+        line.strip_suffix(b"\r").unwrap_or(line)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Severity {
+    Error,
+    Warning,
+}
+
+struct Shown {
+    name: String,
+    line: usize,
+    column: usize,
+    excerpt: String,
+    caret_at: usize,
+    caret_len: usize,
+}
+
+/// One message.
+pub struct Diagnostic {
+    severity: Severity,
+    /// Number of the message, as the ISG kernel or this project counts it; may be empty.
+    pub id: String,
+    /// What was refused and why.
+    pub message: String,
+    shown: Option<Shown>,
+    expected: Option<String>,
+}
+
+impl Diagnostic {
+    /// Something that ends the run.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self::new(Severity::Error, message.into())
+    }
+
+    /// Something worth knowing.
+    pub fn warning(message: impl Into<String>) -> Self {
+        Self::new(Severity::Warning, message.into())
+    }
+
+    fn new(severity: Severity, message: String) -> Self {
+        Self { severity, id: String::new(), message, shown: None, expected: None }
+    }
+
+    /// With the number of the message.
+    pub fn id(mut self, id: impl Into<String>) -> Self {
+        self.id = id.into();
+        self
+    }
+
+    /// With the place: line and column from 1, the column and the length in bytes.
+    pub fn at(mut self, source: &Source, line: usize, column: usize, length: usize) -> Self {
+        let (excerpt, caret_at, caret_len) = excerpt(source.line(line), column.max(1) - 1, length);
+        self.shown = Some(Shown { name: source.name.clone(), line, column, excerpt, caret_at, caret_len });
+        self
+    }
+
+    /// With the words beside the caret: what was expected.
+    pub fn expected(mut self, text: impl Into<String>) -> Self {
+        self.expected = Some(text.into());
+        self
+    }
+
+    /// Line and column from 1; zeros without a place.
+    pub fn place(&self) -> (usize, usize) {
+        self.shown.as_ref().map_or((0, 0), |shown| (shown.line, shown.column))
+    }
+
+    /// On the error output, coloured where that is a terminal.
+    pub fn print(&self) {
+        anstream::eprint!("{}", self.render());
+    }
+
+    fn render(&self) -> String {
+        let (word, colour) = match self.severity {
+            Severity::Error => ("error", AnsiColor::Red),
+            Severity::Warning => ("warning", AnsiColor::Yellow),
+        };
+        let (head, strong, rule) =
+            (colour.on_default().bold(), Style::new().bold(), AnsiColor::Blue.on_default().bold());
+        let id = if self.id.is_empty() { String::new() } else { format!("[{}]", self.id) };
+        let mut out = String::new();
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{head}{word}{id}{head:#}{strong}: {}{strong:#}", self.message);
+        if let Some(shown) = &self.shown {
+            let number = shown.line.to_string();
+            let margin = " ".repeat(number.len());
+            let label = self.expected.as_ref().map_or_else(String::new, |text| format!(" {text}"));
+            let _ = writeln!(
+                out,
+                "{margin}{rule}-->{rule:#} {}:{}:{}\n\
+                 {margin} {rule}|{rule:#}\n\
+                 {rule}{number} |{rule:#} {}\n\
+                 {margin} {rule}|{rule:#} {}{head}{}{label}{head:#}",
+                shown.name,
+                shown.line,
+                shown.column,
+                shown.excerpt,
+                " ".repeat(shown.caret_at),
+                "^".repeat(shown.caret_len),
+            );
+        } else if let Some(expected) = &self.expected {
+            let _ = writeln!(out, " {rule}={rule:#} {expected}");
+        }
+        out
+    }
+}
+
+/// The widest part of a line that is shown.
+const WIDTH: usize = 120;
+
+/// The printable part of `line` around byte `at`, and start and length of the caret in it, in characters.
+fn excerpt(line: &[u8], at: usize, length: usize) -> (String, usize, usize) {
+    // One character and its first byte each; what is not text becomes U+FFFD, byte by byte.
+    let mut characters: Vec<(usize, char)> = Vec::new();
+    let mut offset = 0;
+    for chunk in line.utf8_chunks() {
+        for (index, character) in chunk.valid().char_indices() {
+            characters.push((offset + index, printable(character)));
+        }
+        offset += chunk.valid().len();
+        for index in 0..chunk.invalid().len() {
+            characters.push((offset + index, char::REPLACEMENT_CHARACTER));
+        }
+        offset += chunk.invalid().len();
+    }
+    let caret = characters.iter().take_while(|(start, _)| *start < at).count();
+    let end = characters.iter().take_while(|(start, _)| *start < at + length).count();
+    let from = if characters.len() <= WIDTH { 0 } else { caret.saturating_sub(WIDTH / 2) };
+    let to = characters.len().min(from + WIDTH);
+    let mut out = String::new();
+    if from > 0 {
+        out.push('…');
+    }
+    out.extend(characters[from..to].iter().map(|(_, character)| character));
+    if to < characters.len() {
+        out.push('…');
+    }
+    let shift = usize::from(from > 0);
+    (out, caret - from + shift, end.min(to).saturating_sub(caret).max(1))
+}
+
+fn printable(character: char) -> char {
+    match character {
+        '\t' => ' ',
+        '\0'..='\x1f' => char::from_u32(0x2400 + character as u32).unwrap_or(' '),
+        '\x7f' => '␡',
+        // C1 controls, and marks that turn the writing direction.
+        '\u{80}'..='\u{9f}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            char::REPLACEMENT_CHARACTER
+        }
+        _ => character,
+    }
+}
+
+/// The candidate nearest to `word` by edit distance, if it is near enough to be meant.
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_ascii_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (distance(&word, &candidate.to_ascii_lowercase()), candidate))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, candidate)| *distance <= 2 + candidate.len() / 5)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein distance, by characters.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn caret_stands_below_the_word() {
+        assert_eq!(excerpt(b"N10 G01 X5", 8, 2), ("N10 G01 X5".into(), 8, 2));
+        // ä has two bytes and one column, \xff and NUL one each.
+        assert_eq!(excerpt(b"\xc3\xa4\xff\0 X5", 5, 2), ("ä\u{fffd}␀ X5".into(), 4, 2));
+        // Behind the end of the line there is still one caret.
+        assert_eq!(excerpt(b"N10", 3, 0), ("N10".into(), 3, 1));
+    }
+
+    #[test]
+    fn long_lines_are_cut_around_the_caret() {
+        let mut line = vec![b' '; 10_000];
+        line[7000] = b'?';
+        let (text, caret, length) = excerpt(&line, 7000, 1);
+        assert_eq!(text.chars().nth(caret), Some('?'));
+        assert_eq!((text.chars().count(), length), (WIDTH + 2, 1));
+    }
+
+    #[test]
+    fn near_names_are_suggested() {
+        let names = ["dynamik.a_max", "dynamik.vb_max", "vb_eilgang"];
+        assert_eq!(nearest("dynamik.amax", names), Some("dynamik.a_max"));
+        assert_eq!(nearest("vb_Eilgnag", names), Some("vb_eilgang"));
+        assert_eq!(nearest("colour", names), None);
+    }
+}

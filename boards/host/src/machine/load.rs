@@ -1,0 +1,350 @@
+//! The loader: walks the tables of the file along the parameter tables of the crate.
+use super::{MAX_AXES, Machine, later};
+use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::run::BLOCKS;
+use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis};
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData};
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Reads a machine file.
+///
+/// # Errors
+/// Everything that is wrong with it, one message each.
+pub fn load(path: &Path) -> Result<Machine, Vec<Diagnostic>> {
+    let source = Source::read(path)?;
+    let text = match std::str::from_utf8(&source.text) {
+        Ok(text) => text,
+        Err(error) => {
+            let (line, column) = source.position(error.valid_up_to());
+            let message = "a machine file must be UTF-8 text";
+            return Err(vec![Diagnostic::error(message).at(&source, line, column, 1)]);
+        }
+    };
+    let mut loader = Loader { source: &source, refused: Vec::new() };
+    let machine = loader.machine(text);
+    if loader.refused.is_empty() {
+        Ok(Machine { name: source.name.clone(), ..machine })
+    } else {
+        Err(loader.refused)
+    }
+}
+
+/// A value of the file with its dotted name inside its table.
+struct Entry<'a> {
+    name: String,
+    key: Range<usize>,
+    value: &'a Spanned<DeValue<'a>>,
+}
+
+struct Loader<'a> {
+    source: &'a Source,
+    refused: Vec<Diagnostic>,
+}
+
+impl Loader<'_> {
+    fn machine(&mut self, text: &str) -> Machine {
+        let mut machine = Machine { axes: Vec::new(), channel: ChannelData::new(), name: String::new() };
+        let document = match DeTable::parse(text) {
+            Ok(document) => document,
+            Err(error) => {
+                let at = error.span().unwrap_or(0..0);
+                self.refuse(&at, format!("not a TOML file: {}", error.message().trim_end()), "");
+                return machine;
+            }
+        };
+        // The channel first: ranges of the axes depend on its cycle time.
+        for (key, value) in document.get_ref() {
+            match (key.get_ref().as_ref(), value.get_ref()) {
+                ("channel", DeValue::Table(table)) => {
+                    let mut entries = Vec::new();
+                    flatten(table, "", &mut entries);
+                    for entry in &entries {
+                        self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
+                    }
+                }
+                ("axis", DeValue::Table(_)) => {}
+                ("axis" | "channel", _) => {
+                    self.refuse(
+                        &key.span(),
+                        "this name stands for a table",
+                        "for example [axis.X] or [channel]",
+                    );
+                }
+                (other, _) => {
+                    let known = nearest(other, ["axis", "channel"]);
+                    self.refuse(
+                        &key.span(),
+                        format!("unknown table `{other}`"),
+                        &suggestion(known.or(Some("axis.X or channel"))),
+                    );
+                }
+            }
+        }
+        if machine.channel.look_ahead as usize > BLOCKS {
+            let message = format!("channel.look_ahead = {}: out of range", machine.channel.look_ahead);
+            let at =
+                document.get_ref().get("channel").and_then(|channel| channel.get_ref().get("look_ahead"));
+            let at = at.map_or(0..0, Spanned::span);
+            self.refuse(&at, message, &format!("10…{BLOCKS} blocks, this simulator is built for no more"));
+        }
+        for (key, value) in document.get_ref() {
+            if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {
+                for (name, table) in axes {
+                    if let Some(axis) = self.axis(name, table, &machine) {
+                        machine.axes.push(axis);
+                    }
+                }
+                if axes.len() > MAX_AXES {
+                    let message = format!("{} axes: this simulator is built for 1 to {MAX_AXES}", axes.len());
+                    self.refuse(&key.span(), message, "");
+                }
+            }
+        }
+        if machine.axes.is_empty() && self.refused.is_empty() {
+            let message = format!("{}: a machine needs an axis", self.source.name);
+            self.refused
+                .push(Diagnostic::error(message).expected("for example: [axis.X] with type = \"linear\""));
+        }
+        machine
+    }
+
+    fn axis(
+        &mut self,
+        key: &Spanned<toml::de::DeString<'_>>,
+        value: &Spanned<DeValue<'_>>,
+        machine: &Machine,
+    ) -> Option<AxisData> {
+        let letters = key.get_ref().as_ref();
+        let Some(name) = AxisName::new(letters) else {
+            let expected = "one to four letters and digits, a letter first";
+            self.refuse(&key.span(), format!("`{letters}` cannot be the name of an axis"), expected);
+            return None;
+        };
+        if machine.axes.iter().any(|axis| axis.name == name) {
+            self.refuse(&key.span(), format!("axis {} is there already", name.as_str()), "");
+        }
+        let DeValue::Table(table) = value.get_ref() else {
+            self.refuse(
+                &key.span(),
+                format!("axis.{letters} stands for a table"),
+                &format!("[axis.{letters}]"),
+            );
+            return None;
+        };
+        let mut entries = Vec::new();
+        flatten(table, "", &mut entries);
+        let table_name = format!("axis.{letters}");
+        let mut axis = AxisData::new(name, AxisKind::Linear);
+        let before = self.refused.len();
+        for entry in &entries {
+            if entry.name == "type" {
+                self.kind(entry, &mut axis);
+            } else {
+                self.set(&table_name, entry, AXIS, later::AXIS, &mut axis);
+            }
+        }
+        if self.refused.len() == before {
+            self.check(&table_name, key, &entries, &axis, &machine.channel);
+        }
+        Some(axis)
+    }
+
+    fn kind(&mut self, entry: &Entry<'_>, axis: &mut AxisData) {
+        const KINDS: [(&str, AxisKind); 3] =
+            [("linear", AxisKind::Linear), ("rotary", AxisKind::Rotary), ("spindle", AxisKind::Spindle)];
+        let word = entry.value.get_ref().as_str();
+        match KINDS.iter().find(|(name, _)| Some(*name) == word) {
+            Some((_, kind)) => axis.kind = *kind,
+            None => {
+                let message = format!("type = {}: no such type of axis", self.text(&entry.value.span()));
+                let meant = word.and_then(|word| nearest(word, KINDS.map(|(name, _)| name)));
+                let expected = "\"linear\", \"rotary\" or \"spindle\"";
+                match meant {
+                    Some(meant) => {
+                        self.refuse(
+                            &entry.value.span(),
+                            message,
+                            &format!("{expected}; is \"{meant}\" meant?"),
+                        );
+                    }
+                    None => self.refuse(&entry.value.span(), message, expected),
+                }
+            }
+        }
+    }
+
+    /// Looks a parameter up, checks type and range, stores it.
+    fn set<Target>(
+        &mut self,
+        table: &str,
+        entry: &Entry<'_>,
+        known: &[Parameter<Target>],
+        later: &[(&str, &str)],
+        target: &mut Target,
+    ) {
+        let name = &entry.name;
+        let Some(parameter) = known.iter().find(|parameter| parameter.name == name) else {
+            if let Some((id, _)) = later.iter().find(|(_, later)| later == name) {
+                let message = format!("{table}.{name} ({id}) is known, not available in this version");
+                self.refuse(&entry.key, message, "leave it out");
+            } else {
+                let names =
+                    known.iter().map(|parameter| parameter.name).chain(later.iter().map(|(_, name)| *name));
+                let names: Vec<&str> = names.chain(["type"]).collect();
+                // The last part of a name is often right where the table is wrong.
+                let leaf = name.rsplit('.').next();
+                let meant = nearest(name, names.iter().copied())
+                    .or_else(|| names.iter().copied().find(|other| other.rsplit('.').next() == leaf));
+                self.refuse(&entry.key, format!("unknown parameter {table}.{name}"), &suggestion(meant));
+            }
+            return;
+        };
+        // Some units are explanations.
+        let unit = parameter.unit;
+        let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
+        let range =
+            format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
+        let kind = if parameter.decimals { "a number" } else { "an integer" };
+        let label = label(table, parameter.id, name);
+        let text = self.text(&entry.value.span()).to_owned();
+        match milli(entry.value.get_ref(), parameter.decimals) {
+            Err(Unfit::Type) => {
+                self.refuse(
+                    &entry.value.span(),
+                    format!("{label} = {text}: a wrong type of value"),
+                    &format!("{kind}, {range}"),
+                );
+            }
+            Err(Unfit::Decimals) => {
+                let message = format!("{label} = {text}: too many decimals");
+                self.refuse(&entry.value.span(), message, &format!("three decimals at most, {range}"));
+            }
+            Ok(value)
+                if value < i128::from(parameter.min_milli) || value > i128::from(parameter.max_milli) =>
+            {
+                self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), &range);
+            }
+            Ok(value) => (parameter.set)(target, value as i64),
+        }
+    }
+
+    /// Ranges that depend on other parameters, which may be defaults.
+    fn check(
+        &mut self,
+        table: &str,
+        key: &Spanned<toml::de::DeString<'_>>,
+        entries: &[Entry<'_>],
+        axis: &AxisData,
+        channel: &ChannelData,
+    ) {
+        let Err(error) = check_axis(axis, channel) else { return };
+        let unit = AXIS.iter().find(|parameter| parameter.name == error.name).map_or("", |known| known.unit);
+        let entry = entries.iter().find(|entry| entry.name == error.name);
+        let origin = if entry.is_some() { "" } else { " (the default)" };
+        let cause = entries.iter().find(|entry| entry.name == error.because);
+        let at = entry.map(|entry| entry.value.span());
+        let at = at.or_else(|| cause.map(|entry| entry.value.span())).unwrap_or_else(|| key.span());
+        let label = label(table, error.id, error.name);
+        let message = format!("{label} = {}{origin}: out of range", error.value);
+        let expected = format!("{}…{} {unit}, limited by {}", error.min, error.max, error.because);
+        self.refuse(&at, message, &expected);
+    }
+
+    fn text(&self, span: &Range<usize>) -> &str {
+        self.source.text.get(span.clone()).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or("")
+    }
+
+    fn refuse(&mut self, at: &Range<usize>, message: impl Into<String>, expected: &str) {
+        let (line, column) = self.source.position(at.start);
+        let diagnostic = Diagnostic::error(message).at(self.source, line, column, at.len());
+        self.refused.push(if expected.is_empty() { diagnostic } else { diagnostic.expected(expected) });
+    }
+}
+
+/// Values of a table and of those inside it.
+fn flatten<'a>(table: &'a DeTable<'a>, prefix: &str, entries: &mut Vec<Entry<'a>>) {
+    for (key, value) in table {
+        let name = format!("{prefix}{}", key.get_ref());
+        match value.get_ref() {
+            DeValue::Table(inner) => flatten(inner, &format!("{name}."), entries),
+            _ => entries.push(Entry { name, key: key.span(), value }),
+        }
+    }
+}
+
+/// `axis.X.dynamik.a_max (P-AXIS-00008)`
+fn label(table: &str, id: &str, name: &str) -> String {
+    if id.is_empty() { format!("{table}.{name}") } else { format!("{table}.{name} ({id})") }
+}
+
+fn suggestion(meant: Option<&str>) -> String {
+    meant.map_or_else(String::new, |name| format!("is `{name}` meant?"))
+}
+
+enum Unfit {
+    Type,
+    Decimals,
+}
+
+/// The value in thousandths.
+fn milli(value: &DeValue<'_>, decimals: bool) -> Result<i128, Unfit> {
+    match value {
+        DeValue::Integer(integer) => {
+            // Beyond i64 it is out of every range anyway.
+            let value = i64::from_str_radix(integer.as_str(), integer.radix());
+            let beyond = if integer.as_str().starts_with('-') { i64::MIN } else { i64::MAX };
+            Ok(i128::from(value.unwrap_or(beyond)) * 1000)
+        }
+        DeValue::Float(float) if decimals => exact_milli(float.as_str()),
+        _ => Err(Unfit::Type),
+    }
+}
+
+/// `12.345` in thousandths, exactly; exponents and what has no value are of the wrong type.
+fn exact_milli(text: &str) -> Result<i128, Unfit> {
+    let (negative, digits) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let fraction = fraction.trim_end_matches('0');
+    if fraction.len() > 3 {
+        return Err(Unfit::Decimals);
+    }
+    let all: i128 = format!("{whole}{fraction:0<3}").parse().map_err(|_| Unfit::Type)?;
+    Ok(if negative { -all } else { all })
+}
+
+/// Thousandths as a decimal.
+fn thousandths(value: i64) -> String {
+    if value % 1000 == 0 {
+        return (value / 1000).to_string();
+    }
+    let mut out = String::new();
+    crate::decimal::push_scaled(&mut out, i128::from(value), 3);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_file_is_the_built_in_machine() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/machines/default.toml"));
+        let loaded = load(path).unwrap_or_else(|_| panic!("default.toml is refused"));
+        assert_eq!(loaded.axes, Machine::built_in().axes);
+        assert_eq!(loaded.channel, Machine::built_in().channel);
+    }
+
+    #[test]
+    fn decimals_are_exact() {
+        assert!(matches!(exact_milli("0.1"), Ok(100)));
+        assert!(matches!(exact_milli("-12.3450"), Ok(-12_345)));
+        assert!(matches!(exact_milli("0.0001"), Err(Unfit::Decimals)));
+        assert!(matches!(exact_milli("1e3"), Err(Unfit::Type)));
+    }
+}

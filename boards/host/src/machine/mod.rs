@@ -1,0 +1,121 @@
+//! Machine data from a TOML file, under the ISG names.
+//!
+//! Tables are named as in the parameter path, without `getriebe[i].`: `[axis.X.dynamik]` with `a_max = 6000`. Axes take
+//! part in the order of the file. What is left out has the ISG default; what is not known is refused.
+
+mod later;
+mod load;
+
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+pub use load::load;
+
+/// A machine whose number of axes is known at run time only.
+#[derive(Debug, PartialEq)]
+pub struct Machine {
+    /// The axes, in the order of the file; 1…[`MAX_AXES`].
+    pub axes: Vec<AxisData>,
+    /// The channel.
+    pub channel: ChannelData,
+    /// What to call it: the file name.
+    pub name: String,
+}
+
+/// The largest number of axes this board is compiled for.
+pub const MAX_AXES: usize = 6;
+
+impl Machine {
+    /// Three linear axes as in the examples of FCT-D3 §4 (row D3-236), at a cycle of 1 ms and with the profile TRAPEZ,
+    /// feed in mm/min. Rapid motion has the acceleration and the ramp time of the feed and the largest speed.
+    pub fn built_in() -> Self {
+        let axis = |name| AxisData {
+            vb_eilgang: 1_000_000,
+            vb_max: 1_000_000,
+            a_max: 6000,
+            a_beschl: 2000,
+            a_brems: 2000,
+            a_grenz: 2000,
+            tr_geom: 10_000,
+            tr_beschl_ab: 150_000,
+            tr_beschl_zu: 150_000,
+            tr_brems_ab: 150_000,
+            tr_brems_zu: 150_000,
+            tr_grenz: 150_000,
+            ..AxisData::new(name, AxisKind::Linear)
+        };
+        let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
+        let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+        Self { axes, channel, name: "built-in three-axis machine".into() }
+    }
+
+    /// The same for a known number of axes; `None` where it is another.
+    pub fn data<const AXES: usize>(&self) -> Option<MachineData<AXES>> {
+        let axes = <[AxisData; AXES]>::try_from(self.axes.as_slice()).ok()?;
+        Some(MachineData { axes, channel: self.channel })
+    }
+
+    /// Indices of the main axes: the first three linear ones.
+    pub fn main_axes(&self) -> Vec<usize> {
+        let linear = self.axes.iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Linear);
+        linear.map(|(index, _)| index).take(3).collect()
+    }
+
+    /// Cycle time in seconds.
+    pub fn cycle_s(&self) -> f64 {
+        f64::from(self.channel.cycle_us) / 1e6
+    }
+}
+
+/// What the machine data allow one axis: mm/s, mm/s², mm/s³ (rotary: degrees).
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// P-AXIS-00212.
+    pub speed: f64,
+    /// P-AXIS-00209.
+    pub speed_rapid: f64,
+    /// P-AXIS-00008: all accelerations together.
+    pub accel: f64,
+    /// P-AXIS-00001.
+    pub accel_feed: f64,
+    /// P-AXIS-00002.
+    pub brake_feed: f64,
+    /// P-AXIS-00004.
+    pub accel_rapid: f64,
+    /// The steepest ramp at feed; contour included (P-AXIS-00199).
+    pub jerk_feed: f64,
+    /// The steepest ramp in rapid motion.
+    pub jerk_rapid: f64,
+}
+
+/// The limits of an axis: jerk is acceleration over the shorter one of ramp time and geometric ramp time.
+pub fn limits(axis: &AxisData) -> Limits {
+    let geometric = if axis.tr_geom == 0 { u32::MAX } else { axis.tr_geom };
+    let jerk = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.min(geometric));
+    let accel = jerk(axis.a_beschl, axis.tr_beschl_ab.min(axis.tr_beschl_zu));
+    let brake = jerk(axis.a_brems, axis.tr_brems_ab.min(axis.tr_brems_zu));
+    Limits {
+        speed: f64::from(axis.vb_max) / 1e3,
+        speed_rapid: f64::from(axis.vb_eilgang) / 1e3,
+        accel: f64::from(axis.a_max),
+        accel_feed: f64::from(axis.a_beschl),
+        brake_feed: f64::from(axis.a_brems),
+        accel_rapid: f64::from(axis.a_grenz),
+        jerk_feed: accel.max(brake),
+        jerk_rapid: jerk(axis.a_grenz, axis.tr_grenz),
+    }
+}
+
+/// Calls a function that is generic in the number of axes with the number of axes of a machine.
+macro_rules! with_axes {
+    ($machine:expr, $function:ident($($argument:expr),*)) => {
+        match $machine.axes.len() {
+            1 => $function::<1>($($argument),*),
+            2 => $function::<2>($($argument),*),
+            3 => $function::<3>($($argument),*),
+            4 => $function::<4>($($argument),*),
+            5 => $function::<5>($($argument),*),
+            6 => $function::<6>($($argument),*),
+            other => unreachable!("{other} axes: the loader accepts 1 to 6"),
+        }
+    };
+}
+pub(crate) use with_axes;

@@ -1,0 +1,112 @@
+//! What is drawn on: the few operations that both file formats have.
+
+/// A place on the canvas, from its upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point(pub f64, pub f64);
+
+/// A part of the canvas.
+#[derive(Clone, Copy, Debug)]
+pub struct Rect {
+    /// Left edge.
+    pub x: f64,
+    /// Upper edge.
+    pub y: f64,
+    /// To the right.
+    pub width: f64,
+    /// Downwards.
+    pub height: f64,
+}
+
+impl Rect {
+    /// The right edge.
+    pub fn right(&self) -> f64 {
+        self.x + self.width
+    }
+
+    /// The lower edge.
+    pub fn bottom(&self) -> f64 {
+        self.y + self.height
+    }
+}
+
+/// Red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+/// Text and what matters most.
+pub const INK: Colour = Colour(0x1f, 0x29, 0x33);
+/// Text that explains.
+pub const SOFT: Colour = Colour(0x6b, 0x77, 0x85);
+/// Grid and frames.
+pub const GRID: Colour = Colour(0xe4, 0xe8, 0xec);
+/// The programmed contour.
+pub const PROGRAMMED: Colour = Colour(0x9a, 0xa5, 0xb1);
+/// Limits.
+pub const LIMIT: Colour = Colour(0xd6, 0x45, 0x45);
+/// The main axes.
+pub const AXES: [Colour; 3] = [Colour(0x2b, 0x7a, 0xb8), Colour(0xe0, 0x8a, 0x1e), Colour(0x3a, 0x9d, 0x5d)];
+
+/// How a line looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke {
+    /// Its colour.
+    pub colour: Colour,
+    /// Its width.
+    pub width: f64,
+    /// 0…1.
+    pub opacity: f64,
+    /// Lengths of dash and gap.
+    pub dash: Option<(f64, f64)>,
+}
+
+impl Stroke {
+    /// A full line.
+    pub const fn new(colour: Colour, width: f64) -> Self {
+        Self { colour, width, opacity: 1.0, dash: None }
+    }
+}
+
+/// Which part of a text stands at its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor {
+    /// Its start.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// How a text looks.
+#[derive(Clone, Copy, Debug)]
+pub struct TextStyle {
+    /// Font size.
+    pub size: f64,
+    /// Its colour.
+    pub colour: Colour,
+    /// Alignment.
+    pub anchor: Anchor,
+    /// Bold.
+    pub bold: bool,
+}
+
+impl TextStyle {
+    /// Small, from its start.
+    pub const fn new(colour: Colour) -> Self {
+        Self { size: 12.0, colour, anchor: Anchor::Start, bold: false }
+    }
+}
+
+/// A file format that can be drawn on.
+pub trait Canvas {
+    /// Connected lines.
+    fn polyline(&mut self, points: &[Point], stroke: &Stroke);
+    /// A filled rectangle.
+    fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64);
+    /// A filled circle with a white rim.
+    fn dot(&mut self, centre: Point, radius: f64, colour: Colour);
+    /// Text with its base line at `at`.
+    fn text(&mut self, at: Point, text: &str, style: &TextStyle);
+    /// Limits what follows to `area`, or lifts the limit.
+    fn clip(&mut self, area: Option<&Rect>);
+}

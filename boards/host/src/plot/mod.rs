@@ -1,0 +1,189 @@
+//! A picture of a run: where it went, how fast, how smoothly.
+//!
+//! Left the path, programmed thin and grey, moved coloured by speed; right speed, acceleration and jerk over time.
+
+mod canvas;
+mod chart;
+mod font;
+mod path;
+mod png;
+mod record;
+mod scale;
+mod svg;
+
+use crate::diagnose::Source;
+use crate::machine::Machine;
+use crate::program::Program;
+use crate::statistics::Statistics;
+use canvas::{Anchor, Canvas, INK, Point, Rect, SOFT, TextStyle};
+pub use record::Picture;
+use std::path::PathBuf;
+
+/// Where to draw to.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// The file.
+    pub path: PathBuf,
+    /// Named by its extension.
+    pub format: Format,
+}
+
+/// File formats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Lines and text.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+/// The format of a file name.
+pub fn parse_target(name: &str) -> Result<Target, String> {
+    let path = PathBuf::from(name);
+    let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+    let format = match extension.as_deref() {
+        Some("svg") => Format::Svg,
+        Some("png") => Format::Png,
+        _ => return Err("the name must end in .svg or .png".into()),
+    };
+    Ok(Target { path, format })
+}
+
+const WIDTH: f64 = 1400.0;
+const HEIGHT: f64 = 860.0;
+const MARGIN: f64 = 28.0;
+const TOP: f64 = 100.0;
+
+/// What there is to show.
+pub struct Scene<'a> {
+    /// The machine, for names and limits.
+    pub machine: &'a Machine,
+    /// The programmed contour.
+    pub program: &'a Program,
+    /// The plan.
+    pub statistics: &'a Statistics,
+    /// What was recorded.
+    pub picture: &'a Picture,
+}
+
+/// Draws a run, as the bytes of a file.
+pub fn draw(format: Format, source: &Source, scene: &Scene<'_>) -> Vec<u8> {
+    match format {
+        Format::Svg => {
+            let mut canvas = svg::Svg::new(WIDTH, HEIGHT);
+            compose(&mut canvas, source, scene);
+            canvas.finish()
+        }
+        Format::Png => {
+            let mut canvas = png::Png::new(WIDTH, HEIGHT);
+            compose(&mut canvas, source, scene);
+            canvas.finish()
+        }
+    }
+}
+
+fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
+    let statistics = scene.statistics;
+    let file = std::path::Path::new(&source.name).file_name().map(|name| name.to_string_lossy());
+    let title = file.unwrap_or_else(|| source.name.as_str().into());
+    canvas.text(Point(MARGIN, 40.0), &title, &TextStyle { size: 22.0, bold: true, ..TextStyle::new(INK) });
+    let facts = format!(
+        "{:.3} s  ·  {} blocks  ·  {:.1} mm of path  ·  {}  ·  cycle {} ms",
+        statistics.time_s(scene.machine),
+        statistics.blocks.len(),
+        statistics.distance_mm(),
+        scene.machine.name,
+        f64::from(scene.machine.channel.cycle_us) / 1e3,
+    );
+    canvas.text(Point(MARGIN, 62.0), &facts, &TextStyle { size: 13.0, ..TextStyle::new(SOFT) });
+
+    let path_area = Rect { x: MARGIN, y: TOP, width: 600.0, height: HEIGHT - TOP - MARGIN };
+    path::draw(canvas, &path_area, scene);
+    let left = MARGIN + path_area.width + 34.0;
+    let charts = Rect { x: left, y: TOP, width: WIDTH - left - MARGIN, height: HEIGHT - TOP - MARGIN };
+    chart::draw(canvas, &charts, scene);
+    let version = concat!("glidepath ", env!("CARGO_PKG_VERSION"));
+    let style = TextStyle { size: 11.0, anchor: Anchor::End, ..TextStyle::new(SOFT) };
+    canvas.text(Point(WIDTH - MARGIN, 40.0), version, &style);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{Kind, Segment};
+    use glidepath::quantity::{Accel, Position, Speed};
+    use glidepath::tick::Telemetry;
+
+    /// A square with one round side, run at constant speed: what matters here is that it can be drawn.
+    fn scene(format: Format, ticks: u64) -> Vec<u8> {
+        let machine = Machine::built_in();
+        let line = |x: f64, y: f64| Segment {
+            n: 1,
+            kind: Kind::Line,
+            end: vec![x, y, 0.0],
+            feed: Some(6000.0),
+            stop: false,
+        };
+        let arc = Kind::Arc { plane: [0, 1], centre: [50.0, 100.0], clockwise: false };
+        let segments = vec![
+            line(100.0, 0.0),
+            line(100.0, 100.0),
+            Segment { kind: arc, ..line(0.0, 100.0) },
+            Segment { feed: None, ..line(0.0, 0.0) },
+        ];
+        let program = Program { start: vec![0.0; 3], segments, motions: 4, warnings: Vec::new() };
+        let mut statistics = Statistics::new(&[Position::ZERO; 3]);
+        let mut picture = Picture::new(&machine);
+        for tick in 0..=ticks {
+            let s = 400.0 * tick as f64 / ticks as f64;
+            let at = match s {
+                ..100.0 => [s, 0.0],
+                ..200.0 => [100.0, s - 100.0],
+                ..300.0 => [300.0 - s, 100.0 + ((s - 200.0) * (300.0 - s)).sqrt()],
+                _ => [0.0, 400.0 - s],
+            };
+            let set_points = [at[0], at[1], s / 20.0].map(Position::from_num);
+            let speed = (s * 0.04).sin().abs() * 0.1;
+            let telemetry = Telemetry {
+                n: 1,
+                block: (s / 100.0).min(3.0) as u32,
+                speed: Speed(speed.to_string().parse().unwrap_or_default()),
+                accel: Accel(((s * 0.04).cos() * 0.001).to_string().parse().unwrap_or_default()),
+                ..Telemetry::default()
+            };
+            statistics.add(telemetry.distance, &set_points);
+            picture.add(&telemetry, &set_points, &statistics.axes, machine.cycle_s());
+        }
+        let source = Source { name: "a & b.nc".into(), text: Vec::new() };
+        let scene =
+            Scene { machine: &machine, program: &program, statistics: &statistics, picture: &picture };
+        draw(format, &source, &scene)
+    }
+
+    #[test]
+    fn pictures_stay_small_however_long_the_run() {
+        let [short, long] = [4000, 1_000_000].map(|ticks| scene(Format::Svg, ticks).len());
+        assert!(short > 50_000 && long < 1_500_000, "{short} {long}");
+    }
+
+    #[test]
+    fn svg_escapes_and_closes_what_it_opens() {
+        let svg = String::from_utf8(scene(Format::Svg, 4000)).unwrap_or_default();
+        assert!(svg.contains(">a &amp; b.nc</text>") && svg.ends_with("</svg>\n"));
+        assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn png_shows_all_colours_of_the_speed_scale() {
+        let bytes = scene(Format::Png, 4000);
+        if let Some(path) = std::env::var_os("GLIDEPATH_SHOW") {
+            std::fs::write(path, &bytes).unwrap_or_default();
+        }
+        let pixels = tiny_skia::Pixmap::decode_png(&bytes).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((pixels.width(), pixels.height()), (2800, 1720));
+        let colours: std::collections::HashSet<u32> =
+            pixels.pixels().iter().map(|p| u32::from_be_bytes([0, p.red(), p.green(), p.blue()])).collect();
+        assert!(colours.len() > 200, "{}", colours.len());
+    }
+}

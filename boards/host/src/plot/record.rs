@@ -1,0 +1,211 @@
+//! Keeps what a picture needs of a run, in bounded memory however long it takes.
+use crate::machine::Machine;
+use crate::statistics::AxisStatistics;
+use glidepath::quantity::Position;
+use glidepath::tick::Telemetry;
+
+/// Places along the path kept at most, and stretches of time.
+const PLACES: usize = 40_000;
+const STRETCHES: usize = 1800;
+
+/// A place of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Main axes, mm; those that the machine lacks are 0.
+    pub at: [f64; 3],
+    /// Path speed, mm/s.
+    pub speed: f64,
+}
+
+/// A recorded run.
+pub struct Picture {
+    main: Vec<usize>,
+    /// The path, as fine as it can be seen.
+    pub places: Vec<Place>,
+    /// Places nearer than this to the last one are left out.
+    spacing: f64,
+    low: [f64; 3],
+    high: [f64; 3],
+    pending: Option<Place>,
+    /// Speed, acceleration and jerk of the path, then acceleration and jerk of each main axis.
+    pub envelope: Envelope,
+    /// Ticks at which a block is entered.
+    pub entries: Vec<u64>,
+    ticks: u64,
+    block: u32,
+    accel: f64,
+}
+
+impl Picture {
+    /// Nothing recorded yet.
+    pub fn new(machine: &Machine) -> Self {
+        let main = machine.main_axes();
+        let envelope = Envelope::new(3 + 2 * main.len());
+        Self {
+            main,
+            places: Vec::new(),
+            spacing: 0.0,
+            low: [f64::INFINITY; 3],
+            high: [f64::NEG_INFINITY; 3],
+            pending: None,
+            envelope,
+            entries: Vec::new(),
+            ticks: 0,
+            block: 0,
+            accel: 0.0,
+        }
+    }
+
+    /// Takes in one tick; the first is the rest at the start.
+    pub fn add(
+        &mut self,
+        telemetry: &Telemetry,
+        set_points: &[Position],
+        axes: &[AxisStatistics],
+        cycle_s: f64,
+    ) {
+        const LSB: f64 = (1_u64 << 58) as f64;
+        let speed = telemetry.speed.to_bits() as f64 / LSB / cycle_s;
+        let accel = telemetry.accel.to_bits() as f64 / LSB / cycle_s / cycle_s;
+        let jerk = (accel - self.accel) / cycle_s;
+        self.accel = accel;
+        let mut values = vec![speed as f32, accel as f32, jerk as f32];
+        for axis in self.main.iter().filter_map(|&index| axes.get(index)) {
+            let [_, accel, jerk] = axis.latest(cycle_s);
+            values.extend([accel as f32, jerk as f32]);
+        }
+        self.envelope.add(&values);
+
+        if telemetry.block != self.block || self.entries.is_empty() {
+            self.block = telemetry.block;
+            self.entries.push(self.ticks);
+        }
+        self.ticks += 1;
+
+        let mut at = [0.0; 3];
+        for (value, &index) in at.iter_mut().zip(&self.main) {
+            *value = set_points.get(index).map_or(0.0, |position| position.to_num());
+        }
+        self.place(Place { at, speed });
+    }
+
+    fn place(&mut self, place: Place) {
+        for (axis, &value) in place.at.iter().enumerate() {
+            self.low[axis] = self.low[axis].min(value);
+            self.high[axis] = self.high[axis].max(value);
+        }
+        // A thousand dots across are more than a picture of that size can show.
+        let extent = (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
+        self.spacing = self.spacing.max(extent / 1500.0);
+        let near = self.places.last().is_some_and(|last| distance(last, &place) < self.spacing);
+        self.pending = near.then_some(place);
+        if !near {
+            self.places.push(place);
+        }
+        if self.places.len() > PLACES {
+            self.spacing *= 2.0;
+            let mut kept: Vec<Place> = Vec::with_capacity(PLACES);
+            for place in &self.places {
+                if kept.last().is_none_or(|last| distance(last, place) >= self.spacing) {
+                    kept.push(*place);
+                }
+            }
+            self.places = kept;
+        }
+    }
+
+    /// The path to its very end.
+    pub fn path(&self) -> impl Iterator<Item = Place> {
+        self.places.iter().copied().chain(self.pending)
+    }
+
+    /// Ticks recorded, the first one included.
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+}
+
+fn distance(a: &Place, b: &Place) -> f64 {
+    a.at.iter().zip(&b.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Lowest and highest value of several series over equal stretches of time.
+pub struct Envelope {
+    series: usize,
+    /// Ticks per stretch.
+    stride: u64,
+    /// Ticks already in the last one.
+    filled: u64,
+    /// Per stretch, `series` pairs of lowest and highest.
+    spans: Vec<[f32; 2]>,
+}
+
+impl Envelope {
+    fn new(series: usize) -> Self {
+        Self { series, stride: 1, filled: 0, spans: Vec::new() }
+    }
+
+    fn add(&mut self, values: &[f32]) {
+        if self.filled == self.stride || self.spans.is_empty() {
+            if self.len() == STRETCHES {
+                self.halve();
+            }
+            if self.filled == self.stride || self.spans.is_empty() {
+                self.spans.extend(values.iter().map(|&value| [value; 2]));
+                self.filled = 1;
+                return;
+            }
+        }
+        let last = self.spans.len() - self.series;
+        for (span, &value) in self.spans[last..].iter_mut().zip(values) {
+            *span = [span[0].min(value), span[1].max(value)];
+        }
+        self.filled += 1;
+    }
+
+    /// Joins stretches two by two.
+    fn halve(&mut self) {
+        let mut joined = Vec::with_capacity(self.spans.len());
+        for pair in self.spans.chunks(2 * self.series) {
+            let (first, second) = pair.split_at(self.series);
+            joined.extend(first.iter().zip(second).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]));
+        }
+        self.spans = joined;
+        self.stride *= 2;
+        self.filled = self.stride;
+    }
+
+    /// Number of stretches.
+    pub fn len(&self) -> usize {
+        self.spans.len() / self.series
+    }
+
+    /// Ticks from one to the next.
+    pub fn stride(&self) -> u64 {
+        self.stride
+    }
+
+    /// Lowest and highest values of one series.
+    pub fn series(&self, index: usize) -> impl Iterator<Item = [f64; 2]> {
+        self.spans.chunks(self.series).map(move |spans| spans[index].map(f64::from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_run_keeps_its_extremes() {
+        let mut envelope = Envelope::new(2);
+        for i in 0..1_000_000 {
+            let spike = if i == 777_777 { 5.0 } else { 0.0 };
+            envelope.add(&[spike, -(i as f32)]);
+        }
+        assert!(envelope.len() <= STRETCHES && envelope.len() > STRETCHES / 2 - 1);
+        assert_eq!(envelope.series(0).filter(|span| span[1] == 5.0).count(), 1);
+        let at = envelope.series(0).position(|span| span[1] == 5.0).unwrap_or(0);
+        assert_eq!(at as u64, 777_777 / envelope.stride());
+        assert_eq!(envelope.series(1).last().map(|span| span[0]), Some(-999_999.0));
+    }
+}

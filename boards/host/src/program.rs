@@ -1,0 +1,334 @@
+//! The program as decoded, before anything is planned: for the contour, the picture, warnings, and `check`.
+//!
+//! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
+use crate::diagnose::{Diagnostic, Source};
+use crate::machine::{Machine, limits, with_axes};
+use glidepath::channel::Error;
+use glidepath::nc::{
+    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
+};
+use glidepath::quantity::Position;
+
+/// A block of the contour. Coordinates are absolute, one per axis of the machine, exact in f64.
+pub struct Segment {
+    /// Programmed N number.
+    pub n: u32,
+    /// Shape.
+    pub kind: Kind,
+    /// End point.
+    pub end: Vec<f64>,
+    /// Feed in mm/min; none in rapid motion.
+    pub feed: Option<f64>,
+    /// Standstill at its end is programmed.
+    pub stop: bool,
+}
+
+/// Shapes of blocks.
+pub enum Kind {
+    /// Straight.
+    Line,
+    /// Arc, full circle or helix.
+    Arc {
+        /// Axes of the plane.
+        plane: [usize; 2],
+        /// Centre in these axes.
+        centre: [f64; 2],
+        /// G02.
+        clockwise: bool,
+    },
+    /// No motion for so many seconds.
+    Dwell(f64),
+}
+
+/// A decoded program.
+pub struct Program {
+    /// Where all axes stand at first.
+    pub start: Vec<f64>,
+    /// All blocks that move or wait.
+    pub segments: Vec<Segment>,
+    /// How many of them move.
+    pub motions: usize,
+    /// Remarks of the decoder.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Decodes the whole program.
+///
+/// # Errors
+/// The first refusal, with its place.
+pub fn decode(source: &Source, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
+    with_axes!(machine, decode_axes(source, machine))
+}
+
+fn decode_axes<const AXES: usize>(source: &Source, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
+    let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
+    let start = [Position::ZERO; AXES];
+    let main = data.main_axes();
+    let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), source.text.as_slice()));
+    let mut at = start;
+    let mut program =
+        Program { start: numbers(&start), segments: Vec::new(), motions: 0, warnings: Vec::new() };
+    loop {
+        match decoder.step().map_err(|error| vec![refused(source, &error)])? {
+            Step::Working => {}
+            Step::Warning(warning) => program.warnings.push(remark(source, &warning)),
+            Step::Command(Command::Motion(motion)) => {
+                program.add(&motion, &at, &main);
+                at = motion.target;
+            }
+            Step::Command(Command::Dwell(head, DwellTime::Seconds(time))) => {
+                let kind = Kind::Dwell(time.to_num());
+                let segment = Segment { n: head.n, kind, end: numbers(&at), feed: None, stop: true };
+                program.segments.push(segment);
+            }
+            Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(_) => {}
+            Step::End => return Ok(program),
+        }
+    }
+}
+
+fn numbers(position: &[Position]) -> Vec<f64> {
+    position.iter().map(|value| value.to_num()).collect()
+}
+
+/// Centre of an arc given by its radius; the radius itself is checked where the path is made.
+fn centre(start: [Position; 2], end: [Position; 2], radius: Position, clockwise: bool) -> [f64; 2] {
+    let bits = |value: Position| i128::from(value.to_bits());
+    let [dx, dy] = [0, 1].map(|i| bits(end[i]) - bits(start[i]));
+    // Squares are exact: where half the chord is nearly the radius, rounding would move the centre.
+    let square = 4 * bits(radius) * bits(radius) - dx * dx - dy * dy;
+    let chord = (dx as f64).hypot(dy as f64);
+    // From the middle of the chord to the left for G03 and less than 180°.
+    let left = if clockwise == (radius < Position::ZERO) { 1.0 } else { -1.0 };
+    let share = left * (square.max(0) as f64).sqrt() / 2.0 / chord.max(1.0);
+    let lsb = 2.0_f64.powi(-32);
+    let middle = |i: usize| (bits(start[i]) + bits(end[i])) as f64 / 2.0;
+    [(middle(0) - share * dy as f64) * lsb, (middle(1) + share * dx as f64) * lsb]
+}
+
+fn place(diagnostic: Diagnostic, source: &Source, place: Place) -> Diagnostic {
+    diagnostic.at(source, place.line as usize, place.column as usize, place.length as usize)
+}
+
+/// What the decoder refused.
+fn refused(source: &Source, error: &NcError) -> Diagnostic {
+    explained(source, error.place, &error.to_string(), id(error.kind.id()))
+}
+
+/// What was expected stands beside the caret.
+fn explained(source: &Source, at: Place, text: &str, id: String) -> Diagnostic {
+    let split = text.find(" expected ").map(|at| text.split_at(at));
+    match split {
+        Some((what, expected)) => {
+            let what = what.trim_end_matches([':', ';', ',']);
+            place(Diagnostic::error(what).id(id), source, at).expected(expected.trim_start())
+        }
+        None => place(Diagnostic::error(text).id(id), source, at),
+    }
+}
+
+/// ISG's number of a message, where it has one.
+fn id(number: u32) -> String {
+    if number == 0 { String::new() } else { number.to_string() }
+}
+
+fn remark(source: &Source, warning: &NcWarning) -> Diagnostic {
+    place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), source, warning.place)
+}
+
+/// What the planner refused.
+pub fn refusal(source: &Source, error: &Error) -> Diagnostic {
+    match error {
+        Error::Nc(error) => refused(source, error),
+        Error::Unplannable => Diagnostic::error(error.to_string()),
+        Error::NotAvailable(at, _) | Error::Motion(at, _) => {
+            explained(source, *at, &error.to_string(), String::new())
+        }
+    }
+}
+
+impl Program {
+    fn add<const AXES: usize>(
+        &mut self,
+        motion: &Motion<AXES>,
+        start: &[Position; AXES],
+        main: &[Option<usize>; 3],
+    ) {
+        let is_arc = matches!(motion.kind, MotionKind::Arc { .. });
+        if motion.target == *start && !is_arc {
+            // No motion; an exact stop then belongs to the end of the block before.
+            if motion.exact_stop {
+                self.stop();
+            }
+            return;
+        }
+        let kind = match motion.kind {
+            MotionKind::Arc { plane, clockwise, by } => {
+                // The decoder refuses planes that the machine does not have.
+                let axes = plane.main_axes().map(|index| main[index].unwrap_or(0));
+                let centre = match by {
+                    ArcBy::Centre(centre) => centre.map(|value| value.to_num()),
+                    ArcBy::Radius(radius) => {
+                        let [from, to] = [start, &motion.target].map(|point| axes.map(|axis| point[axis]));
+                        centre(from, to, radius, clockwise)
+                    }
+                };
+                Kind::Arc { plane: axes, centre, clockwise }
+            }
+            MotionKind::Rapid | MotionKind::Line => Kind::Line,
+        };
+        let feed = (motion.kind != MotionKind::Rapid).then(|| motion.feed.to_num());
+        let end = numbers(&motion.target);
+        self.segments.push(Segment { n: motion.n, kind, end, feed, stop: motion.exact_stop });
+        self.motions += 1;
+    }
+
+    fn stop(&mut self) {
+        if let Some(last) = self.segments.last_mut() {
+            last.stop = true;
+        }
+    }
+
+    /// The blocks that move.
+    pub fn motions(&self) -> impl Iterator<Item = &Segment> {
+        self.segments.iter().filter(|segment| !matches!(segment.kind, Kind::Dwell(_)))
+    }
+
+    /// Seconds of programmed dwell.
+    pub fn dwell_s(&self) -> f64 {
+        self.segments
+            .iter()
+            .map(|segment| if let Kind::Dwell(time) = segment.kind { time } else { 0.0 })
+            .sum()
+    }
+
+    /// In one line.
+    pub fn describe(&self) -> String {
+        let arcs = self.motions().filter(|segment| matches!(segment.kind, Kind::Arc { .. })).count();
+        let waits = self.segments.len() - self.motions;
+        format!(
+            "{} motion block{} ({arcs} arc{}), {waits} dwell{}, {} warning{}",
+            self.motions,
+            plural(self.motions),
+            plural(arcs),
+            plural(waits),
+            self.warnings.len(),
+            plural(self.warnings.len()),
+        )
+    }
+
+    /// Programmed speed of every motion, mm/s; in rapid motion what the axes allow together.
+    pub fn speeds(&self, machine: &Machine) -> Vec<f64> {
+        let main = machine.main_axes();
+        let mut at = self.start.as_slice();
+        let mut speeds = Vec::with_capacity(self.motions);
+        for segment in self.motions() {
+            let travel: Vec<f64> = segment.end.iter().zip(at).map(|(to, from)| (to - from).abs()).collect();
+            at = &segment.end;
+            speeds.push(segment.feed.map_or_else(|| rapid(machine, &main, &travel), |feed| feed / 60.0));
+        }
+        speeds
+    }
+
+    /// The contour in the main axes as connected lines, arcs in small chords.
+    pub fn polylines(&self, machine: &Machine) -> Vec<Vec<[f64; 3]>> {
+        let main = machine.main_axes();
+        let pick = |point: &[f64]| {
+            let mut at = [0.0; 3];
+            for (value, &index) in at.iter_mut().zip(&main) {
+                *value = point[index];
+            }
+            at
+        };
+        let mut line = vec![pick(&self.start)];
+        let mut start = self.start.as_slice();
+        for segment in self.motions() {
+            if let Kind::Arc { plane, centre, clockwise } = segment.kind {
+                chords(&mut line, start, &segment.end, plane, centre, clockwise, &pick);
+            }
+            line.push(pick(&segment.end));
+            start = &segment.end;
+        }
+        vec![line]
+    }
+}
+
+/// Ending of a counted word.
+pub fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
+/// The fastest common speed of a straight rapid motion.
+fn rapid(machine: &Machine, main: &[usize], travel: &[f64]) -> f64 {
+    let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
+    let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
+    let speeds = machine.axes.iter().zip(travel).filter(|(_, travel)| **travel > 0.0);
+    speeds.map(|(axis, travel)| limits(axis).speed_rapid * path / travel).fold(f64::INFINITY, f64::min)
+}
+
+/// Signed angle of an arc; a whole turn where start and end are one point.
+pub fn sweep(start: [f64; 2], end: [f64; 2], centre: [f64; 2], clockwise: bool) -> f64 {
+    let angle = |point: [f64; 2]| (point[1] - centre[1]).atan2(point[0] - centre[0]);
+    let turn = std::f64::consts::TAU;
+    let swept = angle(end) - angle(start);
+    let swept = (if clockwise { -swept } else { swept }).rem_euclid(turn);
+    let swept = if swept < 1e-9 { turn } else { swept };
+    if clockwise { -swept } else { swept }
+}
+
+fn chords(
+    line: &mut Vec<[f64; 3]>,
+    start: &[f64],
+    end: &[f64],
+    plane: [usize; 2],
+    centre: [f64; 2],
+    clockwise: bool,
+    pick: &impl Fn(&[f64]) -> [f64; 3],
+) {
+    let at = |point: &[f64]| plane.map(|index| point[index]);
+    let swept = sweep(at(start), at(end), centre, clockwise);
+    let radius = |point: &[f64]| (at(point)[0] - centre[0]).hypot(at(point)[1] - centre[1]);
+    let first = (start[plane[1]] - centre[1]).atan2(start[plane[0]] - centre[0]);
+    let count = ((swept.abs() / std::f64::consts::TAU) * 120.0).ceil().max(2.0) as usize;
+    for i in 1..count {
+        let share = i as f64 / count as f64;
+        let mut point: Vec<f64> =
+            start.iter().zip(end).map(|(from, to)| from + (to - from) * share).collect();
+        let length = radius(start) + (radius(end) - radius(start)) * share;
+        let (sin, cos) = (first + swept * share).sin_cos();
+        point[plane[0]] = centre[0] + length * cos;
+        point[plane[1]] = centre[1] + length * sin;
+        line.push(pick(&point));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn position(x: f64, y: f64) -> [Position; 2] {
+        [Position::from_num(x), Position::from_num(y)]
+    }
+
+    #[test]
+    fn radius_words_have_their_centre_on_the_right_side() {
+        // Quarter circle from (10, 0) to (0, 10) about the origin, or the long way about (10, 10).
+        let arc = |radius: i32, clockwise| {
+            centre(position(10.0, 0.0), position(0.0, 10.0), Position::from_num(radius), clockwise)
+        };
+        assert_eq!(arc(10, false), [0.0, 0.0]);
+        assert_eq!(arc(-10, false), [10.0, 10.0]);
+        assert_eq!(arc(10, true), [10.0, 10.0]);
+        assert_eq!(arc(-10, true), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn sweeps_go_the_programmed_way() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let swept = |end, clockwise| sweep([10.0, 0.0], end, [0.0, 0.0], clockwise);
+        assert!((swept([0.0, 10.0], false) - quarter).abs() < 1e-12);
+        assert!((swept([0.0, 10.0], true) + 3.0 * quarter).abs() < 1e-12);
+        assert!((swept([10.0, 0.0], true) + 4.0 * quarter).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,297 @@
+//! What a run comes down to, for people and for programs.
+use crate::diagnose::Source;
+use crate::machine::{Machine, limits};
+use crate::program::{Program, plural};
+use crate::statistics::Statistics;
+use anstyle::Style;
+use glidepath::channel::PlannedBlock;
+use glidepath::machine::AxisKind;
+use glidepath::quantity::{Speed, Time};
+use glidepath::queue::Function;
+use serde::{Serialize, Serializer};
+use std::fmt::Write;
+
+/// Slowest corners that are shown.
+const CORNERS: usize = 5;
+
+/// The summary of a run. Speeds in mm/s, accelerations in mm/s², jerk in mm/s³; degrees for rotary axes.
+#[derive(Serialize)]
+pub struct Summary {
+    program: String,
+    machine: String,
+    program_time_s: f64,
+    ticks: u64,
+    cycle_s: f64,
+    blocks: usize,
+    dwell_s: f64,
+    path_mm: f64,
+    v_path_max: f64,
+    /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
+    digest: String,
+    #[serde(serialize_with = "in_order")]
+    axes: Vec<(String, Axis)>,
+    stops: usize,
+    slowest_corners: Vec<Corner>,
+    warnings: Vec<Warning>,
+    functions: Vec<Output>,
+    plan: Vec<Block>,
+}
+
+/// A technology function.
+#[derive(Serialize)]
+struct Output {
+    t_s: f64,
+    n: u32,
+    function: String,
+}
+
+#[derive(Serialize)]
+struct Axis {
+    v_max: f64,
+    a_max: f64,
+    j_max: f64,
+    v_limit: f64,
+    a_limit: f64,
+    j_limit: f64,
+    travel: f64,
+    lowest: f64,
+    highest: f64,
+    unit: &'static str,
+}
+
+/// A transition between two blocks.
+#[derive(Serialize)]
+struct Corner {
+    v: f64,
+    /// Block that ends there, its N number and line.
+    block: u32,
+    n: u32,
+    line: u32,
+    /// N number of the block that begins there.
+    next_n: u32,
+}
+
+#[derive(Serialize)]
+struct Warning {
+    id: String,
+    line: usize,
+    column: usize,
+    text: String,
+}
+
+#[derive(Serialize)]
+struct Block {
+    block: u32,
+    n: u32,
+    line: u32,
+    length_mm: f64,
+    v_in: f64,
+    v_peak: f64,
+    v_out: f64,
+    time_s: f64,
+    /// From a standstill at its end to the tick at which the next motion may begin.
+    wait_s: f64,
+}
+
+fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(axes.iter().map(|(name, axis)| (name, axis)))
+}
+
+impl Summary {
+    /// Of a run that went to its end.
+    pub fn new(source: &Source, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
+        let cycle_s = machine.cycle_s();
+        let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
+        let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
+        let axes = machine.axes.iter().zip(&statistics.axes).map(|(data, seen)| {
+            let allowed = limits(data);
+            let [v_max, a_max, j_max] = seen.peak(cycle_s);
+            let [lowest, highest] = seen.range();
+            let axis = Axis {
+                v_max,
+                a_max,
+                j_max,
+                v_limit: allowed.speed,
+                a_limit: allowed.accel,
+                j_limit: allowed.jerk_feed.max(allowed.jerk_rapid),
+                travel: seen.travel(),
+                lowest,
+                highest,
+                unit: if data.kind == AxisKind::Linear { "mm" } else { "°" },
+            };
+            (data.name.as_str().to_owned(), axis)
+        });
+        let plan = statistics.blocks.iter().map(|block| Block {
+            block: block.block,
+            n: block.n,
+            line: block.place.line,
+            length_mm: block.length.to_bits() as f64 / (1_u64 << 44) as f64,
+            v_in: speed(block.v_in),
+            v_peak: speed(block.v_peak),
+            v_out: speed(block.v_out),
+            time_s: time(block.time),
+            wait_s: time(block.wait),
+        });
+        let warnings = program.warnings.iter().map(|warning| {
+            let (line, column) = warning.place();
+            Warning { id: warning.id.clone(), line, column, text: warning.message.clone() }
+        });
+        let plan: Vec<Block> = plan.collect();
+        let functions = statistics.functions.iter().map(|(tick, event)| Output {
+            t_s: (*tick as f64 * f64::from(machine.channel.cycle_us)) / 1e6,
+            n: event.n,
+            function: match event.function {
+                Function::M(code) => format!("M{code}"),
+                Function::H(code) => format!("H{code}"),
+                Function::Spindle(speed) => format!("S{speed}"),
+                Function::Tool(tool) => format!("T{tool}"),
+            },
+        });
+        let (stops, slowest_corners) = corners(&statistics.blocks, speed);
+        Self {
+            program: source.name.clone(),
+            machine: machine.name.clone(),
+            program_time_s: statistics.time_s(machine),
+            ticks: statistics.ticks,
+            cycle_s,
+            blocks: statistics.blocks.len(),
+            dwell_s: program.dwell_s(),
+            path_mm: statistics.distance_mm(),
+            v_path_max: plan.iter().map(|block| block.v_peak).fold(0.0, f64::max),
+            digest: format!("{:016x}", statistics.digest.value()),
+            axes: axes.collect(),
+            stops,
+            slowest_corners,
+            warnings: warnings.collect(),
+            functions: functions.collect(),
+            plan,
+        }
+    }
+
+    /// For programs.
+    pub fn to_json(&self) -> String {
+        // Numbers and strings only: nothing that JSON could not hold.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// For people.
+    pub fn to_text(&self) -> String {
+        let mut out = String::new();
+        // Writing to a String cannot fail.
+        let _ = self.write_text(&mut out);
+        out
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let bold = Style::new().bold();
+        let dim = Style::new().dimmed();
+        writeln!(out, "{bold}{}{bold:#} {dim}on{dim:#} {}", self.program, self.machine)?;
+        writeln!(out)?;
+        let cycle = self.cycle_s * 1e3;
+        writeln!(
+            out,
+            "  program time   {bold}{:.3} s{bold:#}, {} tick{} of {cycle} ms",
+            self.program_time_s,
+            self.ticks,
+            if self.ticks == 1 { "" } else { "s" }
+        )?;
+        write!(out, "  motion         {} block{}", self.blocks, plural(self.blocks))?;
+        write!(out, ", {:.3} mm of path", self.path_mm)?;
+        if self.dwell_s > 0.0 {
+            write!(out, ", {:.3} s of dwell", self.dwell_s)?;
+        }
+        writeln!(out)?;
+        let moving = self.program_time_s - self.dwell_s;
+        let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
+        writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
+        if !self.functions.is_empty() {
+            let names: Vec<&str> =
+                self.functions.iter().take(8).map(|output| output.function.as_str()).collect();
+            let more = if self.functions.len() > 8 {
+                format!(" … ({} in all)", self.functions.len())
+            } else {
+                String::new()
+            };
+            writeln!(out, "  functions      {}{more}", names.join(" "))?;
+        }
+        writeln!(out, "  digest         {}", self.digest)?;
+        writeln!(out)?;
+        writeln!(
+            out,
+            "  {dim}axis     travel                  range         speed  of limit  acceleration  of limit          \
+             jerk  of limit{dim:#}"
+        )?;
+        for (name, axis) in &self.axes {
+            let unit = axis.unit;
+            let range = format!("{:.3} … {:.3}", axis.lowest, axis.highest);
+            writeln!(
+                out,
+                "  {bold}{name:<4}{bold:#}{:>11.3} {unit:<2}{range:>20}{:>9.1} {unit}/s{}{:>8.1} {unit}/s²{}{:>9.0} {unit}/s³{}",
+                axis.travel,
+                axis.v_max,
+                share(axis.v_max, axis.v_limit, unit),
+                axis.a_max,
+                share(axis.a_max, axis.a_limit, unit),
+                axis.j_max,
+                share(axis.j_max, axis.j_limit, unit),
+            )?;
+        }
+        if !self.slowest_corners.is_empty() {
+            writeln!(out)?;
+            let of = self.blocks - 1;
+            write!(out, "  slowest corners of {of}")?;
+            if self.stops > 0 {
+                write!(out, ", {} at a standstill", self.stops)?;
+            }
+            writeln!(out)?;
+            for corner in &self.slowest_corners {
+                writeln!(
+                    out,
+                    "    {:>8.2} mm/s  {} → {}  {dim}line {}{dim:#}",
+                    corner.v,
+                    number(corner.n, corner.block),
+                    number(corner.next_n, corner.block + 1),
+                    corner.line,
+                )?;
+            }
+        }
+        if !self.warnings.is_empty() {
+            writeln!(out)?;
+            writeln!(out, "  {} warning{}", self.warnings.len(), plural(self.warnings.len()))?;
+        }
+        Ok(())
+    }
+}
+
+/// `N120`, or the running number where none is programmed.
+fn number(n: u32, block: u32) -> String {
+    if n == 0 { format!("block {block}") } else { format!("N{n}") }
+}
+
+/// A peak as a share of its limit, in a column as wide as the heading.
+fn share(value: f64, limit: f64, unit: &str) -> String {
+    // A degree sign is one column narrower than mm.
+    let pad = if unit == "mm" { "" } else { " " };
+    if limit > 0.0 && limit.is_finite() {
+        format!("{pad}{:>8.1} %", value / limit * 100.0)
+    } else {
+        String::new()
+    }
+}
+
+/// Number of standstills between blocks, and the slowest transitions, standstills first.
+fn corners(blocks: &[PlannedBlock], speed: impl Fn(Speed) -> f64) -> (usize, Vec<Corner>) {
+    let mut pairs: Vec<(&PlannedBlock, &PlannedBlock)> = blocks.iter().zip(blocks.iter().skip(1)).collect();
+    let stops = pairs.iter().filter(|(before, _)| before.v_out == Speed::ZERO).count();
+    pairs.sort_by_key(|(before, _)| before.v_out);
+    let corners = pairs.into_iter().take(CORNERS).map(|(before, after)| Corner {
+        v: speed(before.v_out),
+        block: before.block,
+        n: before.n,
+        line: before.place.line,
+        next_n: after.n,
+    });
+    (stops, corners.collect())
+}

@@ -1,0 +1,60 @@
+//! The trace: one row per tick, exact decimals of the fixed-point values.
+use crate::decimal::{PLACES, per_second, per_second_squared, push_exact, push_scaled};
+use crate::machine::Machine;
+use glidepath::quantity::Position;
+use glidepath::tick::Telemetry;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+
+/// A trace file being written.
+pub struct Trace {
+    out: BufWriter<File>,
+    row: String,
+    cycle_us: u32,
+}
+
+impl Trace {
+    /// Starts with the header.
+    pub fn new(file: File, machine: &Machine) -> io::Result<Self> {
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        write!(out, "tick,t_s,n,block,s_mm,v_mm_s,a_mm_s2")?;
+        for axis in &machine.axes {
+            write!(out, ",{}", axis.name.as_str())?;
+        }
+        writeln!(out)?;
+        Ok(Self { out, row: String::new(), cycle_us: machine.channel.cycle_us })
+    }
+
+    /// One tick; `distance` without its wrap.
+    pub fn row(
+        &mut self,
+        tick: u64,
+        telemetry: &Telemetry,
+        distance: i128,
+        set_points: &[Position],
+    ) -> io::Result<()> {
+        let row = &mut self.row;
+        row.clear();
+        // Writing to a String cannot fail.
+        let _ = write!(row, "{tick},");
+        push_scaled(row, i128::from(tick) * i128::from(self.cycle_us), 6);
+        let _ = write!(row, ",{},{},", telemetry.n, telemetry.block);
+        push_exact(row, distance, 44);
+        row.push(',');
+        push_scaled(row, per_second(telemetry.speed.to_bits(), self.cycle_us), PLACES);
+        row.push(',');
+        push_scaled(row, per_second_squared(telemetry.accel.to_bits(), self.cycle_us), PLACES);
+        for set_point in set_points {
+            row.push(',');
+            push_exact(row, i128::from(set_point.to_bits()), 32);
+        }
+        row.push('\n');
+        self.out.write_all(row.as_bytes())
+    }
+
+    /// Writes what is still held back.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}

@@ -1,0 +1,71 @@
+//! Glidepath on an STM32F405: an NC program from flash moves three axes.
+//!
+//! The main loop plans, a bounded piece at a time; TIM2 interrupts it once per cycle of the machine data, writes the
+//! set points computed in the cycle before and computes the next.
+#![no_std]
+#![no_main]
+
+#[cfg(feature = "hardware")]
+mod clock;
+mod machine;
+mod message;
+mod motion;
+mod output;
+#[cfg(feature = "hardware")]
+mod spi;
+
+use cortex_m::asm::wfi;
+use cortex_m_rt::entry;
+use glidepath::channel::{Channel, Progress};
+use glidepath::quantity::Position;
+#[cfg(not(any(feature = "rtt", feature = "qemu")))]
+use panic_never as _;
+use static_cell::ConstStaticCell;
+use stm32f4::stm32f405::Peripherals;
+
+/// Number of axes of [`machine::MACHINE`].
+const AXES: usize = 3;
+
+/// The program; the environment variable `PROGRAM` names another one when building.
+static TEXT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/program.nc"));
+
+static CHANNEL: ConstStaticCell<Channel<AXES, { machine::BLOCKS }>> = ConstStaticCell::new(Channel::new());
+
+#[entry]
+fn main() -> ! {
+    if let (Some(board), Some(channel)) = (Peripherals::take(), CHANNEL.try_take()) {
+        run(board, channel);
+    }
+    message::end(motion::report());
+    loop {
+        wfi();
+    }
+}
+
+fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS }>) {
+    #[cfg(feature = "hardware")]
+    clock::start(&board.RCC, &board.FLASH);
+    let axes = output::axes(board.SPI1, board.GPIOA, &board.RCC);
+    message::info!("{} bytes of program, cycle {} us", TEXT.len(), machine::MACHINE.channel.cycle_us);
+    let (mut planner, interpolator) = match channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT) {
+        Ok(halves) => halves,
+        Err(_error) => {
+            message::error!("machine data refused: {}", defmt::Debug2Format(&_error));
+            return;
+        }
+    };
+    motion::start(interpolator, axes, board.TIM2, &board.RCC, machine::MACHINE.channel.cycle_us);
+    loop {
+        match planner.poll() {
+            Ok(Progress::Waiting) => wfi(),
+            Ok(Progress::Done) => break,
+            Ok(Progress::Planned(_block)) => message::debug!("block {} of N{}", _block.block, _block.n),
+            Ok(Progress::Warning(_warning)) => message::info!("warning: {}", defmt::Debug2Format(&_warning)),
+            Ok(Progress::Working) => {}
+            // What was planned before the error is still valid and comes to a standstill; the loop ends in `Done`.
+            Err(_error) => message::error!("program refused: {}", defmt::Debug2Format(&_error)),
+        }
+    }
+    motion::wait_for_standstill();
+    message::info!("at rest after {} ticks", motion::report().ticks);
+}

@@ -1,0 +1,39 @@
+//! Messages by defmt where a feature brings a transport; nothing, and no argument evaluated, in the release shape.
+use crate::motion::Report;
+
+#[cfg(all(feature = "rtt", not(feature = "qemu")))]
+use defmt_rtt as _;
+#[cfg(feature = "qemu")]
+use defmt_semihosting as _;
+#[cfg(any(feature = "rtt", feature = "qemu"))]
+use panic_probe as _;
+
+macro_rules! levels {
+    ($($level:ident),+) => {$(
+        #[cfg(any(feature = "rtt", feature = "qemu"))]
+        pub(crate) use defmt::$level;
+    )+};
+}
+levels!(debug, error, info);
+
+#[cfg(not(any(feature = "rtt", feature = "qemu")))]
+macro_rules! nothing {
+    ($($argument:tt)*) => {
+        ()
+    };
+}
+#[cfg(not(any(feature = "rtt", feature = "qemu")))]
+pub(crate) use {nothing as debug, nothing as error, nothing as info};
+
+/// The program has ended. In QEMU so does the emulator, after one line on its error output.
+pub fn end(report: Report) {
+    #[cfg(feature = "qemu")]
+    {
+        use cortex_m_semihosting::{debug, heprintln};
+        let Report { ticks, starved, missed, digest } = report;
+        heprintln!("ticks {} starved {} missed {} digest {:016x}", ticks, starved, missed, digest.value());
+        debug::exit(debug::EXIT_SUCCESS);
+    }
+    #[cfg(not(feature = "qemu"))]
+    let _ = report;
+}

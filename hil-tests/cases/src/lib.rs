@@ -1,0 +1,42 @@
+//! What host and target must run alike: the programs, the machines, and the one loop that runs them.
+#![no_std]
+#![forbid(unsafe_code)]
+
+mod machines;
+mod run;
+
+pub use machines::{AXES_3, AXES_4};
+pub use run::{Failure, Outcome, Unwatched, Watch, run};
+
+/// Blocks of look-ahead in every case, the default of the language.
+pub const BLOCKS: usize = 120;
+
+/// A program and its name in reports.
+pub struct Case {
+    /// File name without extension.
+    pub name: &'static str,
+    /// The program text, as it is in flash.
+    pub text: &'static [u8],
+}
+
+macro_rules! cases {
+    ($($name:literal),+ $(,)?) => {
+        &[$(Case { name: $name, text: include_bytes!(concat!("../../../programs/", $name, ".nc")) }),+]
+    };
+}
+
+/// Programs for [`AXES_3`].
+pub const CASES_3: &[Case] = cases!(
+    "lines",
+    "arcs",
+    "helix",
+    "circle",
+    "chords",
+    "subroutine",
+    "short_blocks",
+    "rapid_and_feed",
+    "dwell"
+);
+
+/// Programs for [`AXES_4`].
+pub const CASES_4: &[Case] = cases!("rotary");

@@ -1,0 +1,44 @@
+//! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms.
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+
+const fn name(letter: &str) -> AxisName {
+    match AxisName::new(letter) {
+        Some(name) => name,
+        None => panic!("an axis name is one to four letters"),
+    }
+}
+
+const fn axis(data: AxisData, a: u32, ramp_us: u32) -> AxisData {
+    AxisData {
+        a_beschl: a,
+        a_brems: a,
+        a_grenz: a,
+        tr_beschl_ab: ramp_us,
+        tr_beschl_zu: ramp_us,
+        tr_brems_ab: ramp_us,
+        tr_brems_zu: ramp_us,
+        tr_grenz: ramp_us,
+        tr_geom: 10_000,
+        ..data
+    }
+}
+
+const fn linear(letter: &str) -> AxisData {
+    let data = AxisData::new(name(letter), AxisKind::Linear);
+    axis(AxisData { vb_eilgang: 1_000_000, vb_max: 1_000_000, a_max: 6_000, ..data }, 2_000, 150_000)
+}
+
+const fn rotary(letter: &str) -> AxisData {
+    let data = AxisData::new(name(letter), AxisKind::Rotary);
+    axis(AxisData { vb_eilgang: 120_000, vb_max: 120_000, a_max: 2_000, ..data }, 2_000, 60_000)
+}
+
+const CHANNEL: ChannelData = ChannelData { slope_profile: 1, ..ChannelData::new() };
+
+/// X, Y and Z.
+pub const AXES_3: MachineData<3> =
+    MachineData { axes: [linear("X"), linear("Y"), linear("Z")], channel: CHANNEL };
+
+/// X, Y, Z and the rotary axis C.
+pub const AXES_4: MachineData<4> =
+    MachineData { axes: [linear("X"), linear("Y"), linear("Z"), rotary("C")], channel: CHANNEL };

@@ -1,0 +1,112 @@
+//! The loop that runs a case. Target and host share it, so that nothing but the arithmetic can differ.
+use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
+use glidepath::digest::Digest;
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use glidepath::tick::State;
+
+/// A program that has not ended after so many ticks never will.
+const TICK_LIMIT: u32 = 1_000_000;
+
+/// What a test wants to know while a case runs.
+pub trait Watch<const AXES: usize> {
+    /// A counter that runs up and wraps; instructions in the emulator, cycles on hardware.
+    fn now(&mut self) -> u32 {
+        0
+    }
+
+    /// The planner was called and needed `cost`.
+    fn polled(&mut self, cost: u32, result: &Result<Progress, Error>);
+
+    /// The interpolator made a set point and needed `cost`.
+    fn ticked(&mut self, cost: u32, set_points: &[Position; AXES]);
+}
+
+/// Nobody watches.
+pub struct Unwatched;
+
+impl<const AXES: usize> Watch<AXES> for Unwatched {
+    fn polled(&mut self, _: u32, _: &Result<Progress, Error>) {}
+    fn ticked(&mut self, _: u32, _: &[Position; AXES]) {}
+}
+
+/// What a whole program gave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Ticks with motion or dwell.
+    pub ticks: u32,
+    /// Ticks in between that found nothing planned.
+    pub starved: u32,
+    /// Motion blocks planned.
+    pub blocks: u32,
+    /// Over the set points of all active ticks.
+    pub digest: Digest,
+}
+
+/// Why a case did not end.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure {
+    /// The machine was refused.
+    Machine(MachineError),
+    /// The program was refused.
+    Program(Error),
+    /// More than the ticks any case needs.
+    Endless,
+}
+
+/// Plans as far as the queue takes it, then makes one set point, and so on to the end.
+///
+/// # Errors
+/// The case was refused or does not end.
+pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    text: &'static [u8],
+    watch: &mut W,
+) -> Result<Outcome, Failure> {
+    *channel = Channel::new();
+    let (mut planner, mut interpolator) =
+        channel.split(machine, [Position::ZERO; AXES], text).map_err(Failure::Machine)?;
+    let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
+    let mut done = false;
+    for _ in 0..TICK_LIMIT {
+        while !done {
+            let before = watch.now();
+            let result = poll(&mut planner);
+            let cost = watch.now().wrapping_sub(before);
+            watch.polled(cost, &result);
+            match result.map_err(Failure::Program)? {
+                Progress::Waiting => break,
+                Progress::Done => done = true,
+                Progress::Planned(_) => outcome.blocks += 1,
+                Progress::Working | Progress::Warning(_) => {}
+            }
+        }
+        let before = watch.now();
+        let state = tick(&mut interpolator);
+        let cost = watch.now().wrapping_sub(before);
+        match state {
+            State::Active => {
+                outcome.ticks += 1;
+                outcome.digest.add(interpolator.set_points());
+                watch.ticked(cost, interpolator.set_points());
+            }
+            State::Idle if done => return Ok(outcome),
+            State::Idle => outcome.starved += 1,
+        }
+    }
+    Err(Failure::Endless)
+}
+
+// Calls, not inlined into the loop: what is counted is what an application pays.
+#[inline(never)]
+fn poll<const AXES: usize, const BLOCKS: usize>(
+    planner: &mut Planner<'_, &'static [u8], AXES, BLOCKS>,
+) -> Result<Progress, Error> {
+    planner.poll()
+}
+
+#[inline(never)]
+fn tick<const AXES: usize>(interpolator: &mut glidepath::tick::Interpolator<'_, AXES>) -> State {
+    interpolator.tick()
+}

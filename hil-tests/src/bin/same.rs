@@ -1,0 +1,106 @@
+//! Every set point of every tick of every case, and what tick and planner cost.
+#![no_std]
+#![no_main]
+use core::fmt::Write;
+use cortex_m_rt::entry;
+use glidepath::channel::{Channel, Error, Progress};
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use hil_cases::{AXES_3, AXES_4, BLOCKS, CASES_3, CASES_4, Case, Watch, run};
+use hil_tests::{Counter, Report, UNIT, exit};
+use panic_semihosting as _;
+use static_cell::ConstStaticCell;
+
+static CHANNEL_3: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Channel::new());
+static CHANNEL_4: ConstStaticCell<Channel<4, BLOCKS>> = ConstStaticCell::new(Channel::new());
+
+/// Number, sum and largest of something counted.
+#[derive(Default)]
+struct Cost {
+    calls: u32,
+    sum: u64,
+    max: u32,
+}
+
+impl Cost {
+    fn add(&mut self, cost: u32) {
+        self.calls += 1;
+        self.sum += u64::from(cost);
+        self.max = self.max.max(cost);
+    }
+}
+
+struct Recorder<'a> {
+    counter: &'a Counter,
+    report: &'a mut Report,
+    tick: Cost,
+    plan: Cost,
+    wait: Cost,
+}
+
+impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
+    #[inline(always)]
+    fn now(&mut self) -> u32 {
+        self.counter.now()
+    }
+
+    fn polled(&mut self, cost: u32, result: &Result<Progress, Error>) {
+        let cost = self.counter.net(cost);
+        match result {
+            Ok(Progress::Waiting) => self.wait.add(cost),
+            _ => self.plan.add(cost),
+        }
+    }
+
+    fn ticked(&mut self, cost: u32, set_points: &[Position; AXES]) {
+        self.tick.add(self.counter.net(cost));
+        self.report.set_points(set_points);
+    }
+}
+
+fn record<const AXES: usize>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    case: &Case,
+    counter: &Counter,
+    report: &mut Report,
+) -> bool {
+    let _ = writeln!(report, "case {} axes {AXES}", case.name);
+    let (tick, plan, wait) = Default::default();
+    let mut recorder = Recorder { counter, report, tick, plan, wait };
+    let result = run(channel, machine, case.text, &mut recorder);
+    let Recorder { report, tick, plan, wait, .. } = recorder;
+    for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait)] {
+        let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
+    }
+    let _ = match &result {
+        Ok(o) => writeln!(
+            report,
+            "end ticks {} starved {} blocks {} digest {:016x}",
+            o.ticks,
+            o.starved,
+            o.blocks,
+            o.digest.value()
+        ),
+        Err(failure) => writeln!(report, "failed {failure:?}"),
+    };
+    report.flush();
+    result.is_ok()
+}
+
+#[entry]
+fn main() -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let (channel_3, channel_4) = (CHANNEL_3.take(), CHANNEL_4.take());
+    let mut good = true;
+    for case in CASES_3 {
+        good &= record(channel_3, &AXES_3, case, &counter, &mut report);
+    }
+    for case in CASES_4 {
+        good &= record(channel_4, &AXES_4, case, &counter, &mut report);
+    }
+    report.flush();
+    exit(good)
+}

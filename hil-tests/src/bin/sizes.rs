@@ -1,0 +1,52 @@
+//! Bytes of RAM of a channel's parts on the target, and the proof that the counter counts instructions.
+#![no_std]
+#![no_main]
+use core::fmt::Write;
+use core::mem::size_of;
+use cortex_m_rt::entry;
+use glidepath::channel::{Channel, Planner};
+use glidepath::tick::Interpolator;
+use hil_tests::{Counter, Report, UNIT, exit};
+use panic_semihosting as _;
+
+macro_rules! sizes {
+    ($report:ident: $($axes:literal $blocks:literal),+ $(,)?) => {$(
+        let _ = writeln!(
+            $report,
+            "size axes {} blocks {} channel {} planner {} interpolator {}",
+            $axes, $blocks,
+            size_of::<Channel<$axes, $blocks>>(),
+            size_of::<Planner<'static, &'static [u8], $axes, $blocks>>(),
+            size_of::<Interpolator<'static, $axes>>(),
+        );
+    )+};
+}
+
+macro_rules! nops {
+    ($report:ident $counter:ident: $($count:literal),+) => {$(
+        let (before, after): (u32, u32);
+        // One piece of assembly, so that the compiler moves nothing in between the two readings.
+        // SAFETY: reads the counter's register and does nothing.
+        unsafe {
+            core::arch::asm!(
+                "ldr {before}, [{register}]",
+                concat!(".rept ", $count, "\n nop\n .endr"),
+                "ldr {after}, [{register}]",
+                register = in(reg) Counter::REGISTER, before = out(reg) before, after = out(reg) after,
+            );
+        }
+        let cost = $counter.net(after.wrapping_sub(before));
+        let _ = writeln!($report, "nops {} counted {cost}", $count);
+    )+};
+}
+
+#[entry]
+fn main() -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    nops!(report counter: 0, 1, 10, 100, 1000);
+    sizes!(report: 3 30, 3 120, 3 190, 6 30, 6 120, 6 190);
+    report.flush();
+    exit(true)
+}

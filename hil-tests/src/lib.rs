@@ -1,0 +1,8 @@
+//! What the test binaries share: a counter, output to the host, and how a test ends.
+#![no_std]
+
+mod counter;
+mod report;
+
+pub use counter::{Counter, UNIT};
+pub use report::{Report, exit};

@@ -1,0 +1,75 @@
+//! Lines to the host over semihosting, which an emulator and a probe both understand.
+use core::fmt::{self, Write};
+use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_semihosting::hio::{self, HostStream};
+use cortex_m_semihosting::{debug, hprintln};
+use glidepath::quantity::Position;
+
+/// Collects text and hands it over in large pieces: every hand-over stops the core.
+pub struct Report {
+    host: HostStream,
+    text: [u8; 2048],
+    used: usize,
+}
+
+impl Report {
+    /// Opens the host's output; a host without one fails the test.
+    pub fn open() -> Self {
+        match hio::hstdout() {
+            Ok(host) => Self { host, text: [0; 2048], used: 0 },
+            Err(()) => exit(false),
+        }
+    }
+
+    /// One line `s` with the bits of every axis in hexadecimal.
+    pub fn set_points(&mut self, set_points: &[Position]) {
+        let mut line = [b' '; 2 + 16 * 8];
+        line[0] = b's';
+        for (digits, point) in line[2..].chunks_exact_mut(16).zip(set_points) {
+            let mut bits = point.to_bits();
+            for digit in digits.iter_mut().rev() {
+                *digit = b"0123456789abcdef"[(bits & 15) as usize];
+                bits >>= 4;
+            }
+        }
+        self.bytes(&line[..2 + 16 * set_points.len()]);
+        self.bytes(b"\n");
+    }
+
+    /// Hands over what is left.
+    pub fn flush(&mut self) {
+        let _ = self.host.write_all(&self.text[..self.used]);
+        self.used = 0;
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            if self.used == self.text.len() {
+                self.flush();
+            }
+            self.text[self.used] = byte;
+            self.used += 1;
+        }
+    }
+}
+
+impl Write for Report {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.bytes(text.as_bytes());
+        Ok(())
+    }
+}
+
+/// Ends the test: the emulator or the probe passes success or failure on as its exit code.
+pub fn exit(success: bool) -> ! {
+    debug::exit(if success { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    hprintln!("hard fault at {:#010x}", frame.pc());
+    exit(false)
+}

@@ -1,0 +1,72 @@
+//! Machines of the tests.
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+
+/// Names in the order of the axes.
+const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
+
+/// A machine of up to six axes: three linear, then rotary ones; every axis changed by `set`.
+pub fn machine<const AXES: usize>(cycle_us: u32, set: impl Fn(usize, &mut AxisData)) -> MachineData<AXES> {
+    let axes = std::array::from_fn(|k| {
+        let kind = if k < 3 { AxisKind::Linear } else { AxisKind::Rotary };
+        let name = AxisName::new(NAMES[k]).expect("a letter");
+        let mut axis = AxisData::new(name, kind);
+        set(k, &mut axis);
+        axis
+    });
+    let channel = ChannelData { cycle_us, slope_profile: 1, ..ChannelData::new() };
+    MachineData { axes, channel }
+}
+
+/// Sets all accelerations.
+pub fn accelerations(axis: &mut AxisData, a: u32, a_max: u32) {
+    axis.a_max = a_max;
+    (axis.a_beschl, axis.a_brems, axis.a_grenz) = (a, a, a);
+}
+
+/// Sets all ramp times, µs.
+pub fn ramps(axis: &mut AxisData, tr: u32) {
+    (axis.tr_beschl_zu, axis.tr_beschl_ab) = (tr, tr);
+    (axis.tr_brems_zu, axis.tr_brems_ab) = (tr, tr);
+    axis.tr_grenz = tr;
+}
+
+/// The machine of the rest-to-rest moves: a 2000 mm/s², ramps 50 ms, v 200 mm/s. The contour may cause no more
+/// acceleration and jerk than the slope: nothing is left over when both act.
+pub fn even<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
+    machine(cycle_us, |_, axis| {
+        axis.vb_max = 200_000;
+        axis.vb_eilgang = 200_000;
+        accelerations(axis, 2000, 2000);
+        ramps(axis, 50_000);
+        axis.tr_geom = 50_000;
+    })
+}
+
+/// Four different ramp times, other deceleration than acceleration.
+pub fn uneven<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
+    machine(cycle_us, |_, axis| {
+        axis.vb_max = 400_000;
+        axis.vb_eilgang = 350_000;
+        axis.a_max = 3000;
+        (axis.a_beschl, axis.a_brems, axis.a_grenz) = (2000, 1500, 2500);
+        (axis.tr_beschl_zu, axis.tr_beschl_ab) = (60_000, 150_000);
+        (axis.tr_brems_zu, axis.tr_brems_ab) = (100_000, 200_000);
+        axis.tr_grenz = 40_000;
+    })
+}
+
+/// Every axis different: a milling machine with a slow Z and quick rotary axes.
+pub fn mill<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
+    machine(cycle_us, |k, axis| {
+        axis.vb_max = [1_000_000, 800_000, 300_000, 120_000, 180_000, 360_000][k];
+        axis.vb_eilgang = axis.vb_max / 10 * 9;
+        axis.a_max = [6000, 5000, 2500, 2000, 2000, 4000][k];
+        axis.a_beschl = axis.a_max / 3;
+        axis.a_brems = axis.a_max / 4;
+        axis.a_grenz = axis.a_max / 2;
+        (axis.tr_beschl_zu, axis.tr_beschl_ab) = (60_000 + 5_000 * k as u32, 70_000);
+        (axis.tr_brems_zu, axis.tr_brems_ab) = (50_000, 90_000 - 7_000 * k as u32);
+        axis.tr_grenz = 45_000;
+        axis.tr_geom = 10_000 + 3_000 * k as u32;
+    })
+}

@@ -1,0 +1,80 @@
+//! What must hold of every motion, whatever the program: asked of the judge, for the limits of the machine.
+use crate::cases::{Program, set_point};
+use crate::check::{self, Course, Limits, Peaks};
+use crate::reference::geometry::{Contour, Shape};
+use crate::tolerance;
+use crate::trace::{Run, run};
+use glidepath::machine::{AxisData, MachineData};
+
+/// What was measured on the way.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// The motion.
+    pub run: Run,
+    /// Its contour.
+    pub contour: Contour,
+    /// Largest v, a, jerk of each axis.
+    pub peaks: Vec<Peaks>,
+    /// Distances along the contour.
+    pub course: Course,
+}
+
+/// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then tangential
+/// and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric ramp time).
+pub fn permitted(axis: &AxisData, rapid: bool, feed: bool, curved: bool) -> Limits {
+    let mut limits = Limits { v: 0.0, a: 0.0, jerk: 0.0 };
+    let mut allow = |um_s: u32, mm_s2: u32, ramps: &[u32]| {
+        limits.v = limits.v.max(f64::from(um_s) * 1e-3);
+        limits.a = limits.a.max(f64::from(if curved { axis.a_max } else { mm_s2 }));
+        for &ramp in ramps {
+            let us = if curved { ramp.min(axis.tr_geom.max(1)) } else { ramp };
+            limits.jerk = limits.jerk.max(f64::from(mm_s2) / (f64::from(us) * 1e-6));
+        }
+    };
+    if feed {
+        allow(axis.vb_max, axis.a_beschl, &[axis.tr_beschl_zu, axis.tr_beschl_ab]);
+        allow(axis.vb_max, axis.a_brems, &[axis.tr_brems_zu, axis.tr_brems_ab]);
+    }
+    if rapid {
+        allow(axis.vb_eilgang, axis.a_grenz, &[axis.tr_grenz]);
+    }
+    limits
+}
+
+/// Limits of all axes of a machine for a contour.
+pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Contour) -> Vec<Limits> {
+    let rapid = contour.elements.iter().any(|e| e.feed.is_none());
+    let feed = contour.elements.iter().any(|e| e.feed.is_some());
+    let curved = contour.elements.len() > 1 || contour.elements.iter().any(|e| e.shape != Shape::Line);
+    machine.axes.iter().map(|axis| permitted(axis, rapid, feed, curved)).collect()
+}
+
+/// Runs a program and asks the judge for everything.
+///
+/// # Errors
+/// The first fault, with the program's name.
+pub fn verify<const AXES: usize, const BLOCKS: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+) -> Result<Verdict, String> {
+    let fault = |what: String| format!("{}: {what}\n{}", program.name, head(&program.text(machine)));
+    let run = run::<AXES, BLOCKS>(program, machine).map_err(fault)?;
+    let contour = program.contour(machine);
+    let limits = axis_limits(machine, &contour);
+    let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
+    let points = program.end_points();
+    check::ends(&run.trace, &start, &points).map_err(fault)?;
+    let peaks = check::limits(&run.trace, &limits).map_err(fault)?;
+    // Rapid motion: no axis faster than its limit, so the path not faster than all of them together.
+    let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
+    let course = check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map_err(fault)?;
+    if run.blocks.len() != contour.elements.len() {
+        return Err(fault(format!("{} blocks planned, {} move", run.blocks.len(), contour.elements.len())));
+    }
+    Ok(Verdict { run, contour, peaks, course })
+}
+
+/// The first lines of a long text.
+fn head(text: &str) -> String {
+    text.lines().take(12).collect::<Vec<_>>().join("\n")
+}

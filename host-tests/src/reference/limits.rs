@@ -1,0 +1,242 @@
+//! What the axes permit along the path of one block and at its joints. Path values per tick, in f64.
+//!
+//! Written from the rules of the look-ahead:
+//!
+//! - every limit of a straight block is that of the axis that reaches its own first;
+//! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part of it;
+//! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`].
+use super::geometry::{Element, Shape};
+use super::profile::Ramps;
+use crate::tolerance;
+use glidepath::machine::AxisData;
+
+/// Part of B for a joint that is not smooth; the slope beside it gets as much.
+const JOINT: f64 = 0.4;
+/// Parts of B inside an arc: for the slope, for v³κ².
+const ARC_SLOPE: f64 = 0.25;
+const ARC_TURN: f64 = 0.5;
+/// Part of the largest acceleration that may act across the path.
+const ACROSS: f64 = 0.8;
+/// Blocks that may pass within a tick.
+const BLOCKS_PER_TICK: f64 = 7.0;
+/// A knee below this is rounding of coordinates.
+const SMOOTH: f64 = 1e-7;
+
+/// Path limits of one block, per tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockLimits {
+    /// Speed.
+    pub v: f64,
+    /// Acceleration.
+    pub a_up: f64,
+    /// Deceleration.
+    pub a_down: f64,
+    /// Jerk while acceleration rises and falls, while deceleration rises and falls.
+    pub j: [f64; 4],
+    /// Jerk that a block beside a joint may use.
+    pub j_beside: f64,
+}
+
+impl BlockLimits {
+    /// Acceleration and its ramps.
+    pub fn accelerate(&self) -> Ramps {
+        Ramps { a: self.a_up, up: self.a_up / self.j[0], down: self.a_up / self.j[1] }
+    }
+
+    /// Deceleration and its ramps, in the order of time.
+    pub fn brake(&self) -> Ramps {
+        Ramps { a: self.a_down, up: self.a_down / self.j[2], down: self.a_down / self.j[3] }
+    }
+
+    /// Leaves the joint its part of the jerk.
+    pub fn share(&mut self) {
+        self.j = self.j.map(|j| j.min(self.j_beside));
+    }
+}
+
+/// One axis' limits per tick for feed or for rapid motion.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisLimits {
+    v: f64,
+    a_up: f64,
+    a_down: f64,
+    j: [f64; 4],
+    /// B.
+    jerk: f64,
+    /// Step of speed at a knee.
+    knee: f64,
+    a_max: f64,
+}
+
+impl AxisLimits {
+    /// Of a machine's axis, for a cycle in µs.
+    pub fn new(axis: &AxisData, cycle_us: u32, rapid: bool) -> Self {
+        let cycle = f64::from(cycle_us) * 1e-6;
+        let keep = 1.0 - tolerance::SPEED_MARGIN;
+        let acceleration = |mm_s2: u32| f64::from(mm_s2) * cycle * cycle * keep;
+        let ticks = |us: u32| f64::from(us) / f64::from(cycle_us);
+        let (v, up, down, ramps) = if rapid {
+            (axis.vb_eilgang, axis.a_grenz, axis.a_grenz, [axis.tr_grenz; 4])
+        } else {
+            let ramps = [axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab];
+            (axis.vb_max, axis.a_beschl, axis.a_brems, ramps)
+        };
+        let (a_up, a_down) = (acceleration(up), acceleration(down));
+        let jerk_with = |k: usize, ticks: f64| {
+            let a = if k < 2 { a_up } else { a_down };
+            a / ticks * (1.0 - tolerance::JERK_MARGIN)
+        };
+        let over = |shortest: f64| std::array::from_fn(|k| jerk_with(k, ticks(ramps[k]).min(shortest)));
+        let j: [f64; 4] = over(f64::INFINITY);
+        let shared: [f64; 4] = over(ticks(axis.tr_geom).max(1e-9 / cycle));
+        let longest = ramps.into_iter().map(ticks).fold(0.0, f64::max);
+        let weight =
+            if axis.a_trans_weight == 0 { 1.0 / longest } else { f64::from(axis.a_trans_weight) * 1e-3 };
+        Self {
+            v: f64::from(v) * 1e-3 * cycle * keep,
+            a_up,
+            a_down,
+            j,
+            jerk: shared.into_iter().fold(f64::INFINITY, f64::min),
+            knee: a_up.min(a_down) * weight,
+            a_max: acceleration(axis.a_max),
+        }
+    }
+}
+
+/// A machine's axes, at feed and in rapid motion.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    feed: Vec<AxisLimits>,
+    rapid: Vec<AxisLimits>,
+    cycle_us: u32,
+}
+
+impl Machine {
+    /// From its data.
+    pub fn new(axes: &[AxisData], cycle_us: u32) -> Self {
+        let of = |rapid| axes.iter().map(|a| AxisLimits::new(a, cycle_us, rapid)).collect();
+        Self { feed: of(false), rapid: of(true), cycle_us }
+    }
+
+    fn axes(&self, rapid: bool) -> &[AxisLimits] {
+        if rapid { &self.rapid } else { &self.feed }
+    }
+
+    /// Limits of one block.
+    pub fn block(&self, element: &Element) -> BlockLimits {
+        let axes = self.axes(element.feed.is_none());
+        let shares = shares(element);
+        let least = |limit: &dyn Fn(&AxisLimits) -> f64| {
+            let each = axes.iter().zip(&shares).filter(|(_, d)| **d > 0.0);
+            each.map(|(axis, d)| limit(axis) / d).fold(f64::INFINITY, f64::min)
+        };
+        let keep = 1.0 - tolerance::SPEED_MARGIN;
+        let feed = element.feed.map_or(f64::INFINITY, |f| f / 60.0 * f64::from(self.cycle_us) * 1e-6 * keep);
+        let mut limits = BlockLimits {
+            v: least(&|a| a.v).min(feed).min(BLOCKS_PER_TICK * path_length(element)),
+            a_up: least(&|a| a.a_up),
+            a_down: least(&|a| a.a_down),
+            j: std::array::from_fn(|k| least(&|a| a.j[k])),
+            j_beside: JOINT * least(&|a| a.jerk),
+        };
+        if let Shape::Arc { axes: plane, radius, .. } = &element.shape {
+            let share = shares[plane[0]];
+            let curvature = share * share / radius[0].min(radius[1]);
+            let both =
+                |limit: &dyn Fn(&AxisLimits) -> f64| limit(&axes[plane[0]]).min(limit(&axes[plane[1]]));
+            let (a_max, jerk) = (both(&|a| a.a_max), both(&|a| a.jerk));
+            // Across the path v²κ, its change along the path v³κ².
+            let across = both(&|a| a.a_up.min(a.a_down)).min(ACROSS * a_max);
+            limits.v = limits.v.min((across / curvature).sqrt());
+            limits.v = limits.v.min((ARC_TURN * jerk / (curvature * curvature)).cbrt());
+            limits.j = limits.j.map(|j| j.min(ARC_SLOPE * jerk / share));
+            // What is left of a_max along the path, and of B for the change 3vκ·a across it.
+            let across = limits.v * limits.v * curvature;
+            let along = (a_max * a_max - across * across).max(0.0).sqrt() / share;
+            let left = (1.0 - ARC_SLOPE) * jerk - across * limits.v * curvature;
+            let a = along.min(left / (3.0 * limits.v * curvature));
+            limits.a_up = limits.a_up.min(a);
+            limits.a_down = limits.a_down.min(a);
+        }
+        limits
+    }
+
+    /// Highest speed of a joint; `None` if it is smooth.
+    pub fn joint(&self, before: &Element, after: &Element) -> Option<f64> {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let shorter = path_length(before).min(path_length(after));
+        let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
+        let mut v = f64::INFINITY;
+        let mut smooth = true;
+        for (k, axis) in axes.iter().enumerate() {
+            let knee = (begin.tangent[k] - end.tangent[k]).abs();
+            let bend = (begin.curvature[k] - end.curvature[k]).abs();
+            // Integers of 2^-40 do not see less.
+            let (knee, bend) = (if knee < 1e-12 { 0.0 } else { knee }, if bend < 1e-12 { 0.0 } else { bend });
+            let both = if knee > 0.0 && bend > 0.0 { 0.5 } else { 1.0 };
+            let part = both * JOINT * axis.jerk;
+            if knee > 0.0 {
+                smooth &= knee <= SMOOTH;
+                // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks apart.
+                let alone = part.min(axis.knee) / knee;
+                let close = (0.25 * part / knee).min((0.25 * part * shorter / knee).sqrt());
+                v = v.min(alone.min(shorter / 3.0).max(alone.min(close)));
+            }
+            if bend > 0.0 {
+                smooth = false;
+                v = v.min((part / bend).sqrt());
+            }
+        }
+        if smooth && v == f64::INFINITY { None } else { Some(v * (1.0 - tolerance::SPEED_MARGIN)) }
+    }
+}
+
+/// First and second derivative of every axis over the path length.
+struct Direction {
+    tangent: Vec<f64>,
+    curvature: Vec<f64>,
+}
+
+fn direction(element: &Element, u: f64) -> Direction {
+    let length = path_length(element);
+    let tangent = element.derivative(u).into_iter().map(|d| d / length).collect();
+    let mut curvature = vec![0.0; element.from.len()];
+    if let Shape::Arc { axes, radius, angle, sweep, .. } = &element.shape {
+        let turn = sweep / length;
+        let r = radius[0] + (radius[1] - radius[0]) * u;
+        let (sin, cos) = (angle + sweep * u).sin_cos();
+        curvature[axes[0]] = -r * turn * turn * cos;
+        curvature[axes[1]] = -r * turn * turn * sin;
+    }
+    Direction { tangent, curvature }
+}
+
+/// Length along which a block's speeds count: that of the main axes, or of the others where none of them moves; where
+/// another axis moves more than 1024 degrees per mm, a 1024th of its travel. An arc whose radius changes counts as if it
+/// had the larger one throughout.
+pub fn path_length(element: &Element) -> f64 {
+    let mut main = element.main_length();
+    if let Shape::Arc { axes, radius, sweep, .. } = &element.shape {
+        let others = element.main.iter().filter(|k| !axes.contains(k)).map(|&k| element.travel(k).powi(2));
+        let turn = (radius[0].max(radius[1]) * sweep).powi(2);
+        main = (turn + (radius[1] - radius[0]).powi(2) + others.sum::<f64>()).sqrt();
+    }
+    if main == 0.0 {
+        return element.tracking_length();
+    }
+    let tracking = (0..element.from.len()).filter(|k| !element.main.contains(k));
+    tracking.map(|k| element.travel(k).abs() / 1024.0).fold(main, f64::max)
+}
+
+/// Largest share of the path speed that each axis can have within the block.
+pub fn shares(element: &Element) -> Vec<f64> {
+    let length = path_length(element);
+    let mut shares: Vec<f64> = (0..element.from.len()).map(|k| element.travel(k).abs() / length).collect();
+    if let Shape::Arc { axes, radius, sweep, .. } = &element.shape {
+        for &k in axes {
+            shares[k] = radius[0].max(radius[1]) * sweep.abs() / length;
+        }
+    }
+    shares
+}

@@ -1,0 +1,11 @@
+//! The reference: f64, written from the formulas, slow and obvious.
+
+pub mod geometry;
+
+pub mod profile;
+
+pub mod limits;
+
+pub mod planner;
+
+pub mod motion;

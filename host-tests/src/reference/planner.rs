@@ -1,0 +1,98 @@
+//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint.
+//!
+//! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
+//! then it is filled again. At the end of the program all that is left is handed on.
+use super::geometry::Contour;
+use super::limits::{BlockLimits, Machine, path_length};
+use super::profile::{Change, Profile, reach};
+use glidepath::channel::PlannedBlock;
+use glidepath::quantity::Speed;
+
+/// What the plan needs of one block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Length.
+    pub length: f64,
+    /// Limits inside.
+    pub limits: BlockLimits,
+    /// Highest speed at its start; zero after a stop.
+    pub v_start: f64,
+}
+
+/// Blocks of a contour with their limits, joints included.
+pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut before: Option<&super::geometry::Element> = None;
+    for element in &contour.elements {
+        let mut limits = machine.block(element);
+        let mut v_start = 0.0;
+        if let (Some(before), Some(last)) = (before, blocks.last_mut())
+            && !before.stop
+        {
+            v_start = last.limits.v.min(limits.v);
+            if let Some(v) = machine.joint(before, element) {
+                v_start = v_start.min(v);
+                last.limits.share();
+                limits.share();
+            }
+        }
+        blocks.push(Block { length: path_length(element), limits, v_start });
+        before = Some(element);
+    }
+    blocks
+}
+
+/// Time laws of all blocks from standstill to standstill.
+///
+/// # Panics
+/// If a block cannot be travelled between the speeds that the passes found: then the passes are wrong.
+pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
+    let batch = (depth / 4).max(1);
+    let mut profiles = Vec::with_capacity(blocks.len());
+    let mut v_in = 0.0;
+    for start in (0..blocks.len()).step_by(batch) {
+        let known = blocks.len().min(start + depth);
+        let entries = entries(&blocks[start..known]);
+        for i in start..blocks.len().min(start + batch) {
+            let Block { length, limits, .. } = &blocks[i];
+            let permitted = entries.get(i + 1 - start).copied().unwrap_or(0.0);
+            let v_out = reach(*length, v_in, permitted, limits.accelerate());
+            let profile =
+                Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
+            profiles
+                .push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {:?}", blocks[i])));
+            v_in = v_out;
+        }
+    }
+    profiles
+}
+
+/// Speeds at the start of each block from which all of them can come to a standstill at the end of the last.
+fn entries(blocks: &[Block]) -> Vec<f64> {
+    let mut v = 0.0;
+    let mut entries: Vec<f64> = blocks
+        .iter()
+        .rev()
+        .map(|block| {
+            v = reach(block.length, v, block.v_start, block.limits.brake().reversed());
+            v
+        })
+        .collect();
+    entries.reverse();
+    entries
+}
+
+/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the duration at
+/// the highest speed.
+pub fn laws(blocks: &[Block], planned: &[PlannedBlock]) -> Vec<Profile> {
+    let law = |(block, planned): (&Block, &PlannedBlock)| {
+        let speed = |v: Speed| v.to_bits() as f64 / 2f64.powi(58);
+        let (v_in, v_peak, v_out) = (speed(planned.v_in), speed(planned.v_peak), speed(planned.v_out));
+        let rise = Change::new(v_in, v_peak, block.limits.accelerate());
+        let fall = Change::new(v_out, v_peak, block.limits.brake().reversed());
+        let time = planned.time.to_bits() as f64 / 2f64.powi(36);
+        let length = planned.length.to_bits() as f64 / 2f64.powi(44);
+        Profile { v_in, v_peak, v_out, length, cruise: time - rise.time() - fall.time(), rise, fall }
+    };
+    blocks.iter().zip(planned).map(law).collect()
+}

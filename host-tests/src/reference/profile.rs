@@ -1,0 +1,217 @@
+//! Time laws with four ramp times (TRAPEZ), in closed form.
+//!
+//! A speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and lowers it within `down`.
+//! Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below that both ramps keep their slope and
+//! shrink by the same factor, above it the peak is held. Braking is the same motion with time reversed.
+//!
+//! Units are whatever length and time the caller uses throughout.
+
+/// Steps of bisection: 2^-80 of any bracket is below the last bit of an `f64`.
+const BISECTIONS: usize = 80;
+
+/// Acceleration and the times in which it rises from and falls back to zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ramps {
+    /// Largest acceleration.
+    pub a: f64,
+    /// Time from zero to `a`.
+    pub up: f64,
+    /// Time from `a` to zero.
+    pub down: f64,
+}
+
+impl Ramps {
+    /// The ramps seen when time runs backward.
+    pub fn reversed(self) -> Self {
+        Self { a: self.a, up: self.down, down: self.up }
+    }
+}
+
+/// A monotone change of speed, acceleration zero at both ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Highest acceleration reached.
+    pub a_peak: f64,
+    /// Duration of the rising ramp, of the hold, of the falling ramp.
+    pub times: [f64; 3],
+    /// Distance covered.
+    pub distance: f64,
+}
+
+impl Change {
+    /// The quickest change from `v0` to `v1 >= v0`.
+    pub fn new(v0: f64, v1: f64, ramps: Ramps) -> Self {
+        let dv = v1 - v0;
+        if dv <= 0.0 {
+            return Self::default();
+        }
+        let full = ramps.a * (ramps.up + ramps.down) / 2.0;
+        let (scale, hold) = if dv >= full { (1.0, (dv - full) / ramps.a) } else { ((dv / full).sqrt(), 0.0) };
+        let (a, up, down) = (ramps.a * scale, ramps.up * scale, ramps.down * scale);
+        // Distance: rising ramp, hold, falling ramp counted from its end.
+        let v_hold = v0 + a * up / 2.0;
+        let distance = v0 * up + a * up * up / 6.0 + v_hold * hold + a * hold * hold / 2.0 + v1 * down
+            - a * down * down / 6.0;
+        Self { a_peak: a, times: [up, hold, down], distance }
+    }
+
+    /// Duration.
+    pub fn time(&self) -> f64 {
+        self.times.iter().sum()
+    }
+}
+
+/// Path values at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathState {
+    /// Distance from the start of the block.
+    pub s: f64,
+    /// Speed.
+    pub v: f64,
+    /// Acceleration.
+    pub a: f64,
+}
+
+/// The time law of one block: up to a peak speed, on at that speed, down to the end speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// Speed at the start.
+    pub v_in: f64,
+    /// Highest speed.
+    pub v_peak: f64,
+    /// Speed at the end.
+    pub v_out: f64,
+    /// Length.
+    pub length: f64,
+    /// From `v_in` to `v_peak`.
+    pub rise: Change,
+    /// Time at `v_peak`.
+    pub cruise: f64,
+    /// From `v_out` to `v_peak`, with time running backward.
+    pub fall: Change,
+}
+
+impl Profile {
+    /// The fastest time law over `length` with speed at most `v_max`; `None` if the speeds at its ends are too far
+    /// apart for the length. `brake` gives the deceleration's rise and fall as they happen in time.
+    pub fn fastest(
+        length: f64,
+        v_in: f64,
+        v_out: f64,
+        v_max: f64,
+        accelerate: Ramps,
+        brake: Ramps,
+    ) -> Option<Self> {
+        let through = |v: f64| {
+            let rise = Change::new(v_in, v, accelerate);
+            let fall = Change::new(v_out, v, brake.reversed());
+            (rise, fall, length - rise.distance - fall.distance)
+        };
+        let lowest = v_in.max(v_out);
+        // A block that just fits may miss by the rounding of the speeds it was fitted with.
+        if through(lowest).2 < -1e-9 * length || lowest > v_max * (1.0 + 1e-12) {
+            return None;
+        }
+        let v_peak = largest(lowest, v_max.max(lowest), |v| through(v).2 >= 0.0);
+        let (rise, fall, rest) = through(v_peak);
+        let cruise = if v_peak > 0.0 { (rest / v_peak).max(0.0) } else { 0.0 };
+        Some(Self { v_in, v_peak, v_out, length, rise, cruise, fall })
+    }
+
+    /// The time law with a given peak speed, whatever the rest of the length needs to be travelled at that speed.
+    pub fn with_peak(
+        length: f64,
+        v_in: f64,
+        v_out: f64,
+        v_peak: f64,
+        accelerate: Ramps,
+        brake: Ramps,
+    ) -> Self {
+        let rise = Change::new(v_in, v_peak, accelerate);
+        let fall = Change::new(v_out, v_peak, brake.reversed());
+        let cruise = ((length - rise.distance - fall.distance) / v_peak).max(0.0);
+        Self { v_in, v_peak, v_out, length, rise, cruise, fall }
+    }
+
+    /// Duration.
+    pub fn time(&self) -> f64 {
+        self.rise.time() + self.cruise + self.fall.time()
+    }
+
+    /// Path values `t` after the start; at rest in the end point, or on at the end speed, outside.
+    pub fn at(&self, t: f64) -> PathState {
+        let left = self.time() - t;
+        if t < self.rise.time() {
+            return along(self.v_in, &self.rise, t);
+        }
+        if left < self.fall.time() {
+            let back = along(self.v_out, &self.fall, left);
+            return PathState { s: self.length - back.s, v: back.v, a: -back.a };
+        }
+        let on = t - self.rise.time();
+        PathState { s: self.rise.distance + self.v_peak * on, v: self.v_peak, a: 0.0 }
+    }
+}
+
+/// Path values `t` into a speed change that starts at `v0`; before it, constant speed.
+fn along(v0: f64, change: &Change, t: f64) -> PathState {
+    let [up, hold, down] = change.times;
+    let a = change.a_peak;
+    if t <= 0.0 || up + hold + down <= 0.0 {
+        return PathState { s: v0 * t, v: v0, a: 0.0 };
+    }
+    if t < up {
+        let jerk = a / up;
+        return PathState { s: v0 * t + jerk * t * t * t / 6.0, v: v0 + jerk * t * t / 2.0, a: jerk * t };
+    }
+    let v_hold = v0 + a * up / 2.0;
+    let s_hold = v0 * up + a * up * up / 6.0;
+    let t = t - up;
+    if t < hold {
+        return PathState { s: s_hold + v_hold * t + a * t * t / 2.0, v: v_hold + a * t, a };
+    }
+    let v_fall = v_hold + a * hold;
+    let s_fall = s_hold + v_hold * hold + a * hold * hold / 2.0;
+    let t = t - hold;
+    let jerk = a / down;
+    PathState {
+        s: s_fall + v_fall * t + a * t * t / 2.0 - jerk * t * t * t / 6.0,
+        v: v_fall + a * t - jerk * t * t / 2.0,
+        a: a - jerk * t,
+    }
+}
+
+/// The highest speed that can be reached from `v0` within `length`, at most `v_max`.
+pub fn reach(length: f64, v0: f64, v_max: f64, ramps: Ramps) -> f64 {
+    if v_max <= v0 {
+        return v_max;
+    }
+    largest(v0, v_max, |v| Change::new(v0, v, ramps).distance <= length)
+}
+
+/// The largest value in the bracket that fits, where `fits` holds below some value and not above it.
+fn largest(mut low: f64, mut high: f64, fits: impl Fn(f64) -> bool) -> f64 {
+    if fits(high) {
+        return high;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if fits(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Time of the optimal rest-to-rest move of `length` with one acceleration and one ramp time: the three cases of the
+/// double-S in closed form (constant speed reached; acceleration reached; neither), for `v >= a * ramp`.
+pub fn rest_to_rest(length: f64, v: f64, a: f64, ramp: f64) -> f64 {
+    assert!(v >= a * ramp, "other cases than the three below");
+    if length >= v * (v / a + ramp) {
+        length / v + v / a + ramp
+    } else if length >= 2.0 * a * ramp * ramp {
+        let b = a * ramp;
+        let peak = ((b * b + 4.0 * a * length).sqrt() - b) / 2.0;
+        2.0 * (peak / a + ramp)
+    } else {
+        (32.0 * length * ramp / a).cbrt()
+    }
+}

@@ -1,0 +1,168 @@
+//! Runs a program through the library and keeps every set point.
+use crate::cases::{Program, set_point};
+use crate::reference::geometry::Contour;
+use glidepath::channel::{Channel, PlannedBlock};
+use glidepath::digest::Digest;
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use glidepath::tick::State;
+
+/// Calls of the planner without progress after which a run is given up.
+const STUCK: usize = 10_000_000;
+
+/// Set points of a motion, evenly spaced in time; the first is the rest before it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Time between two rows, s.
+    pub cycle: f64,
+    /// Per axis one column of set points, unit 2^-32 mm or degrees.
+    pub columns: Vec<Vec<i64>>,
+}
+
+impl Trace {
+    /// A trace of so many axes without a row.
+    pub fn empty(cycle: f64, axes: usize) -> Self {
+        Self { cycle, columns: vec![Vec::new(); axes] }
+    }
+
+    /// A trace that rests in `start`.
+    pub fn new(cycle: f64, start: &[i64]) -> Self {
+        Self { cycle, columns: start.iter().map(|&x| vec![x]).collect() }
+    }
+
+    /// Appends one row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = i64>) {
+        for (column, x) in self.columns.iter_mut().zip(row) {
+            column.push(x);
+        }
+    }
+
+    /// Rows.
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// True without any row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Ticks of motion.
+    pub fn ticks(&self) -> usize {
+        self.len().saturating_sub(1)
+    }
+
+    /// Duration, s.
+    pub fn time(&self) -> f64 {
+        self.ticks() as f64 * self.cycle
+    }
+
+    /// Set points of one row.
+    pub fn row(&self, tick: usize) -> impl Iterator<Item = i64> + '_ {
+        self.columns.iter().map(move |c| c[tick])
+    }
+
+    /// Set points of one row in mm.
+    pub fn mm(&self, tick: usize) -> Vec<f64> {
+        self.row(tick).map(|x| x as f64 / (1u64 << 32) as f64).collect()
+    }
+}
+
+/// Everything that came of a program.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Set points.
+    pub trace: Trace,
+    /// What the planner said of each block.
+    pub blocks: Vec<PlannedBlock>,
+    /// Digest over all ticks.
+    pub digest: u64,
+}
+
+/// Runs `program`: the planner as far as the queue takes it, then `burst` ticks, and so on.
+///
+/// # Errors
+/// What the library refused.
+pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+    burst: usize,
+) -> Result<Run, String> {
+    let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+    let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
+    let (mut planner, mut interpolator) =
+        channel.split(machine, start, &b""[..]).map_err(|e| format!("{e:?}"))?;
+    let mut run = Run {
+        trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
+        blocks: Vec::new(),
+        digest: 0,
+    };
+    let mut digest = Digest::new();
+    let mut tick = || {
+        let state = interpolator.tick();
+        if state == State::Active {
+            digest.add(interpolator.set_points());
+            run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        }
+        state
+    };
+    let mut motions = program.motions(machine).into_iter();
+    let mut done = false;
+    let mut idle = 0;
+    loop {
+        use glidepath::planning::Work;
+        match planner.planning.work().map_err(|e| format!("{e:?}"))? {
+            Work::Planned(block) => run.blocks.push(block),
+            Work::Working => idle += 1,
+            Work::Waiting => {
+                for _ in 0..burst {
+                    if tick() == State::Active {
+                        idle = 0;
+                    }
+                }
+                idle += 1;
+            }
+            Work::Hungry => match motions.next() {
+                Some(m) => planner.planning.take(&m).map_err(|e| format!("{e:?}"))?,
+                None if done => break,
+                None => {
+                    done = true;
+                    planner.planning.rest(1);
+                }
+            },
+        }
+        assert!(idle < STUCK, "{}: no progress", program.name);
+    }
+    while tick() == State::Active {}
+    run.digest = digest.value();
+    Ok(run)
+}
+
+/// [`run_in_bursts`] with the queue kept as full as it can be.
+///
+/// # Errors
+/// What the library refused.
+pub fn run<const AXES: usize, const BLOCKS: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+) -> Result<Run, String> {
+    run_in_bursts::<AXES, BLOCKS>(program, machine, 1)
+}
+
+/// Set points of an arbitrary motion: `at` gives the block and the parameter in it for a time, `None` when over.
+/// The judge is tested with motions made here.
+pub fn sampled(contour: &Contour, cycle: f64, at: impl Fn(f64) -> Option<Vec<f64>>) -> Trace {
+    let bits =
+        |p: &[f64]| -> Vec<i64> { p.iter().map(|x| (x * (1u64 << 32) as f64).round() as i64).collect() };
+    let mut trace = Trace::new(cycle, &bits(&contour.start));
+    for tick in 1.. {
+        match at(f64::from(tick) * cycle) {
+            Some(point) => trace.push(bits(&point)),
+            None => break,
+        }
+    }
+    if let Some(last) = contour.elements.last() {
+        trace.push(bits(&last.to));
+    }
+    trace
+}

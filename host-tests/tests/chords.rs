@@ -1,0 +1,71 @@
+//! The circle of 64 chords, and the table of program times.
+use host_tests::cases::{Program, machines, named};
+use host_tests::properties::verify;
+use host_tests::reference::limits::path_length;
+use host_tests::reference::profile::rest_to_rest;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Feed of the examples: 20 m/min.
+const FEED: f64 = 20_000.0;
+
+fn programs() -> Vec<Program> {
+    vec![
+        named::one_line(80.0, FEED, 3),
+        named::square(FEED, 3),
+        named::slot(FEED, 3),
+        named::circle(FEED, 3),
+        named::chords(FEED, 3),
+        named::helix(FEED),
+        named::pocket(FEED),
+        named::wave(400, 0.5, FEED),
+    ]
+}
+
+/// One row: time, time of a straight line of the same length, peaks of the axes.
+fn row(program: &Program) -> String {
+    let machine = machines::even::<3>(1000);
+    let verdict = verify::<3, 120>(program, &machine).unwrap();
+    let length: f64 = verdict.contour.elements.iter().map(path_length).sum();
+    let peak = |order: usize| verdict.peaks.iter().map(|p| p.values[order]).fold(0.0, f64::max);
+    format!(
+        "{},{},{:.3},{:.3},{:.3},{:.1},{:.0},{:.0},{:.3}",
+        program.name,
+        verdict.run.blocks.len(),
+        length,
+        verdict.run.trace.time(),
+        rest_to_rest(length, 200.0, 2000.0, 0.05),
+        peak(0),
+        peak(1),
+        peak(2),
+        verdict.course.error * 1e6,
+    )
+}
+
+#[test]
+fn times_are_those_of_the_accepted_table() {
+    let mut table = String::from(
+        "program,blocks,length_mm,time_s,straight_line_s,v_peak_mm_s,a_peak_mm_s2,jerk_peak_mm_s3,path_error_nm\n",
+    );
+    for program in programs() {
+        let _ = writeln!(table, "{}", row(&program));
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tables/times.csv");
+    if std::env::var_os("ACCEPT_TABLES").is_some() {
+        std::fs::write(&path, &table).unwrap();
+    }
+    let accepted = std::fs::read_to_string(&path).unwrap_or_default();
+    for (now, before) in table.lines().zip(accepted.lines().chain(std::iter::repeat(""))) {
+        assert_eq!(now, before, "accept with ACCEPT_TABLES=1 cargo test -p host-tests --test chords");
+    }
+    assert_eq!(table.lines().count(), accepted.lines().count());
+}
+
+#[test]
+fn a_circle_of_chords_breaks_no_limit_at_any_feed() {
+    for feed in [600.0, 6000.0, FEED, 60_000.0] {
+        for machine in [machines::even::<3>(1000), machines::uneven(1000), machines::mill(1000)] {
+            verify::<3, 120>(&named::chords(feed, 3), &machine).unwrap();
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The reference against itself: closed forms, quadrature of their own jerk, and each other.
+use host_tests::cases::random::Random;
+use host_tests::reference::profile::{Change, Profile, Ramps, reach, rest_to_rest};
+
+fn close(a: f64, b: f64, relative: f64) -> bool {
+    (a - b).abs() <= relative * a.abs().max(b.abs())
+}
+
+/// Integrates a constant jerk over each ramp in small steps, exactly per step; gives speed and distance.
+fn integrate(v0: f64, change: &Change) -> (f64, f64) {
+    let [up, hold, down] = change.times;
+    let jerks = [change.a_peak / up, 0.0, -change.a_peak / down];
+    let (mut s, mut v, mut a) = (0.0, v0, 0.0);
+    for (time, jerk) in [up, hold, down].into_iter().zip(jerks) {
+        let steps = 1000;
+        let h = time / f64::from(steps);
+        for _ in 0..steps {
+            s += h * (v + h * (a / 2.0 + h * jerk / 6.0));
+            v += h * (a + h * jerk / 2.0);
+            a += h * jerk;
+        }
+    }
+    (v, s)
+}
+
+#[test]
+fn a_speed_change_is_the_integral_of_its_jerk() {
+    let mut r = Random::new(1);
+    for _ in 0..200 {
+        let ramps =
+            Ramps { a: r.magnitude(10.0, 1e4), up: r.magnitude(0.01, 1.0), down: r.magnitude(0.01, 1.0) };
+        let v0 = if r.once_in(3) { 0.0 } else { r.magnitude(0.1, 500.0) };
+        let v1 = v0 + r.magnitude(1e-3, 2e3);
+        let change = Change::new(v0, v1, ramps);
+        let (v, s) = integrate(v0, &change);
+        assert!(close(v, v1, 1e-10) && close(s, change.distance, 1e-10), "{ramps:?} {v0} {v1}: {v} {s}");
+        assert!(change.a_peak <= ramps.a);
+        // No ramp is steeper than allowed.
+        assert!(change.a_peak / change.times[0] <= ramps.a / ramps.up * (1.0 + 1e-12));
+        assert!(change.a_peak / change.times[2] <= ramps.a / ramps.down * (1.0 + 1e-12));
+    }
+}
+
+#[test]
+fn a_profile_covers_its_length_smoothly_and_is_the_fastest() {
+    let mut r = Random::new(2);
+    let mut kinds = [0; 3];
+    for _ in 0..500 {
+        let ramps = |r: &mut Random| Ramps {
+            a: r.magnitude(500.0, 5000.0),
+            up: r.magnitude(0.02, 0.2),
+            down: r.magnitude(0.02, 0.2),
+        };
+        let (accelerate, brake) = (ramps(&mut r), ramps(&mut r));
+        let v_max = r.magnitude(1.0, 1000.0);
+        let length = r.magnitude(0.001, 1000.0);
+        let v_in = v_max * r.unit();
+        let v_out = reach(length, v_in, v_max * r.unit(), accelerate);
+        let Some(p) = Profile::fastest(length, v_in, v_out, v_max, accelerate, brake) else {
+            // Refused only if braking from v_in needs more than the length.
+            assert!(reach(length, v_out, v_in, brake.reversed()) < v_in);
+            kinds[0] += 1;
+            continue;
+        };
+        kinds[if p.cruise > 0.0 { 1 } else { 2 }] += 1;
+        let time = p.time();
+        let covered = p.rise.distance + p.v_peak * p.cruise + p.fall.distance;
+        assert!(close(covered, length, 1e-9), "{covered} {length} {p:?}");
+        assert!(p.at(0.0).s.abs() < 1e-12 && close(p.at(time).s, length, 1e-12));
+        // Speed is the slope of the distance, acceleration that of the speed.
+        let h = time * 1e-5;
+        for i in 1..50 {
+            let t = time * f64::from(i) / 50.0;
+            let (b, c, a) = (p.at(t - h), p.at(t), p.at(t + h));
+            let j = accelerate.a / accelerate.up.min(accelerate.down) + brake.a / brake.up.min(brake.down);
+            assert!(((a.s - b.s) / (2.0 * h) - c.v).abs() <= j * h * h + 1e-9 * (length / h), "{t} {p:?}");
+            assert!(((a.v - b.v) / (2.0 * h) - c.a).abs() <= j * h + 1e-9 * (v_max / h), "{t} {p:?}");
+            assert!(
+                c.v <= v_max * (1.0 + 1e-12)
+                    && c.a <= accelerate.a * 1.000_001
+                    && -c.a <= brake.a * 1.000_001
+            );
+        }
+        // A lower peak takes longer.
+        let lower = p.v_peak - 1e-3 * (p.v_peak - v_in.max(v_out));
+        if lower > 0.0 && lower < p.v_peak {
+            assert!(
+                Profile::with_peak(length, v_in, v_out, lower, accelerate, brake).time()
+                    >= time * (1.0 - 1e-12)
+            );
+        }
+    }
+    assert!(kinds.iter().all(|&k| k > 20), "every kind occurs: {kinds:?}");
+}
+
+#[test]
+fn equal_ramps_are_the_double_s() {
+    let ramps = Ramps { a: 2000.0, up: 0.05, down: 0.05 };
+    for length in [0.01, 0.1, 1.0, 9.9, 10.1, 29.9, 30.1, 100.0, 1000.0] {
+        let p = Profile::fastest(length, 0.0, 0.0, 200.0, ramps, ramps).unwrap();
+        assert!(close(p.time(), rest_to_rest(length, 200.0, 2000.0, 0.05), 1e-12), "{length}");
+    }
+    // By hand: 100 mm = 0.5 s at 200 mm/s, and 0.1 + 0.05 s for the ramps.
+    assert!(close(rest_to_rest(100.0, 200.0, 2000.0, 0.05), 0.65, 1e-15));
+    // Four equal phases of jerk 40 000 mm/s³: s = 2 j t³.
+    assert!(close(rest_to_rest(2.0 * 40_000.0 * 1e-6, 200.0, 2000.0, 0.05), 0.04, 1e-12));
+}
+
+#[test]
+fn reach_is_the_inverse_of_the_distance() {
+    let mut r = Random::new(3);
+    for _ in 0..500 {
+        let ramps =
+            Ramps { a: r.magnitude(10.0, 1e4), up: r.magnitude(0.01, 1.0), down: r.magnitude(0.01, 1.0) };
+        let (v0, v1) = (r.between(0.0, 100.0), r.between(100.0, 300.0));
+        let distance = Change::new(v0, v1, ramps).distance;
+        assert!(close(reach(distance, v0, 1e4, ramps), v1, 1e-11));
+        assert_eq!(reach(distance * 1.001, v0, v1, ramps), v1);
+    }
+}

@@ -1,0 +1,110 @@
+//! Seeded random programs: every axis inside its limits at every tick, on the contour, exact at its ends.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, program};
+use host_tests::cases::{Program, edges, machines, named};
+use host_tests::properties::{Verdict, verify};
+
+fn good<const AXES: usize, const BLOCKS: usize>(program: &Program, machine: &MachineData<AXES>) -> Verdict {
+    verify::<AXES, BLOCKS>(program, machine).unwrap_or_else(|fault| panic!("{fault}"))
+}
+
+/// Machines for a number of axes.
+fn machines_of<const AXES: usize>(cycle_us: u32) -> [MachineData<AXES>; 3] {
+    [machines::even(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+}
+
+fn random<const AXES: usize>(seeds: std::ops::Range<u64>, cycle_us: u32) {
+    for seed in seeds {
+        let machine = &machines_of::<AXES>(cycle_us)[seed as usize % 3];
+        let mix = if seed % 4 == 3 { Mix::surface(AXES, 400) } else { Mix::general(AXES, 40) };
+        good::<AXES, 120>(&program(seed, mix), machine);
+    }
+}
+
+#[test]
+fn one_axis() {
+    random::<1>(100..112, 1000);
+}
+
+#[test]
+fn two_axes() {
+    random::<2>(200..216, 1000);
+}
+
+#[test]
+fn three_axes() {
+    random::<3>(300..330, 1000);
+}
+
+#[test]
+fn five_axes() {
+    random::<5>(500..512, 1000);
+}
+
+#[test]
+fn six_axes() {
+    random::<6>(600..612, 1000);
+}
+
+#[test]
+fn other_cycles() {
+    random::<3>(700..704, 100);
+    random::<3>(704..712, 4000);
+    random::<4>(712..720, 10_000);
+}
+
+#[test]
+fn edges_of_three_axes() {
+    for program in edges::three_axes() {
+        for machine in &machines_of::<3>(1000) {
+            good::<3, 120>(&program, machine);
+        }
+    }
+}
+
+#[test]
+fn edges_of_rotary_axes() {
+    for program in edges::rotary() {
+        for machine in &machines_of::<4>(1000) {
+            good::<4, 120>(&program, machine);
+        }
+    }
+}
+
+#[test]
+fn a_contour_is_never_left_out_between_ticks() {
+    // Acceleration along the contour: no more than all axes together give.
+    for seed in 800..812 {
+        let machine = machines::even::<3>(1000);
+        let verdict = good::<3, 120>(&program(seed, Mix { rapids: 0, ..Mix::general(3, 40) }), &machine);
+        let (a, allowance, tick) = verdict.course.acceleration(0.001);
+        assert!(a <= 2000.0 * 3f64.sqrt() + allowance, "seed {seed}: {a} + {allowance} at {tick}");
+    }
+}
+
+#[test]
+fn depth_of_look_ahead_costs_time_only() {
+    let random = (900..904).map(|seed| program(seed, Mix::surface(3, 500)));
+    for program in random.chain([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)]) {
+        let machine = |look_ahead| {
+            let mut machine = machines::mill::<3>(1000);
+            machine.channel.look_ahead = look_ahead;
+            machine
+        };
+        let ticks = [
+            good::<3, 30>(&program, &machine(30)).run.trace.ticks(),
+            good::<3, 120>(&program, &machine(120)).run.trace.ticks(),
+            good::<3, 190>(&program, &machine(190)).run.trace.ticks(),
+        ];
+        // One tick: where the end falls between ticks.
+        let name = &program.name;
+        assert!(ticks[0] + 1 >= ticks[1] && ticks[1] + 1 >= ticks[2], "{name}: {ticks:?}");
+        // Six millimetres in view are too few for the feed: depth is in use.
+        if name.contains("pieces") {
+            assert!(3 * ticks[0] > 4 * ticks[1] && 20 * ticks[1] > 21 * ticks[2], "{name}: {ticks:?}");
+        }
+        // The memory may be larger than the depth asked for.
+        let less = good::<3, 190>(&program, &machine(30));
+        assert_eq!(less.run.trace.ticks(), ticks[0]);
+    }
+}

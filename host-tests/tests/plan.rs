@@ -1,0 +1,123 @@
+//! The plan: the reference's own is a permitted motion, and the library's is that of the reference.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, program};
+use host_tests::cases::{Program, edges, machines, named, set_point};
+use host_tests::properties::axis_limits;
+use host_tests::reference::geometry::Contour;
+use host_tests::reference::limits::Machine;
+use host_tests::reference::motion::Motion;
+use host_tests::reference::planner::{blocks, plan};
+use host_tests::reference::profile::Profile;
+use host_tests::trace::{run, sampled};
+use host_tests::{check, tolerance};
+
+fn reference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (Contour, Vec<Profile>) {
+    let contour = program.contour_as_decoded(machine);
+    let axes = Machine::new(&machine.axes, machine.channel.cycle_us);
+    let profiles = plan(&blocks(&contour, &axes), machine.channel.look_ahead as usize);
+    (contour, profiles)
+}
+
+/// The reference's plan, sampled in f64, before the judge.
+fn permitted<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> Result<(), String> {
+    let (contour, profiles) = reference(program, machine);
+    let motion = Motion::new(&contour, &profiles, 1.0);
+    let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
+    let trace = sampled(&contour, cycle, |t| motion.at(t / cycle));
+    check::limits(&trace, &axis_limits(machine, &contour))?;
+    check::path(&trace, &contour, tolerance::PATH, 3000.0)?;
+    let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
+    let stops: Vec<_> = program.end_points();
+    check::ends(&trace, &start, &stops)
+}
+
+fn judge<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
+    let mut faults = Vec::new();
+    for program in programs {
+        for machine in
+            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+        {
+            if let Err(fault) = permitted(&program, &machine) {
+                faults.push(format!("{}: {fault}", program.name));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn the_reference_plans_permitted_motions() {
+    judge::<2>((2000..2020).map(|seed| program(seed, Mix::general(2, 50))), 1000);
+    judge::<3>((2100..2120).map(|seed| program(seed, Mix::general(3, 50))), 1000);
+    judge::<3>((2200..2210).map(|seed| program(seed, Mix::surface(3, 300))), 1000);
+    judge::<6>((2300..2310).map(|seed| program(seed, Mix::general(6, 50))), 1000);
+    judge::<3>((2400..2410).map(|seed| program(seed, Mix::general(3, 50))), 4000);
+}
+
+#[test]
+fn the_reference_plans_permitted_motions_at_the_edges() {
+    judge::<3>(edges::three_axes().into_iter(), 1000);
+    judge::<4>(edges::rotary().into_iter(), 1000);
+    let named =
+        [named::chords(20_000.0, 3), named::slot(6000.0, 3), named::helix(6000.0), named::pocket(20_000.0)];
+    judge::<3>(named.into_iter(), 1000);
+}
+
+/// Largest relative difference between the library's plan and the reference's.
+fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
+    let run = run::<AXES, 120>(program, machine).unwrap();
+    let (_, profiles) = reference(program, machine);
+    assert_eq!(run.blocks.len(), profiles.len(), "{}", program.name);
+    let mut largest = 0.0_f64;
+    for (i, (block, profile)) in run.blocks.iter().zip(&profiles).enumerate() {
+        let pairs = [
+            ("length", block.length.to_bits() as f64 / 2f64.powi(44), profile.length),
+            ("start speed", block.v_in.to_bits() as f64 / 2f64.powi(58), profile.v_in),
+            ("highest speed", block.v_peak.to_bits() as f64 / 2f64.powi(58), profile.v_peak),
+            ("end speed", block.v_out.to_bits() as f64 / 2f64.powi(58), profile.v_out),
+            ("duration", block.time.to_bits() as f64 / 2f64.powi(36), profile.time()),
+        ];
+        for (what, library, reference) in pairs {
+            let off = if reference == 0.0 { library } else { (library - reference).abs() / reference };
+            if off > tolerance::PLAN {
+                println!(
+                    "{}, block {i}: {what} {library}, reference {reference}, {off:.2e}\n  {:?}",
+                    program.name, program.moves[i]
+                );
+            }
+            largest = largest.max(off);
+        }
+    }
+    largest
+}
+
+fn same_plan<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
+    let mut worst = 0.0_f64;
+    for program in programs {
+        for machine in
+            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+        {
+            worst = worst.max(compare(&program, &machine));
+        }
+    }
+    println!("largest relative difference {worst:.2e}");
+    assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans() {
+    same_plan::<1>((2500..2510).map(|seed| program(seed, Mix::general(1, 60))), 1000);
+    same_plan::<2>((2510..2520).map(|seed| program(seed, Mix::general(2, 60))), 1000);
+    same_plan::<3>((2520..2540).map(|seed| program(seed, Mix::general(3, 60))), 1000);
+    same_plan::<3>((2540..2550).map(|seed| program(seed, Mix::surface(3, 500))), 1000);
+    same_plan::<6>((2550..2560).map(|seed| program(seed, Mix::general(6, 60))), 1000);
+    same_plan::<3>((2560..2564).map(|seed| program(seed, Mix::general(3, 60))), 250);
+    same_plan::<3>((2564..2570).map(|seed| program(seed, Mix::general(3, 60))), 4000);
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans_at_the_edges() {
+    same_plan::<3>(edges::three_axes().into_iter(), 1000);
+    same_plan::<4>(edges::rotary().into_iter(), 1000);
+    same_plan::<3>([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)].into_iter(), 1000);
+}

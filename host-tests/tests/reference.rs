@@ -1,0 +1,69 @@
+//! Set points beside those of the reference with the same plan.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, program};
+use host_tests::cases::{Program, edges, machines, named};
+use host_tests::reference::limits::Machine;
+use host_tests::reference::motion::Motion;
+use host_tests::reference::planner::{blocks, laws};
+use host_tests::tolerance;
+use host_tests::trace::run;
+
+/// Largest difference, mm or degrees; duration, s.
+fn difference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (f64, f64) {
+    let run = run::<AXES, 120>(program, machine).unwrap();
+    let contour = program.contour_as_decoded(machine);
+    let axes = Machine::new(&machine.axes, machine.channel.cycle_us);
+    let laws = laws(&blocks(&contour, &axes), &run.blocks);
+    let motion = Motion::new(&contour, &laws, 1.0);
+    let mut largest = 0.0_f64;
+    for tick in 0..run.trace.len() {
+        let exact = motion.at(tick as f64).unwrap_or_else(|| contour.elements.last().unwrap().to.clone());
+        for (a, b) in run.trace.mm(tick).into_iter().zip(exact) {
+            largest = largest.max((a - b).abs());
+        }
+    }
+    (largest, run.trace.time())
+}
+
+fn close<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
+    let (off, time) = difference(program, machine);
+    println!("{}: {:.3} nm in {time:.1} s", program.name, off * 1e6);
+    assert!(off <= tolerance::REFERENCE, "{}: {} nm", program.name, off * 1e6);
+    time
+}
+
+#[test]
+fn ten_minutes() {
+    let mix = Mix { feed: [2_000.0, 60_000.0], ..Mix::general(3, 2600) };
+    let time = close(&program(3000, mix), &machines::mill::<3>(1000));
+    assert!(time > 600.0, "{time} s");
+    let time = close(&program(3001, Mix::surface(3, 9000)), &machines::uneven::<3>(1000));
+    assert!(time > 600.0, "{time} s");
+}
+
+#[test]
+fn named_programs_and_edges() {
+    let named = [
+        named::chords(60_000.0, 3),
+        named::slot(60_000.0, 3),
+        named::helix(60_000.0),
+        named::pocket(60_000.0),
+    ];
+    for program in named.into_iter().chain(edges::three_axes()) {
+        for machine in [machines::even::<3>(1000), machines::uneven(1000), machines::mill(1000)] {
+            close(&program, &machine);
+        }
+    }
+    for program in edges::rotary() {
+        close(&program, &machines::mill::<4>(1000));
+    }
+}
+
+#[test]
+fn other_cycles_and_axes() {
+    for seed in 3100..3106 {
+        close(&program(seed, Mix::general(3, 40)), &machines::mill::<3>(250));
+        close(&program(seed, Mix::general(3, 40)), &machines::even::<3>(4000));
+        close(&program(seed, Mix::general(6, 40)), &machines::mill::<6>(1000));
+    }
+}

@@ -1,0 +1,78 @@
+//! A move from rest to rest takes the closed-form optimum, rounded up to the next tick.
+use glidepath::machine::MachineData;
+use host_tests::cases::{Program, machines, named};
+use host_tests::properties::verify;
+use host_tests::reference::profile::{Profile, Ramps, rest_to_rest};
+use host_tests::tolerance::SPEED_MARGIN;
+
+/// Time of the motion beside the optimum: never faster, at most one tick slower. 1e-9 s: f64. Feeds keep a margin, seen
+/// in moves that take minutes.
+fn optimal<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, optimum: f64) {
+    let verdict = verify::<AXES, 120>(program, machine).unwrap();
+    let (time, cycle) = (verdict.run.trace.time(), verdict.run.trace.cycle);
+    let name = &program.name;
+    assert!(time > optimum - 1e-9, "{name}: {time} s is faster than the optimum {optimum} s");
+    let margin = if optimum > 60.0 { optimum * SPEED_MARGIN } else { 0.0 };
+    assert!(time < optimum + cycle + margin + 1e-9, "{name}: {time} s, optimum {optimum} s, cycle {cycle} s");
+}
+
+#[test]
+fn equal_ramps() {
+    for cycle_us in [250, 1000, 4000, 10_000] {
+        let machine = machines::even::<3>(cycle_us);
+        for length in named::REST_TO_REST {
+            let program = named::one_line(length, 60_000.0, 3);
+            optimal(&program, &machine, rest_to_rest(length, 200.0, 2000.0, 0.05));
+        }
+    }
+}
+
+#[test]
+fn four_different_ramps_at_feed_and_one_in_rapid_motion() {
+    let machine = machines::uneven::<3>(1000);
+    let accelerate = Ramps { a: 2000.0, up: 0.06, down: 0.15 };
+    let brake = Ramps { a: 1500.0, up: 0.1, down: 0.2 };
+    let rapid = Ramps { a: 2500.0, up: 0.04, down: 0.04 };
+    for length in named::REST_TO_REST {
+        for (v, feed) in [(400.0, 60_000.0), (20.0, 1200.0), (0.5, 30.0)] {
+            let program = named::one_line(length, feed, 3);
+            let profile = Profile::fastest(length, 0.0, 0.0, v, accelerate, brake).unwrap();
+            optimal(&program, &machine, profile.time());
+        }
+        let program = named::one_line(length, 1.0, 3).rapid();
+        let profile = Profile::fastest(length, 0.0, 0.0, 350.0, rapid, rapid).unwrap();
+        optimal(&program, &machine, profile.time());
+    }
+}
+
+#[test]
+fn several_axes_keep_the_limit_of_each() {
+    // 3-4-5 triangle in X and Z. Z is the slower axis of the mill for every one of its limits.
+    let machine = machines::mill::<3>(1000);
+    let z = machine.axes[2];
+    let ramps = |a: u32, up: u32, down: u32| {
+        let a = f64::from(a) / 0.8;
+        Ramps { a, up: f64::from(up) * 1e-6, down: f64::from(down) * 1e-6 }
+    };
+    let accelerate = ramps(z.a_beschl, z.tr_beschl_zu, z.tr_beschl_ab);
+    let brake = ramps(z.a_brems, z.tr_brems_zu, z.tr_brems_ab);
+    for length in [0.05, 5.0, 500.0] {
+        let program = Program::new("slanted", 3).line(&[0.6 * length, 0.0, 0.8 * length], 60_000.0);
+        let profile = Profile::fastest(length, 0.0, 0.0, 300.0 / 0.8, accelerate, brake).unwrap();
+        optimal(&program, &machine, profile.time());
+    }
+}
+
+#[test]
+fn a_rotary_axis_alone_counts_degrees() {
+    let machine = machines::mill::<4>(1000);
+    let a = machine.axes[3];
+    let us = |t: u32| f64::from(t) * 1e-6;
+    let accelerate = Ramps { a: f64::from(a.a_beschl), up: us(a.tr_beschl_zu), down: us(a.tr_beschl_ab) };
+    let brake = Ramps { a: f64::from(a.a_brems), up: us(a.tr_brems_zu), down: us(a.tr_brems_ab) };
+    for degrees in [0.01, 1.0, 720.0] {
+        let program = Program::new("rotary", 4).line(&[0.0, 0.0, 0.0, degrees], 600_000.0);
+        let profile = Profile::fastest(degrees, 0.0, 0.0, 120.0, accelerate, brake).unwrap();
+        optimal(&program, &machine, profile.time());
+    }
+}

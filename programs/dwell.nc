@@ -1,0 +1,18 @@
+( Moves from a micrometre to a metre, each from rest to rest, and dwells between them. )
+%dwell
+N10 G91 G01 F12000
+N20 X0.001
+N30 G04 X0.02
+N40 X0.01
+N50 G04 X0.02
+N60 X0.1
+N70 G04 X0.02
+N80 X1
+N90 G04 X0.02
+N100 X10
+N110 G04 X0.02
+N120 X100
+N130 G04 X0.02
+N140 X1000
+N150 G90 G00 X0
+N160 M30

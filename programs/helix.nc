@@ -1,0 +1,15 @@
+( A bore widened by helix turns down, then one flat turn at the bottom. )
+%helix
+N10 G90 G17
+N20 G00 X15 Y0 Z2
+N30 G02 X15 Y0 I-15 Z0 F6000
+N40 G91
+N50 $FOR P1 = 1, 4, 1
+N60 G02 X0 Y0 I-15 J0 Z-1.5
+N70 $ENDFOR
+N80 G02 X0 Y0 I-15
+N90 G90
+N100 G03 X-15 Y0 I-15 Z-3
+N110 G00 Z10
+N120 X0 Y0 Z0
+N130 M30

@@ -1,0 +1,17 @@
+( A plate outline: straight lines with knees from 6 to 135 degrees, in the plane and in space. )
+%lines
+N10 G17 G90 G53
+N20 G00 X10 Y10 Z5
+N30 G01 Z0 F3000
+N40 X110 F12000
+N50 X150 Y14
+N60 X170 Y34
+N70 Y90
+N80 X100 Y150 Z-2
+N90 X30
+N100 X10 Y130 Z0
+N110 Y50
+N120 X50 Y10
+N130 Z5 F6000
+N140 G00 X0 Y0 Z0
+N150 M30

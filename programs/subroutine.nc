@@ -1,0 +1,27 @@
+( A grid of pockets: a local subroutine called from two nested loops, every second pocket deeper. )
+%L pocket
+N10 G91 G01 Z-P10 F3000
+N20 X12 F9000
+N30 G03 X3 Y3 J3
+N40 G01 Y6
+N50 G03 X-3 Y3 I-3
+N60 G01 X-12
+N70 Y-12
+N80 Z=P10
+N90 G90
+N100 M29
+
+%grid
+N200 G90 G17
+N210 $FOR P1 = 0, 2, 1
+N220 $FOR P2 = 0, 3, 1
+N230 P10 = 2
+N240 $IF P2 > 1
+N250 P10 = 4
+N260 $ENDIF
+N270 G00 X=P2*20 Y=P1*20 Z1
+N280 LL pocket
+N290 $ENDFOR
+N300 $ENDFOR
+N310 G00 X0 Y0 Z0
+N320 M30

@@ -1,0 +1,275 @@
+//! Permitted path speed, acceleration and jerk of one element and of one transition, from those of the axes.
+//!
+//! Everything here is per tick and in `f32`; three margins make up for its rounding and for that of the integers
+//! behind it, so that the limits of the axes hold exactly:
+//!
+//! | of | factor | covers |
+//! |---|---|---|
+//! | speed, acceleration | 1 − 2^-20 | ten roundings of 2^-24 |
+//! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
+//!
+//! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
+//! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
+//! `B`.
+use crate::machine::{AxisData, MachineData};
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::path::{Element, End};
+use crate::tick::SKIP_PER_TICK;
+
+/// Factor on speeds and accelerations.
+const MARGIN: f32 = 1.0 - 1.0 / 1_048_576.0;
+/// Factor on jerks.
+const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
+/// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three ticks.
+const TRANSITION_PART: f32 = 0.4;
+/// Parts of `B` inside an arc: slope, and v³κ²; the rest goes to 3vκ·a.
+const ARC_SLOPE_PART: f32 = 0.25;
+const ARC_PART: f32 = 0.5;
+/// Speeds tried for an arc, and the step from one to the next.
+const ARC_SPEEDS: usize = 5;
+const ARC_SPEED_STEP: f32 = 0.8;
+/// Part of the largest acceleration that may act across the path.
+const NORMAL_PART: f32 = 0.8;
+/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
+/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks.
+const KNEE_PART: f32 = 0.25;
+/// Ramps of that many ticks are not.
+const LONG_RAMP: f32 = 4.0;
+/// Element lengths per tick, so that a tick never has to pass more elements than it may.
+const SKIP: f32 = (SKIP_PER_TICK - 1) as f32;
+
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
+pub type Ramps = [f32; 4];
+
+/// Permitted values along the path: mm/tick, mm/tick², mm/tick³.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Speed.
+    pub v: f32,
+    /// Acceleration.
+    pub a_up: f32,
+    /// Deceleration.
+    pub a_down: f32,
+    /// Jerk of each ramp.
+    pub j: Ramps,
+    /// Jerk left to the slope beside a transition.
+    pub j_shared: f32,
+    /// Acceleration left to it.
+    pub a_shared: f32,
+}
+
+/// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
+#[derive(Clone, Copy, Debug)]
+struct Set {
+    v: f32,
+    a_up: f32,
+    a_down: f32,
+    j: Ramps,
+    /// `B`.
+    budget: f32,
+    /// Speed step permitted at a knee.
+    knee: f32,
+    /// Acceleration left to the slope beside a knee.
+    a_shared: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    feed: Set,
+    rapid: Set,
+    a_max: f32,
+}
+
+/// The dynamics of a machine's axes, converted to ticks once.
+pub struct Dynamics<const AXES: usize> {
+    axes: [Axis; AXES],
+    /// mm/tick of 1 mm/min.
+    feed_unit: f32,
+}
+
+impl<const AXES: usize> Dynamics<AXES> {
+    /// Converts the machine data.
+    pub fn new(machine: &MachineData<AXES>) -> Self {
+        let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
+        Self { axes: machine.axes.map(|axis| Axis::new(&axis, cycle_s)), feed_unit: cycle_s / 60.0 }
+    }
+
+    /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
+    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
+        let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
+        let length = element.shape.length.to_bits() as f32 * LSB_44;
+        let mut limits = Limits {
+            v: SKIP * length,
+            a_up: f32::MAX,
+            a_down: f32::MAX,
+            j: [f32::MAX; 4],
+            j_shared: f32::MAX,
+            a_shared: f32::MAX,
+        };
+        if let Some(feed) = feed {
+            limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
+        }
+        for (k, (axis, tangent)) in self.axes.iter().zip(&element.entry.tangent).enumerate() {
+            let share = match element.circle {
+                Some(circle) if circle.plane.contains(&k) => circle.share,
+                _ => magnitude(*tangent as f32 * LSB_40),
+            };
+            if share > 0.0 {
+                limits.restrict(&sets(axis), 1.0 / share);
+            }
+        }
+        if let Some(circle) = element.circle {
+            let curvature = circle.share * circle.share / circle.radius;
+            let mut normal = f32::MAX;
+            let mut a_max = f32::MAX;
+            let mut budget = f32::MAX;
+            for axis in circle.plane.into_iter().filter_map(|k| self.axes.get(k)) {
+                let set = sets(axis);
+                normal = min(normal, min(set.a_up, set.a_down));
+                a_max = min(a_max, axis.a_max);
+                budget = min(budget, set.budget);
+            }
+            let normal = min(normal, NORMAL_PART * a_max);
+            limits.bend(curvature, length, normal, a_max, budget, circle.share);
+        }
+        limits
+    }
+
+    /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
+    /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
+    /// transition is smooth. `shorter` is the length of the shorter neighbour, mm.
+    ///
+    /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
+    /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
+    pub fn transition(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, shorter: f32) -> Option<f32> {
+        let mut v = f32::MAX;
+        let mut smooth = true;
+        for (k, axis) in self.axes.iter().enumerate() {
+            let set = if rapid { &axis.rapid } else { &axis.feed };
+            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
+            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
+            let knee = magnitude(t1.wrapping_sub(*t0) as f32 * LSB_40);
+            let bend = magnitude(c1 - c0);
+            let part = TRANSITION_PART * set.budget;
+            if knee > 0.0 {
+                smooth = smooth && knee <= SMOOTH;
+                let part = if bend > 0.0 { 0.5 * part } else { part };
+                let alone = min(part, set.knee) / knee;
+                let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
+                v = min(v, max(min(alone, shorter * (1.0 / 3.0)), min(alone, close)));
+            }
+            if bend > 0.0 {
+                smooth = false;
+                let part = if knee > 0.0 { 0.5 * part } else { part };
+                v = min(v, sqrt_f32(part / bend));
+            }
+        }
+        if smooth && v == f32::MAX { None } else { Some(v * MARGIN) }
+    }
+}
+
+/// A knee below this is rounding of coordinates: it leaves all of the jerk to the slope.
+const SMOOTH: f32 = 1e-7;
+
+impl Axis {
+    fn new(data: &AxisData, cycle_s: f32) -> Self {
+        let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
+        let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
+        let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
+        let geometric = ticks(data.tr_geom);
+        let a_max = accel(data.a_max);
+        let set = |v: u32, a: [u32; 2], tr: [u32; 4]| {
+            let [a_up, a_down] = a.map(accel);
+            let tr = tr.map(ticks);
+            let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
+            let mut j = [0.0; 4];
+            let mut budget = f32::MAX;
+            let [mut shortest, mut longest] = [f32::MAX, 0.0];
+            for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
+                *j = over(tr, k) * JERK_MARGIN;
+                budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
+                longest = max(longest, tr);
+                shortest = min(shortest, tr);
+            }
+            let weight =
+                if data.a_trans_weight == 0 { 1.0 / longest } else { data.a_trans_weight as f32 * 1e-3 };
+            let knee = min(min(a_up, a_down) * weight, KNEE_PART * a_max);
+            let a_shared = if shortest < LONG_RAMP { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
+            Set { v: speed(v), a_up, a_down, j, budget, knee, a_shared }
+        };
+        let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
+        Self {
+            feed: set(data.vb_max, [data.a_beschl, data.a_brems], tr),
+            rapid: set(data.vb_eilgang, [data.a_grenz; 2], [data.tr_grenz; 4]),
+            a_max,
+        }
+    }
+}
+
+impl Limits {
+    /// Leaves a transition its part.
+    pub(super) fn share(&mut self) {
+        for j in &mut self.j {
+            *j = min(*j, self.j_shared);
+        }
+        self.a_up = min(self.a_up, self.a_shared);
+        self.a_down = min(self.a_down, self.a_shared);
+    }
+
+    /// Takes in an axis that moves `1 / scale` times as far as the path.
+    fn restrict(&mut self, set: &Set, scale: f32) {
+        self.v = min(self.v, set.v * scale);
+        self.a_up = min(self.a_up, set.a_up * scale);
+        self.a_down = min(self.a_down, set.a_down * scale);
+        for (j, axis) in self.j.iter_mut().zip(set.j) {
+            *j = min(*j, axis * scale);
+        }
+        self.j_shared = min(self.j_shared, TRANSITION_PART * set.budget * scale);
+        self.a_shared = min(self.a_shared, set.a_shared * scale);
+    }
+
+    /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
+    /// v³κ² + 3vκ·a + j inside `budget` (their exact sum is a vector no longer than that).
+    ///
+    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
+    /// one before, the one is taken with which the arc alone, from rest to rest with that acceleration, is fastest.
+    fn bend(&mut self, curvature: f32, length: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
+        self.v = min(self.v, sqrt_f32(normal / curvature));
+        self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
+        for j in &mut self.j {
+            *j = min(*j, ARC_SLOPE_PART * budget / share);
+        }
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = self.v;
+        for _ in 0..ARC_SPEEDS {
+            let across = v * v * curvature;
+            let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
+            let jerk = (1.0 - ARC_SLOPE_PART) * budget - across * v * curvature;
+            let a = min(min(self.a_up, self.a_down), min(along, jerk / (3.0 * v * curvature)));
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        self.v = best.1;
+        self.a_up = min(self.a_up, best.2);
+        self.a_down = min(self.a_down, best.2);
+    }
+}
+
+/// f32::min has a NaN rule that costs instructions; no operand here is one.
+pub(crate) fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+pub(crate) fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+fn magnitude(x: f32) -> f32 {
+    if x < 0.0 { -x } else { x }
+}

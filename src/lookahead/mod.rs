@@ -1,0 +1,212 @@
+//! Limits over distance: a ring of blocks and, for each transition, the speed at which it may be taken.
+//!
+//! Two rules fix the speeds. Backward, from a standstill at the end of the ring: a block may be entered at the speed
+//! from which its end speed can be reached within its length. Forward, when a block is handed on: its end speed is at
+//! most what its start speed can grow to. Both use the slope with zero acceleration at the ends of the block. The
+//! plan therefore always stops inside the ring, and a new block can only raise what was planned.
+//!
+//! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
+//! ends early at the first transition whose speed did not change.
+mod limits;
+
+pub use limits::{Dynamics, Limits};
+pub(crate) use limits::{max, min};
+
+use crate::nc::Place;
+use crate::path::{Element, End, Shape};
+use crate::quantity::Speed;
+use crate::slope::profile::{speed_bits, speed_f32};
+use crate::slope::ramp::Ramp;
+use heapless::Deque;
+
+/// A block in the ring.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<const AXES: usize> {
+    /// Its curve.
+    pub shape: Shape<AXES>,
+    /// Its limits.
+    pub limits: Limits,
+    /// Speed at which its start may be passed at most, mm/tick.
+    cap: f32,
+    /// Planned speed at its start.
+    v_in: Speed,
+    /// Programmed N number.
+    pub n: u32,
+    /// Where it stands in the text.
+    pub place: Place,
+}
+
+/// A block that leaves the ring, with the speeds at its ends.
+pub struct Release<const AXES: usize> {
+    /// The block.
+    pub block: Block<AXES>,
+    /// Speed at its start.
+    pub v_in: Speed,
+    /// Speed at its end.
+    pub v_out: Speed,
+}
+
+/// What the next transition needs to know of the last block.
+#[derive(Clone, Copy, Debug)]
+struct Last<const AXES: usize> {
+    exit: End<AXES>,
+    length: f32,
+    rapid: bool,
+}
+
+/// The ring.
+pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
+    blocks: Deque<Block<AXES>, BLOCKS>,
+    depth: usize,
+    last: Option<Last<AXES>>,
+    /// The next transition is a standstill.
+    stop: bool,
+    /// Blocks still to pass, and the speed at the end of the last of them.
+    pass: Option<(usize, Speed)>,
+}
+
+/// Blocks per call of the backward pass.
+const PASS_STEPS: usize = 4;
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    /// An empty ring that uses `depth` of its blocks.
+    pub const fn new(depth: usize) -> Self {
+        let depth = if depth < BLOCKS { depth } else { BLOCKS };
+        Self { blocks: Deque::new(), depth, last: None, stop: false, pass: None }
+    }
+
+    /// Whether there is no room for another block.
+    pub fn is_full(&self) -> bool {
+        self.blocks.len() >= self.depth
+    }
+
+    /// Whether there is no block.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    /// Throws away what it holds.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.last = None;
+    }
+
+    /// Blocks handed on after each pass.
+    pub fn batch(&self) -> usize {
+        (self.depth / 4).max(1)
+    }
+
+    /// Demands a standstill before the next block.
+    pub fn stop_here(&mut self) {
+        self.stop = true;
+    }
+
+    /// Appends a block. Only when not [`Self::is_full`].
+    pub fn push(
+        &mut self,
+        element: &Element<AXES>,
+        mut limits: Limits,
+        rapid: bool,
+        dynamics: &Dynamics<AXES>,
+        n: u32,
+        place: Place,
+    ) {
+        let length = element.shape.length.to_bits() as f32 * (1.0 / (1u64 << 44) as f32);
+        let mut cap = 0.0;
+        if let (Some(last), Some(before)) = (&self.last, self.blocks.back_mut()) {
+            if !self.stop {
+                cap = min(before.limits.v, limits.v);
+                let rapid = rapid && last.rapid;
+                let shorter = min(last.length, length);
+                if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter) {
+                    cap = min(cap, v);
+                    limits.share();
+                    before.limits.share();
+                }
+            }
+        }
+        self.stop = false;
+        self.last = Some(Last { exit: element.exit, length, rapid });
+        let block = Block { shape: element.shape, limits, cap, v_in: Speed::ZERO, n, place };
+        // There is room: the caller asked.
+        let _ = self.blocks.push_back(block);
+    }
+
+    /// Begins a pass over the whole ring.
+    pub fn begin_pass(&mut self) {
+        self.pass = Some((self.blocks.len(), Speed::ZERO));
+    }
+
+    /// Goes on with the pass; `true` when it is complete.
+    pub fn step_pass(&mut self) -> bool {
+        let Some((mut left, mut v_out)) = self.pass else { return true };
+        for _ in 0..PASS_STEPS {
+            // The first block's start is already decided.
+            if left <= 1 {
+                self.pass = None;
+                return true;
+            }
+            left -= 1;
+            let Some(block) = self.blocks.get_mut(left) else { continue };
+            let v = block.enter(v_out);
+            if v == block.v_in && v != Speed::ZERO {
+                self.pass = None;
+                return true;
+            }
+            block.v_in = v;
+            v_out = v;
+        }
+        self.pass = Some((left, v_out));
+        false
+    }
+
+    /// Hands on the first block.
+    pub fn release(&mut self) -> Option<Release<AXES>> {
+        let block = self.blocks.pop_front()?;
+        let v_in = block.v_in;
+        let v_out = match self.blocks.front_mut() {
+            Some(next) => {
+                let reach = block.leave(v_in);
+                if reach < next.v_in {
+                    next.v_in = reach;
+                }
+                next.v_in
+            }
+            None => {
+                // What follows starts from rest.
+                self.last = None;
+                Speed::ZERO
+            }
+        };
+        Some(Release { block, v_in, v_out })
+    }
+}
+
+impl<const AXES: usize> Block<AXES> {
+    fn length_mm(&self) -> f32 {
+        self.shape.length.to_bits() as f32 * (1.0 / (1u64 << 44) as f32)
+    }
+
+    /// Highest speed at its start that can still come down to `v_out`.
+    fn enter(&self, v_out: Speed) -> Speed {
+        let ramp = Ramp::new(self.limits.a_down, self.limits.j[3], self.limits.j[2]);
+        self.faster(&ramp, v_out, self.cap)
+    }
+
+    /// Highest speed at its end that can be reached from `v_in`.
+    fn leave(&self, v_in: Speed) -> Speed {
+        let ramp = Ramp::new(self.limits.a_up, self.limits.j[0], self.limits.j[1]);
+        self.faster(&ramp, v_in, self.limits.v)
+    }
+
+    /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB
+    /// in `f32`.
+    fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
+        let cap = speed_bits(cap);
+        if low.to_bits() >= cap {
+            return Speed::from_bits(cap);
+        }
+        let gain = ramp.reach(speed_f32(low.to_bits()), self.length_mm());
+        Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
+    }
+}

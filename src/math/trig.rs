@@ -1,0 +1,97 @@
+//! Sine and cosine for the tick: no division, no branch.
+//!
+//! The angle is a point of a 1024-part circle plus a rest r of at most ρ = π/1024. With S and C of that point
+//! from a table,
+//!
+//! sin = S + C·sin r − S·(1 − cos r),  cos = C − S·sin r − C·(1 − cos r).
+//!
+//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only what matters: with
+//! sin r and 1 − cos r in 64 fraction bits split in two words, the upper word times the table's upper word
+//! (30 fraction bits) accumulates directly in the result's 62 fraction bits.
+use super::angle::sin_cos_fine;
+
+/// Table points per revolution.
+const POINTS: usize = 1024;
+
+/// Sine with 62 fraction bits at multiples of 1/1024 revolution, one quarter more than a revolution: the cosine
+/// is the sine a quarter further. 10 kB.
+static SINE: [i64; POINTS + POINTS / 4] = table();
+
+const fn table() -> [i64; POINTS + POINTS / 4] {
+    let mut sine = [0; POINTS + POINTS / 4];
+    let mut i = 0;
+    while i < sine.len() {
+        sine[i] = sin_cos_fine((i as u64) << 54).0;
+        i += 1;
+    }
+    sine
+}
+
+/// 2ρ·2^64: from a rest in units of ρ·2^-63 to 64 fraction bits of a radian.
+const RADIANS: i64 = 0x0192_1fb5_4442_d184;
+
+/// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120, where |sin r − r + a·r³| ≤ 2^-51.5 is least.
+const CUBIC: u64 = 0x52ae_f161;
+
+/// ρ²/2·2^48 and ρ⁴/12·2^48.
+const SQUARE: u64 = 0x4ef4_f327;
+const FOURTH: u64 = 2078;
+
+/// Upper word of a product, rounded down.
+#[inline(always)]
+const fn high(a: i32, b: i32) -> i32 {
+    ((a as i64 * b as i64) >> 32) as i32
+}
+
+/// A number as upper and lower word, both signed: v = upper·2^32 + lower.
+#[inline(always)]
+const fn split(v: i64) -> (i32, i32) {
+    (((v >> 32) as i32).wrapping_add((v as u32 >> 31) as i32), v as i32)
+}
+
+/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over 8·10^6
+/// random angles).
+///
+/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but for the
+/// exact midpoints between two table points, where the sides differ by up to 2^-47.6.
+///
+/// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined.
+///
+/// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49 fraction bits,
+/// S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself 2^-62.
+#[inline]
+pub fn sin_cos(turns: u64) -> (i64, i64) {
+    // Nearest table point, and the rest in units of ρ·2^-63.
+    let shifted = turns.wrapping_add(1 << 53);
+    let point = (shifted >> 54) as usize;
+    let rest = ((shifted << 10) ^ (1 << 63)) as i64;
+
+    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles agree;
+    // it may wrap to −2^31, whose square is the same.
+    let nearest = (rest.wrapping_add(0x7fff_ffff - (rest >> 63)) >> 32) as i32;
+    let square = (nearest as i64 * nearest as i64) as u64 >> 31;
+    let upper = (rest >> 32) as i32;
+
+    // sin r: linear part by the full product, cubic part with 56 fraction bits.
+    let (kh, kl) = split(RADIANS);
+    let linear =
+        (upper as i64 * kh as i64) + ((rest as u32 as u64 * kh as u64) >> 32) as i64 + high(upper, kl) as i64;
+    let cubic = high(upper, ((square * CUBIC) >> 32) as i32);
+    let sin_r = linear - ((cubic as i64) << 8);
+
+    // cos r − 1, 64 fraction bits.
+    let curve = SQUARE - ((square * FOURTH) >> 32);
+    let cos_r = -(((square * curve) >> 15) as i64);
+
+    let (wh, wl) = split(sin_r);
+    let (vh, vl) = split(cos_r);
+    let s = SINE[point & (POINTS - 1)];
+    let c = SINE[(point & (POINTS - 1)) + POINTS / 4];
+    let (sh, sl) = split(s);
+    let (ch, cl) = split(c);
+    let sin_low = high(ch, wl) + high(cl, wh) + high(sh, vl);
+    let cos_low = high(ch, vl) - high(sh, wl) - high(sl, wh);
+    let sin = s + ch as i64 * wh as i64 + sh as i64 * vh as i64 + sin_low as i64;
+    let cos = c - sh as i64 * wh as i64 + ch as i64 * vh as i64 + cos_low as i64;
+    (sin, cos)
+}

@@ -1,0 +1,205 @@
+//! G02 and G03: arcs, full circles and helices, by centre or by radius.
+//!
+//! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
+//! then changes linearly with the angle from the one to the other.
+use super::{Circle, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use crate::math::angle::atan2_turns;
+use crate::math::divide::{div_shift_signed, div_wide};
+use crate::math::wide::{mul_shift, mul_wide};
+use crate::nc::Plane;
+use crate::quantity::Position;
+
+/// 2π, LSB 2^-60.
+const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
+
+/// Start and end closer than this in both axes of the plane are the same point: 2^-20 mm, about a nanometre.
+const SAME_POINT: i64 = 1 << 12;
+
+/// Radii may always differ by 2 µm (coordinates of three decimals) …
+const DIFFERENCE: i64 = 8_589_935 << FINER;
+/// … and by a thousandth, up to 50 µm. ISG leaves it to P-CHAN-00171 and P-CHAN-00172 without a default.
+const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
+
+/// How far half a chord may exceed the radius before it is an error rather than rounding: 1 µm.
+const CHORD_EXCESS: i64 = 4_294_967;
+
+/// The arc from `start` to `target` about `centre` (absolute, the plane's two axes). A target equal to the start is
+/// a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix.
+///
+/// # Errors
+/// See [`PathError`].
+pub fn arc<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    centre: [Position; 2],
+    plane: Plane,
+    clockwise: bool,
+    main: &[Option<usize>; 3],
+) -> Result<Element<AXES>, PathError> {
+    let axes = plane_axes(plane, main)?;
+    let mut travel = [0; AXES];
+    for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
+        *travel = to.to_bits().saturating_sub(from.to_bits());
+        if travel.saturating_abs() >= LONGEST >> FINER {
+            return Err(PathError::TooLong);
+        }
+    }
+    let [r0, r1] = [radius_vector(start, axes, centre)?, radius_vector(target, axes, centre)?];
+    let [len0, len1] = [hypot(r0), hypot(r1)];
+    if len0 == 0 || len1 == 0 {
+        return Err(PathError::NoRadius);
+    }
+    let difference = len1 - len0;
+    let allowed = DIFFERENCE.max(LARGEST_DIFFERENCE.min(len0 / 1024));
+    if difference.abs() > allowed {
+        return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
+    }
+
+    // Angle travelled, 2^-60 revolutions, positive counter-clockwise.
+    let [from, to] = [atan2_turns(r0[1], r0[0]), atan2_turns(r1[1], r1[0])];
+    let apart = axes.iter().any(|k| travel.get(*k).is_some_and(|x: &i64| x.abs() > SAME_POINT));
+    let swept = if clockwise { from.wrapping_sub(to) } else { to.wrapping_sub(from) };
+    let swept = if apart && swept != 0 { (swept >> 4) as i64 } else { 1 << 60 };
+    let sweep = if clockwise { -swept } else { swept };
+
+    let plane_length = mul_shift(mul_shift(len0.max(len1), swept, 60), TWO_PI, 60);
+    if plane_length >= LONGEST {
+        return Err(PathError::TooLong);
+    }
+    let others = main.iter().flatten().filter(|k| !axes.contains(k)).filter_map(|k| travel.get(*k));
+    let main_length = hypot([plane_length, difference].into_iter().chain(others.map(|x| x << FINER)));
+    // One LSB up: a chord is never longer than the path under it.
+    let mut shape = Shape::resting(path_length(main_length + 1, &travel, main)?);
+    let length = shape.length.to_bits();
+    let end_w = shape.end_w().unsigned_abs();
+    shape.plane = [axes[0] as u8, axes[1] as u8];
+    shape.turn = div_shift_signed(sweep, 64, end_w);
+    shape.a = r0;
+    if difference != 0 {
+        let ratio = div_shift_signed(difference, 62, len0.unsigned_abs());
+        shape.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 64, end_w));
+    }
+    // In the plane the linear part makes up for what the rounded circle misses at its end.
+    let circle_end = shape.circle(shape.end_w());
+    for ((k, r1), end) in axes.into_iter().zip(r1).zip(circle_end) {
+        if let Some(travel) = travel.get_mut(k) {
+            *travel = 0;
+        }
+        if let Some(gain) = shape.gain.get_mut(k) {
+            *gain = (r1 >> (FINER - GUARD)).wrapping_sub(end);
+        }
+    }
+    let missed = axes.map(|k| shape.gain.get(k).copied().unwrap_or(0));
+    shape.set_gains(&travel);
+    for (k, missed) in axes.into_iter().zip(missed) {
+        if let Some(gain) = shape.gain.get_mut(k) {
+            *gain = div_shift_signed(missed, 64, end_w);
+        }
+    }
+
+    let linear = shape.linear_tangent();
+    let end = |r: [i64; 2], len: i64| {
+        let unit = r.map(|x| div_shift_signed(x, 40, len.unsigned_abs()));
+        let along = mul_shift(mul_shift(len, sweep, 60), TWO_PI, 60);
+        let along = div_shift_signed(along, 40, length.unsigned_abs());
+        let outward = div_shift_signed(difference, 40, length.unsigned_abs());
+        let mut ends = End { tangent: linear, curvature: [0.0; AXES] };
+        let tangent = [-mul_shift(unit[1], along, 40), mul_shift(unit[0], along, 40)];
+        let share = along as f32 * LSB_40;
+        for i in 0..2 {
+            if let (Some(t), Some(c)) = (ends.tangent.get_mut(axes[i]), ends.curvature.get_mut(axes[i])) {
+                *t = tangent[i].wrapping_add(mul_shift(unit[i], outward, 40));
+                *c = -(unit[i] as f32 * LSB_40) * share * share / (len as f32 * LSB_44);
+            }
+        }
+        (ends, if share < 0.0 { -share } else { share })
+    };
+    let (entry, share0) = end(r0, len0);
+    let (exit, share1) = end(r1, len1);
+    let circle = Circle {
+        plane: axes,
+        radius: len0.min(len1) as f32 * LSB_44,
+        share: if share0 > share1 { share0 } else { share1 },
+    };
+    Ok(Element { shape, entry, exit, circle: Some(circle) })
+}
+
+/// 2^-40 and 2^-44.
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+fn plane_axes(plane: Plane, main: &[Option<usize>; 3]) -> Result<[usize; 2], PathError> {
+    let [p, q] = plane.main_axes();
+    match (main.get(p).copied().flatten(), main.get(q).copied().flatten()) {
+        (Some(p), Some(q)) => Ok([p, q]),
+        _ => Err(PathError::NoPlane(plane)),
+    }
+}
+
+/// Vector from the centre, LSB 2^-44 mm.
+fn radius_vector<const AXES: usize>(
+    point: &[Position; AXES],
+    axes: [usize; 2],
+    centre: [Position; 2],
+) -> Result<[i64; 2], PathError> {
+    let mut vector = [0; 2];
+    for ((r, k), c) in vector.iter_mut().zip(axes).zip(centre) {
+        let x = point.get(k).map_or(0, |x| x.to_bits()).saturating_sub(c.to_bits());
+        if x.saturating_abs() >= LONGEST >> (FINER + 1) {
+            return Err(PathError::TooLong);
+        }
+        *r = x << FINER;
+    }
+    Ok(vector)
+}
+
+/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, for a negative radius
+/// the other. Rounded to the LSB of a position.
+///
+/// # Errors
+/// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`], [`PathError::NoPlane`],
+/// [`PathError::TooLong`].
+pub fn centre_of_radius<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    radius: Position,
+    plane: Plane,
+    clockwise: bool,
+    main: &[Option<usize>; 3],
+) -> Result<[Position; 2], PathError> {
+    let axes = plane_axes(plane, main)?;
+    let from = axes.map(|k| start.get(k).map_or(0, |x| x.to_bits()));
+    let to = axes.map(|k| target.get(k).map_or(0, |x| x.to_bits()));
+    let chord = [to[0].saturating_sub(from[0]), to[1].saturating_sub(from[1])];
+    let size = radius.to_bits().saturating_abs();
+    if size == 0 {
+        return Err(PathError::NoRadius);
+    }
+    if chord.iter().any(|x| x.saturating_abs() >= LONGEST >> FINER) || size >= LONGEST >> (FINER + 1) {
+        return Err(PathError::TooLong);
+    }
+    if chord.iter().all(|x| x.abs() <= SAME_POINT) {
+        return Err(PathError::RadiusWithoutEnd);
+    }
+    // All below in 2^-44 mm: half the chord and the distance of the centre from it.
+    let length = hypot(chord.map(|x| x << FINER));
+    let half = length >> 1;
+    let size44 = size << FINER;
+    if half - size44 > CHORD_EXCESS << FINER {
+        return Err(PathError::RadiusTooShort { radius: size, half: half >> FINER });
+    }
+    let (sum, difference) = (size44 + half, (size44 - half).max(0));
+    let (hi, lo) = mul_wide(sum.unsigned_abs(), difference.unsigned_abs());
+    let height = crate::math::root::sqrt_wide(hi, lo);
+    // The centre lies left of the chord for the short counter-clockwise arc.
+    let left = clockwise == (radius < Position::ZERO);
+    let offset = |x: i64| {
+        let (hi, lo) = mul_wide(x.unsigned_abs(), height);
+        let size = div_wide(hi, lo, length.unsigned_abs()) as i64;
+        if (x < 0) != left { size } else { -size }
+    };
+    Ok([
+        Position::from_bits(from[0] + (chord[0] >> 1) - offset(chord[1])),
+        Position::from_bits(from[1] + (chord[1] >> 1) + offset(chord[0])),
+    ])
+}

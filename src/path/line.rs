@@ -1,0 +1,56 @@
+//! G00 and G01: a straight line of all axes together.
+use super::{Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use crate::math::divide::div_shift_signed;
+use crate::quantity::Position;
+
+/// The line from `start` to `target`; `None` if no axis moves. `main` are the main axes, whose length is the path's.
+///
+/// # Errors
+/// [`PathError::TooLong`].
+pub fn line<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    main: &[Option<usize>; 3],
+) -> Result<Option<Element<AXES>>, PathError> {
+    let mut travel = [0; AXES];
+    for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
+        *travel = to.to_bits().saturating_sub(from.to_bits());
+        if travel.saturating_abs() >= LONGEST >> FINER {
+            return Err(PathError::TooLong);
+        }
+    }
+    if travel == [0; AXES] {
+        return Ok(None);
+    }
+    let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);
+    let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);
+    shape.set_gains(&travel);
+    let ends = End { tangent: shape.linear_tangent(), curvature: [0.0; AXES] };
+    Ok(Some(Element { shape, entry: ends, exit: ends, circle: None }))
+}
+
+impl<const AXES: usize> Shape<AXES> {
+    /// Value of `w` at the end.
+    pub(super) fn end_w(&self) -> i64 {
+        self.length.to_bits() << (self.shift & 63)
+    }
+
+    /// The linear part that travels these distances (LSB of a position). The quotient is rounded to nearest: at the
+    /// end the product is off by at most a quarter of its LSB and, rounded down, by less than two; the guard bits
+    /// hide that.
+    pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
+        let end = self.end_w().unsigned_abs();
+        for (gain, travel) in self.gain.iter_mut().zip(travel) {
+            *gain = if *travel == 0 { 0 } else { div_shift_signed(travel << GUARD, 64, end) };
+        }
+    }
+
+    /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by powers of two.
+    pub(super) fn linear_tangent(&self) -> [i64; AXES] {
+        // gain·2^-42/2^64 per w, w = 2^shift per 2^-44 mm
+        self.gain.map(|gain| match 22u32.checked_sub(u32::from(self.shift)) {
+            Some(down) => gain >> down,
+            None => gain << (u32::from(self.shift) - 22),
+        })
+    }
+}

@@ -1,0 +1,263 @@
+//! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
+use crate::channel::PlannedBlock;
+use crate::lookahead::{Dynamics, Lookahead};
+use crate::machine::MachineData;
+use crate::nc::{ArcBy, Motion, MotionKind};
+use crate::path::{self, PathError};
+use crate::quantity::{Accel, Distance, Jerk, Position, Speed, Time};
+use crate::queue::{Event, Function, Phase, Segment, Sender};
+use crate::slope::emit::Emitter;
+use crate::slope::profile::{Profile, Unplannable};
+
+/// Where the ring is handed on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    /// Blocks are taken in.
+    Filling,
+    /// The backward pass runs; that many blocks leave afterwards.
+    Passing(usize),
+    /// That many blocks still leave.
+    Releasing(usize),
+}
+
+/// What a call achieved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Work {
+    /// Something; there is more.
+    Working,
+    /// The queue is full.
+    Waiting,
+    /// A block has its time law.
+    Planned(PlannedBlock),
+    /// Nothing is left to do but to take in the next block.
+    Hungry,
+}
+
+/// A motion block that has no path or no speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MotionError {
+    /// It has no curve.
+    Path(PathError),
+    /// Its feed is zero.
+    NoFeed,
+    /// It would take more than 2^26 ticks.
+    TooSlow,
+}
+
+/// Path, look-ahead, slope and the planner's end of the queue.
+pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
+    main: [Option<usize>; 3],
+    dynamics: Dynamics<AXES>,
+    /// End of the last block taken in.
+    programmed: [Position; AXES],
+    lookahead: Lookahead<AXES, BLOCKS>,
+    stage: Stage,
+    /// Everything taken in is to be handed on down to a standstill.
+    flush: bool,
+    emitter: Emitter,
+    /// The last block handed to the emitter ends in a standstill.
+    stops: bool,
+    /// A piece the queue did not take.
+    held: Option<Phase>,
+    /// Ticks to rest after the standstill.
+    rest: u64,
+    /// End of the last block handed on, and its path distance.
+    position: [Position; AXES],
+    distance: Distance,
+    blocks: u32,
+    /// Blocks taken in.
+    taken: u32,
+    queue: Sender<'a, AXES>,
+}
+
+/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
+const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
+
+/// Longest rest handed over at once, ticks.
+const LONGEST_REST: u64 = 65_535;
+
+impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
+    /// At rest at `start`.
+    pub fn new(machine: &MachineData<AXES>, start: [Position; AXES], queue: Sender<'a, AXES>) -> Self {
+        Self {
+            main: machine.main_axes(),
+            dynamics: Dynamics::new(machine),
+            programmed: start,
+            lookahead: Lookahead::new(machine.channel.look_ahead as usize),
+            stage: Stage::Filling,
+            flush: false,
+            emitter: Emitter::new(),
+            stops: false,
+            held: None,
+            rest: 0,
+            position: start,
+            distance: Distance::ZERO,
+            blocks: 0,
+            taken: 0,
+            queue,
+        }
+    }
+
+    /// Takes in a motion block. Only after [`Work::Hungry`].
+    ///
+    /// # Errors
+    /// The block is refused and leaves no trace.
+    pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let feed = match motion.kind {
+            MotionKind::Rapid => None,
+            _ => Some(motion.feed.to_bits() as f32 * (1.0 / 4_294_967_296.0)),
+        };
+        let (from, to) = (&self.programmed, &motion.target);
+        let element = match motion.kind {
+            MotionKind::Rapid | MotionKind::Line => path::line(from, to, &self.main),
+            MotionKind::Arc { plane, clockwise, by } => {
+                let centre = match by {
+                    ArcBy::Centre(centre) => Ok(centre),
+                    ArcBy::Radius(radius) => {
+                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.main)
+                    }
+                };
+                centre.and_then(|c| path::arc(from, to, c, plane, clockwise, &self.main)).map(Some)
+            }
+        };
+        if let Some(element) = element.map_err(MotionError::Path)? {
+            // A block without motion needs no feed.
+            if feed.is_some_and(|feed| feed <= 0.0) {
+                return Err(MotionError::NoFeed);
+            }
+            let limits = self.dynamics.element(&element, feed);
+            let rapid = feed.is_none();
+            if (element.shape.length.to_bits() as f32) > limits.v * SLOWEST {
+                return Err(MotionError::TooSlow);
+            }
+            self.lookahead.push(&element, limits, rapid, &self.dynamics, motion.n, motion.place);
+            self.programmed = motion.target;
+            self.taken = self.taken.wrapping_add(1);
+        }
+        if motion.exact_stop {
+            self.lookahead.stop_here();
+        }
+        Ok(())
+    }
+
+    /// Hands over what is to happen between the last block taken in and the next one.
+    ///
+    /// # Errors
+    /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
+    pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
+        self.queue.events.enqueue(Event { block: self.taken, n, function }).map_err(|e| e.function)
+    }
+
+    /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
+    /// when all of it is in the queue.
+    pub fn rest(&mut self, ticks: u64) {
+        self.flush = true;
+        self.rest = ticks;
+    }
+
+    /// Goes on.
+    ///
+    /// # Errors
+    /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
+    pub fn work(&mut self) -> Result<Work, Unplannable> {
+        if let Some(phase) = self.held.take() {
+            return Ok(self.hand_over(phase));
+        }
+        if !self.emitter.is_done() {
+            if let Some(phase) = self.emitter.step() {
+                return Ok(self.hand_over(phase));
+            }
+            if self.emitter.is_done() && self.stops {
+                self.emitter.settle();
+            }
+            return Ok(Work::Working);
+        }
+        match self.stage {
+            Stage::Passing(batch) => {
+                if self.lookahead.step_pass() {
+                    self.stage = Stage::Releasing(batch);
+                }
+                Ok(Work::Working)
+            }
+            Stage::Releasing(0) => {
+                self.stage = Stage::Filling;
+                Ok(Work::Working)
+            }
+            Stage::Releasing(left) => self.release(left),
+            Stage::Filling if self.flush && self.lookahead.is_empty() => Ok(self.come_to_rest()),
+            Stage::Filling if self.flush => Ok(self.begin_pass(usize::MAX)),
+            Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass(self.lookahead.batch())),
+            Stage::Filling => Ok(Work::Hungry),
+        }
+    }
+
+    fn begin_pass(&mut self, batch: usize) -> Work {
+        self.lookahead.begin_pass();
+        self.stage = Stage::Passing(batch);
+        Work::Working
+    }
+
+    fn hand_over(&mut self, phase: Phase) -> Work {
+        match self.queue.phases.enqueue(phase) {
+            Ok(()) => Work::Working,
+            Err(phase) => {
+                self.held = Some(phase);
+                Work::Waiting
+            }
+        }
+    }
+
+    /// Plans the first block of the ring for good.
+    fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
+        if !self.queue.segments.ready() {
+            return Ok(Work::Waiting);
+        }
+        let Some(release) = self.lookahead.release() else {
+            self.stage = Stage::Filling;
+            return Ok(Work::Working);
+        };
+        self.stage = Stage::Releasing(left - 1);
+        let block = release.block;
+        let length = block.shape.length;
+        let profile = Profile::plan(length, release.v_in, release.v_out, &block.limits);
+        let profile = profile.inspect_err(|_| self.lookahead.clear())?;
+        let base = block.shape.base(&self.position);
+        let segment =
+            Segment { shape: block.shape, base, start: self.distance, n: block.n, block: self.blocks };
+        // There is room: asked above.
+        let _ = self.queue.segments.enqueue(segment);
+        self.emitter.begin(&profile, self.distance, length);
+        self.stops = release.v_out == Speed::ZERO;
+        block.shape.at(length.to_bits(), &base, &mut self.position);
+        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
+        self.blocks = self.blocks.wrapping_add(1);
+        Ok(Work::Planned(PlannedBlock {
+            block: segment.block,
+            n: block.n,
+            place: block.place,
+            length,
+            v_in: release.v_in,
+            v_peak: profile.peak(),
+            v_out: release.v_out,
+            time: profile.time(),
+            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
+        }))
+    }
+
+    fn come_to_rest(&mut self) -> Work {
+        let ticks = self.rest.min(LONGEST_REST);
+        self.rest -= ticks;
+        self.flush = self.rest > 0;
+        if ticks == 0 {
+            return Work::Working;
+        }
+        self.hand_over(Phase {
+            distance: self.distance,
+            speed: Speed::ZERO,
+            half_accel: Accel::ZERO,
+            sixth_jerk: Jerk::ZERO,
+            ticks: ticks as u16,
+        })
+    }
+}

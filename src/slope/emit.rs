@@ -1,0 +1,203 @@
+//! From the time law of a block to what the tick evaluates: cubics that start at a tick and last whole ticks.
+//!
+//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so it hands over
+//! the state at the first tick inside a part: the interrupt then counts whole ticks, and a part without a tick is
+//! not handed over at all, so that a tick begins at most one piece.
+//!
+//! Pieces are short where rounding would grow (64 ticks with jerk, 256 with acceleration): with coefficients of
+//! 2^-58 mm the cubic stays within 2^-41 mm.
+use super::profile::{Change, Profile};
+use crate::math::divide::div_wide;
+use crate::math::wide::{mul_shift, mul_wide};
+use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
+use crate::queue::Phase;
+
+/// One tick, LSB 2^-36.
+pub const TICK: u64 = 1 << 36;
+
+/// Longest pieces, ticks: with jerk, with acceleration, at constant speed.
+const LONGEST: [u64; 3] = [64, 256, 65_535];
+
+/// How speed changes within a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Acceleration grows from zero: v = v0 + Δ u².
+    Rise,
+    /// Acceleration holds: v = v0 + Δ u.
+    Hold,
+    /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
+    Fall,
+}
+
+/// One part of a profile: `u` is its time as a fraction.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    kind: Kind,
+    time: u64,
+    /// Path distance where it starts and where it ends, LSB 2^-44, on the scale of the whole path.
+    from: i64,
+    to: i64,
+    v0: i64,
+    v1: i64,
+}
+
+/// Hands out the pieces of one block after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Emitter {
+    parts: [Part; PARTS],
+    /// Part being cut, [`PARTS`] when there is none.
+    part: usize,
+    /// Time from the start of that part to the next tick.
+    next: u64,
+    /// Whether `reciprocal` belongs to the part.
+    ready: bool,
+    /// 2^126 / (time << zeros).
+    reciprocal: u64,
+    zeros: u32,
+}
+
+const PARTS: usize = 7;
+
+const IDLE: Part = Part { kind: Kind::Hold, time: 0, from: 0, to: 0, v0: 0, v1: 0 };
+
+/// 1/3, LSB 2^-62.
+const THIRD: i64 = 0x1555_5555_5555_5555;
+
+impl Default for Emitter {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Emitter {
+    /// At rest, at a tick.
+    pub const fn new() -> Self {
+        Self { parts: [IDLE; PARTS], part: PARTS, next: 0, ready: false, reciprocal: 0, zeros: 0 }
+    }
+
+    /// Whether the last block is handed out.
+    pub fn is_done(&self) -> bool {
+        self.part >= PARTS
+    }
+
+    /// Takes the next block, which starts at path distance `start`. Only when the last one [`Self::is_done`].
+    pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
+        let end = start.to_bits().wrapping_add(length.to_bits());
+        let mut at = start.to_bits();
+        let mut parts = [IDLE; PARTS];
+        let (up, down) = parts.split_at_mut(4);
+        let (cruise, up) = up.split_last_mut().map_or((None, &mut [][..]), |(c, u)| (Some(c), u));
+        fill(up, &profile.up, &mut at);
+        // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise lies between.
+        let mut back = end.wrapping_sub(profile.down.lengths().iter().sum());
+        if let Some(cruise) = cruise {
+            let v = profile.peak().to_bits();
+            *cruise = Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v };
+        }
+        fill(down, &profile.down, &mut back);
+        self.parts = parts;
+        self.part = 0;
+        self.ready = false;
+    }
+
+    /// The next piece, `None` if there is nothing to hand over yet (call again until [`Self::is_done`]).
+    /// Bounded work: at most one piece or one part.
+    pub fn step(&mut self) -> Option<Phase> {
+        let part = *self.parts.get(self.part)?;
+        if self.next >= part.time {
+            self.next -= part.time;
+            self.part += 1;
+            self.ready = false;
+            return None;
+        }
+        let longest = match part.kind {
+            Kind::Hold if part.v0 == part.v1 => LONGEST[2],
+            Kind::Hold => LONGEST[1],
+            _ => LONGEST[0],
+        };
+        let ticks = ((part.time - self.next - 1) / TICK + 1).min(longest);
+        let phase = self.piece(&part, self.next, ticks as u16);
+        self.next += ticks * TICK;
+        Some(phase)
+    }
+
+    /// Waits for the next tick, where the axes stand still: a motion that follows starts there.
+    pub fn settle(&mut self) {
+        self.next = 0;
+    }
+
+    /// Time from the end of the block just begun to the next tick.
+    pub fn wait(&self) -> Time {
+        let time: u64 = self.parts.iter().map(|part| part.time).sum();
+        Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))
+    }
+
+    /// State at time `t` in the part, as coefficients in ticks.
+    fn piece(&mut self, part: &Part, t: u64, ticks: u16) -> Phase {
+        let delta = part.v1 - part.v0;
+        if delta == 0 {
+            let s = part.from.wrapping_add(mul_shift(part.v0, t as i64, 50));
+            return Phase {
+                distance: Distance::from_bits(s),
+                speed: Speed::from_bits(part.v0),
+                half_accel: Accel::ZERO,
+                sixth_jerk: Jerk::ZERO,
+                ticks,
+            };
+        }
+        if !self.ready {
+            self.zeros = part.time.leading_zeros();
+            self.reciprocal = div_wide(1 << 62, 0, part.time << self.zeros).min(i64::MAX as u64);
+            self.ready = true;
+        }
+        // per_tick: x / time; fraction: t / time, LSB 2^-62
+        let per_tick = |x: i64| mul_shift(x, self.reciprocal as i64, 90 - self.zeros);
+        let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
+        let by = |x: i64, u: i64| mul_shift(x, u, 62);
+        let slope = per_tick(delta);
+        let (s, v, half_accel, sixth_jerk) = match part.kind {
+            Kind::Rise => {
+                let u = fraction(t);
+                let gained = by(by(delta, u), u);
+                let s = part.from.wrapping_add(area(part.v0 + by(gained, THIRD), t));
+                (s, part.v0 + gained, by(slope, u), by(per_tick(slope), THIRD))
+            }
+            Kind::Hold => {
+                let gained = by(delta, fraction(t));
+                let s = part.from.wrapping_add(area(part.v0 + (gained >> 1), t));
+                (s, part.v0 + gained, slope >> 1, 0)
+            }
+            Kind::Fall => {
+                let left = part.time - t;
+                let u = fraction(left);
+                let missing = by(by(delta, u), u);
+                let s = part.to.wrapping_sub(area(part.v1 - by(missing, THIRD), left));
+                (s, part.v1 - missing, by(slope, u), -by(per_tick(slope), THIRD))
+            }
+        };
+        Phase {
+            distance: Distance::from_bits(s),
+            speed: Speed::from_bits(v),
+            half_accel: Accel::from_bits(half_accel),
+            sixth_jerk: Jerk::from_bits(sixth_jerk),
+            ticks,
+        }
+    }
+}
+
+/// Speed times time: 2^-58 · 2^-36 to 2^-44.
+fn area(v: i64, t: u64) -> i64 {
+    mul_shift(v, t as i64, 50)
+}
+
+/// The three parts of a change of speed, from path distance `at` on, which moves on to their end.
+fn fill(parts: &mut [Part], change: &Change, at: &mut i64) {
+    let kinds = [Kind::Rise, Kind::Hold, Kind::Fall];
+    let speeds = change.speeds.iter().zip(change.speeds.iter().skip(1));
+    let rows = parts.iter_mut().zip(kinds).zip(change.times).zip(change.lengths()).zip(speeds);
+    for ((((part, kind), time), length), (v0, v1)) in rows {
+        let to = at.wrapping_add(length);
+        *part = Part { kind, time, from: *at, to, v0: *v0, v1: *v1 };
+        *at = to;
+    }
+}

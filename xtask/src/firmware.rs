@@ -1,0 +1,114 @@
+//! Builds firmware and runs it in the emulator or on a board.
+use crate::shell::{self, Output};
+use crate::toolchain::{self, TARGET, Toolchain};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+/// Far above what any test needs; a hanging firmware does not end by itself.
+const LIMIT: Duration = Duration::from_secs(300);
+
+/// Chip of the reference board.
+const CHIP: &str = "STM32F405RGTx";
+
+/// Where firmware runs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// QEMU's netduinoplus2.
+    Emulator,
+    /// A board behind a probe.
+    Probe,
+}
+
+/// A compiler, and a place to run.
+pub struct Firmware {
+    toolchain: Toolchain,
+    place: Place,
+    runner: PathBuf,
+}
+
+impl Firmware {
+    /// Finds compiler and runner, installs what is missing where that is possible.
+    pub fn prepare(place: Place) -> Result<Self, String> {
+        let toolchain = Toolchain::find()?;
+        let runner = match place {
+            Place::Emulator => toolchain::emulator()?,
+            Place::Probe => {
+                shell::on_path("probe-rs").ok_or("no probe-rs on PATH: see hil-tests/README.md")?
+            }
+        };
+        let how = match &toolchain {
+            Toolchain::Prebuilt { .. } => "library for the target installed",
+            Toolchain::FromSource { .. } => "library built from source",
+        };
+        eprintln!("   firmware by {}, {how}", toolchain.version());
+        Ok(Self { toolchain, place, runner })
+    }
+
+    /// The compiler's version.
+    pub fn compiler(&self) -> &str {
+        self.toolchain.version()
+    }
+
+    /// Builds the package in `folder` (below the root) with `features`.
+    pub fn build(&self, folder: &str, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build");
+        command.args(arguments).envs(variables.iter().copied());
+        shell::run(&mut command)
+    }
+
+    /// The compiler's messages where a build must fail; an error if it does not.
+    pub fn build_fails(&self, folder: &str, arguments: &[&str]) -> Result<String, String> {
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build");
+        let output = shell::capture(command.args(arguments), 4 * LIMIT)?;
+        if output.success {
+            Err(format!("{folder} {arguments:?} builds and must not"))
+        } else {
+            Ok(output.err)
+        }
+    }
+
+    /// Runs a binary to its end and gives what it wrote.
+    pub fn run(&self, name: &str) -> Result<Output, String> {
+        let file = artifact(name);
+        let mut command = Command::new(&self.runner);
+        match self.place {
+            Place::Emulator => {
+                command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"]);
+                command.args([
+                    "-semihosting-config",
+                    "enable=on,target=native",
+                    "-icount",
+                    "shift=0,sleep=off",
+                ]);
+                command.arg("-kernel").arg(&file);
+            }
+            Place::Probe => {
+                command.args(["run", "--chip", CHIP]).arg(&file);
+            }
+        }
+        let output = shell::capture(&mut command, LIMIT)?;
+        if output.timed_out {
+            return Err(format!("{name} did not end within {} s", LIMIT.as_secs()));
+        }
+        Ok(output)
+    }
+
+    /// The text a binary wrote; an error if it failed.
+    pub fn report(&self, name: &str) -> Result<String, String> {
+        let output = self.run(name)?;
+        let text = String::from_utf8_lossy(&output.out).into_owned();
+        if output.success {
+            return Ok(text);
+        }
+        let tail: Vec<&str> = text.lines().rev().filter(|line| !line.starts_with("s ")).take(12).collect();
+        let tail = tail.into_iter().rev().collect::<Vec<_>>().join("\n");
+        Err(format!("{name} failed on the target:\n{tail}\n{}", output.err))
+    }
+}
+
+/// A binary in the folder of firmware artifacts.
+pub fn artifact(name: &str) -> PathBuf {
+    let folder: &Path = &toolchain::folder_of_artifacts();
+    folder.join(TARGET).join("release").join(name)
+}

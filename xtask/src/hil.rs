@@ -1,0 +1,207 @@
+//! The target's tests: same bits, real interrupt, no panicking path, and the figures.
+use crate::figures::{self, Figures};
+use crate::firmware::{Firmware, Place, artifact};
+use crate::host::{self, HostRun};
+use crate::shell::step;
+use crate::target::{self, TargetRun};
+use crate::{elf, shell};
+
+const TESTS: &str = "hil-tests";
+const BOARD: &str = "boards/stm32f405";
+const BOARD_BINARY: &str = "glidepath-stm32f405";
+
+/// Programs that the board's own firmware runs, besides the test firmware.
+const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
+
+/// Everything: `cargo xtask hil`.
+pub fn all(place: Place) -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(place)?;
+    let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
+    firmware.build(TESTS, &[&["--bin", "same", "--bin", "sizes", "--bin", "interrupt"], features].concat(), &[])?;
+    let host = host::run_all()?;
+    step("set points of every tick, host and target");
+    let runs = measure(&firmware, &host)?;
+    let sizes = firmware.report("sizes")?;
+    step("interpolator in the timer interrupt");
+    interrupt(&firmware.report("interrupt")?, &host)?;
+    let measured = Figures::measured(firmware.compiler(), &runs, &sizes)?;
+    if place == Place::Probe {
+        eprint!("{}", measured.table());
+        return Ok(());
+    }
+    step("the board's firmware");
+    board(&firmware, &host)?;
+    step("no panicking path");
+    no_panic(&firmware)?;
+    step("figures");
+    figures::compare(&measured)?;
+    eprintln!("\nhil: all passed");
+    Ok(())
+}
+
+/// Counts only: `cargo xtask bench`.
+pub fn bench(accept: bool) -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    firmware.build(TESTS, &["--bin", "same", "--bin", "sizes"], &[])?;
+    let runs = measure(&firmware, &host::run_all()?)?;
+    let measured = Figures::measured(firmware.compiler(), &runs, &firmware.report("sizes")?)?;
+    step("figures");
+    eprint!("{}", measured.table());
+    if accept { figures::accept(&measured) } else { figures::compare(&measured) }
+}
+
+fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, String> {
+    let output = firmware.run("same")?;
+    let runs = target::read_runs(&String::from_utf8_lossy(&output.out))?;
+    if runs.len() != host.len() {
+        return Err(format!("the target ran {} of {} cases\n{}", runs.len(), host.len(), output.err));
+    }
+    let mut different = 0;
+    for (ours, theirs) in host.iter().zip(&runs) {
+        match difference(ours, theirs) {
+            None => eprintln!(
+                "   {:<16} {:>7} ticks {:>5} blocks  {:016x}  same",
+                ours.name, theirs.ticks, theirs.blocks, theirs.digest
+            ),
+            Some(what) => {
+                different += 1;
+                eprintln!("   {:<16} DIFFERS: {what}", ours.name);
+            }
+        }
+    }
+    if different > 0 {
+        return Err(format!("{different} of {} programs differ between host and target", host.len()));
+    }
+    if !output.success {
+        return Err("same ended with an error".into());
+    }
+    Ok(runs)
+}
+
+/// What is not the same, the first differing tick above all.
+fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
+    if host.name != target.name || host.axes != target.axes {
+        return Some(format!("the target ran {} with {} axes", target.name, target.axes));
+    }
+    let ticks = |run: &[i64]| run.len() / host.axes;
+    let mut pairs = host.set_points.chunks(host.axes).zip(target.set_points.chunks(host.axes));
+    if let Some(tick) = pairs.position(|(ours, theirs)| ours != theirs) {
+        let line = |who: &str, points: &[i64], tick: usize| {
+            let points = points.get(tick * host.axes..(tick + 1) * host.axes).unwrap_or_default();
+            let bits: Vec<String> = points.iter().map(|bits| format!("{bits:#018x}")).collect();
+            format!("\n      tick {tick:>6} {who:<6} {}", bits.join(" "))
+        };
+        let mut text = format!("first at tick {tick}");
+        for tick in tick.saturating_sub(1)..=tick {
+            text += &line("host", &host.set_points, tick);
+            text += &line("target", &target.set_points, tick);
+        }
+        return Some(text);
+    }
+    if let Some(failed) = &target.failed {
+        return Some(format!("{failed} after {} equal ticks", ticks(&target.set_points)));
+    }
+    let ours = &host.outcome;
+    let ours = [u64::from(ours.ticks), u64::from(ours.blocks), u64::from(ours.starved), ours.digest.value()];
+    let theirs = [target.ticks, target.blocks, target.starved, target.digest];
+    if ours != theirs || ticks(&host.set_points) != ticks(&target.set_points) {
+        let common = ticks(&host.set_points).min(ticks(&target.set_points));
+        return Some(format!(
+            "{common} equal ticks, then only one of them goes on; ticks, blocks, starved, digest: host {ours:x?}, \
+             target {theirs:x?}"
+        ));
+    }
+    if target.ticks == 0 || target.starved != 0 {
+        return Some(format!("{} ticks, starved for {}", target.ticks, target.starved));
+    }
+    None
+}
+
+/// The digests of the interrupt test, and that it tested something.
+fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
+    let mut preempted = 0;
+    let mut lines = 0;
+    for line in report.lines() {
+        let Some(line) = line.strip_prefix("interrupt ") else { return Err(format!("interrupt: {line}")) };
+        let (name, rest) = line.split_once(' ').ok_or(line)?;
+        let values = target::fields(rest);
+        let value = |key| target::number(&values, key, line);
+        let (digest, ticks) = (target::digest(&values, line)?, value("ticks")?);
+        let host = host.iter().find(|run| run.name == name).ok_or(line)?;
+        eprintln!("   {line}");
+        if digest != host.outcome.digest.value() || ticks != u64::from(host.outcome.ticks) {
+            return Err(format!(
+                "{name} in the interrupt: host {} ticks, digest {:016x}",
+                host.outcome.ticks,
+                host.outcome.digest.value()
+            ));
+        }
+        if value("missed")? != 0 || value("starved")? != 0 {
+            return Err(format!("{name}: ticks missed or starved"));
+        }
+        preempted += value("preempted")?;
+        lines += 1;
+    }
+    if lines == 0 || preempted == 0 {
+        return Err("no interrupt came while the planner worked: the test shows nothing".into());
+    }
+    Ok(())
+}
+
+/// The board's own firmware in the emulator, with some programs.
+fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
+    for name in BOARD_PROGRAMS {
+        let program = format!("programs/{name}.nc");
+        let variables = [("PROGRAM", program.as_str()), ("DEFMT_LOG", "info")];
+        firmware.build(BOARD, &["--features", "qemu"], &variables)?;
+        let output = firmware.run(BOARD_BINARY)?;
+        let values = target::fields(&output.err);
+        let digest = target::digest(&values, &output.err)?;
+        let host = host.iter().find(|run| run.name == name).ok_or(name)?;
+        eprintln!("   {name}: {}, {} bytes of defmt messages", output.err.trim(), output.out.len());
+        let good = digest == host.outcome.digest.value()
+            && target::number(&values, "starved", &output.err)? == 0
+            && target::number(&values, "missed", &output.err)? == 0;
+        if !good || !output.success {
+            return Err(format!("{program} on the board: host {:016x}", host.outcome.digest.value()));
+        }
+    }
+    Ok(())
+}
+
+/// Release-shaped firmware links with a panic handler that cannot be linked, holds no symbol of the panic machinery,
+/// and stops linking when one unchecked index is added.
+fn no_panic(firmware: &Firmware) -> Result<(), String> {
+    let refusal = firmware.build_fails(TESTS, &["--bin", "nopanic", "--features", "bad"])?;
+    if !refusal.contains("panic-never") {
+        return Err(format!(
+            "nopanic with an unchecked index failed to build, but not by panic-never:\n{refusal}"
+        ));
+    }
+    eprintln!("   an unchecked index is refused by the linker");
+    firmware.build(TESTS, &["--bin", "nopanic"], &[])?;
+    panic_symbols("nopanic")?;
+    for features in ["", "hardware"] {
+        firmware.build(BOARD, &["--features", features], &[])?;
+        panic_symbols(BOARD_BINARY)?;
+    }
+    Ok(())
+}
+
+fn panic_symbols(name: &str) -> Result<(), String> {
+    let file = artifact(name);
+    let bytes = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let symbols = elf::symbols(&bytes).ok_or_else(|| format!("{}: no symbol table", file.display()))?;
+    let panics = |symbol: &&String| {
+        symbol.contains("9panicking") || symbol.contains("rust_begin_unwind") || symbol.contains("panic_fmt")
+    };
+    let found: Vec<&String> = symbols.iter().filter(panics).collect();
+    eprintln!("   {name}: {} symbols, {} of them of the panic machinery", symbols.len(), found.len());
+    let relative = file.strip_prefix(shell::root()).unwrap_or(&file);
+    if found.is_empty() && !symbols.is_empty() {
+        return Ok(());
+    }
+    Err(format!("{} holds {found:?}", relative.display()))
+}

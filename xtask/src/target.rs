@@ -1,0 +1,109 @@
+//! What the test firmware reports, line by line.
+use std::collections::BTreeMap;
+
+/// Number, sum and largest of something counted on the target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Number of calls.
+    pub calls: u64,
+    /// Sum over all calls.
+    pub sum: u64,
+    /// The most expensive call.
+    pub max: u64,
+}
+
+/// A case as the target ran it.
+#[derive(Debug, Default)]
+pub struct TargetRun {
+    /// Name of the case.
+    pub name: String,
+    /// Number of axes.
+    pub axes: usize,
+    /// Bits of the set points, as on the host.
+    pub set_points: Vec<i64>,
+    /// The interpolator's calls.
+    pub tick: Cost,
+    /// The planner's calls that did something.
+    pub plan: Cost,
+    /// The planner's calls that found the queue full.
+    pub wait: Cost,
+    /// Ticks with motion or dwell.
+    pub ticks: u64,
+    /// Ticks in between that found nothing planned.
+    pub starved: u64,
+    /// Motion blocks planned.
+    pub blocks: u64,
+    /// Over all set points.
+    pub digest: u64,
+    /// Why it did not end.
+    pub failed: Option<String>,
+}
+
+/// Reads the report of `same`.
+pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
+    let mut runs: Vec<TargetRun> = Vec::new();
+    for line in report.lines() {
+        let (kind, rest) = line.split_once(' ').unwrap_or((line, ""));
+        if kind == "unit" {
+            continue;
+        }
+        if kind == "case" {
+            let (name, axes) = rest.split_once(" axes ").ok_or_else(|| unreadable(line))?;
+            let axes = axes.parse().map_err(|_| unreadable(line))?;
+            runs.push(TargetRun { name: name.into(), axes, ..TargetRun::default() });
+            continue;
+        }
+        let run = runs.last_mut().ok_or_else(|| unreadable(line))?;
+        match kind {
+            "s" => {
+                for digits in rest.as_bytes().chunks(16) {
+                    let bits = std::str::from_utf8(digits).ok().and_then(|d| u64::from_str_radix(d, 16).ok());
+                    run.set_points.push(bits.ok_or_else(|| unreadable(line))? as i64);
+                }
+            }
+            "cost" => {
+                let (name, values) = rest.split_once(' ').ok_or_else(|| unreadable(line))?;
+                let values = fields(values);
+                let value = |key| number(&values, key, line);
+                let cost = Cost { calls: value("calls")?, sum: value("sum")?, max: value("max")? };
+                match name {
+                    "tick" => run.tick = cost,
+                    "plan" => run.plan = cost,
+                    "wait" => run.wait = cost,
+                    _ => return Err(unreadable(line)),
+                }
+            }
+            "end" => {
+                let values = fields(rest);
+                run.ticks = number(&values, "ticks", line)?;
+                run.starved = number(&values, "starved", line)?;
+                run.blocks = number(&values, "blocks", line)?;
+                run.digest = digest(&values, line)?;
+            }
+            "failed" => run.failed = Some(rest.into()),
+            _ => return Err(unreadable(line)),
+        }
+    }
+    Ok(runs)
+}
+
+/// `a 1 b 2` as a map.
+pub fn fields(text: &str) -> BTreeMap<&str, &str> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    words.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()
+}
+
+/// The number called `key`.
+pub fn number(fields: &BTreeMap<&str, &str>, key: &str, line: &str) -> Result<u64, String> {
+    fields.get(key).and_then(|value| value.parse().ok()).ok_or_else(|| unreadable(line))
+}
+
+/// The digest in hexadecimal.
+pub fn digest(fields: &BTreeMap<&str, &str>, line: &str) -> Result<u64, String> {
+    let digits = fields.get("digest").ok_or_else(|| unreadable(line))?;
+    u64::from_str_radix(digits, 16).map_err(|_| unreadable(line))
+}
+
+fn unreadable(line: &str) -> String {
+    format!("the target said something unexpected: {line}")
+}

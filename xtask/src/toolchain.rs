@@ -1,0 +1,140 @@
+//! Which compiler builds firmware, and what to install if none can.
+//!
+//! 1. The host toolchain has the target's library: plain `--target`.
+//! 2. A compiler has the library's source beside it (a distribution's, or the component rust-src): the library is built
+//!    along, `-Zbuild-std=core`.
+//! 3. Debian and root: the distribution's compiler and source are installed, then 2.
+//! 4. Otherwise the user is told both remedies. rustup is never called from here.
+use crate::shell;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Target triple of the reference target.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+const COMPILER_PACKAGES: &[&str] = &["rustc-web", "rust-web-src"];
+const EMULATOR: &str = "qemu-system-arm";
+const CLIPPY_PACKAGE: &str = "rust-web-clippy";
+
+/// How firmware is compiled here.
+pub enum Toolchain {
+    /// The library for the target comes with the compiler.
+    Prebuilt {
+        /// `rustc --version`.
+        version: String,
+    },
+    /// The library is built from source.
+    FromSource {
+        /// `rustc --version`.
+        version: String,
+        /// The compiler.
+        rustc: PathBuf,
+        /// A linker that knows ARM.
+        linker: PathBuf,
+    },
+}
+
+impl Toolchain {
+    /// The first of the ways above that works, packages installed if need be.
+    pub fn find() -> Result<Self, String> {
+        if let Some(found) = Self::look() {
+            return Ok(found);
+        }
+        install(COMPILER_PACKAGES).map_err(|why| {
+            format!(
+                "no compiler for {TARGET} ({why}). With rustup: `rustup target add {TARGET}`. On Debian, as root: \
+                 `apt-get install {} {EMULATOR}`.",
+                COMPILER_PACKAGES.join(" ")
+            )
+        })?;
+        Self::look()
+            .ok_or_else(|| format!("installed {COMPILER_PACKAGES:?}, but no linker for ARM was found"))
+    }
+
+    fn look() -> Option<Self> {
+        let host = PathBuf::from(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+        let sysroot = query(&host, &["--print", "sysroot"])?;
+        if Path::new(&sysroot).join("lib/rustlib").join(TARGET).join("lib").is_dir() {
+            return Some(Self::Prebuilt { version: query(&host, &["--version"])? });
+        }
+        let linker = linker(Path::new(&sysroot))?;
+        [PathBuf::from("/usr/bin/rustc"), host].into_iter().find_map(|rustc| {
+            let sysroot = query(&rustc, &["--print", "sysroot"])?;
+            let source = Path::new(&sysroot).join("lib/rustlib/src/rust/library/Cargo.lock");
+            let version = query(&rustc, &["--version"])?;
+            source.is_file().then(|| Self::FromSource { version, rustc, linker: linker.clone() })
+        })
+    }
+
+    /// `rustc --version` of the compiler that makes the firmware.
+    pub fn version(&self) -> &str {
+        match self {
+            Self::Prebuilt { version } | Self::FromSource { version, .. } => version,
+        }
+    }
+
+    /// `cargo SUBCOMMAND` in `folder` for the target, in release.
+    pub fn cargo(&self, folder: &Path, subcommand: &str) -> Command {
+        let mut command = shell::cargo(folder);
+        command.args([subcommand, "--release", "--target", TARGET]);
+        command.env("CARGO_TARGET_DIR", folder_of_artifacts());
+        if let Self::FromSource { rustc, linker, .. } = self {
+            command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
+            command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+        }
+        command
+    }
+}
+
+/// `target/fw`: apart from the host's, because the compiler is another.
+pub fn folder_of_artifacts() -> PathBuf {
+    shell::root().join("target/fw")
+}
+
+/// The emulator, installed if need be.
+pub fn emulator() -> Result<PathBuf, String> {
+    if let Some(found) = shell::on_path(EMULATOR) {
+        return Ok(found);
+    }
+    install(&[EMULATOR]).map_err(|why| {
+        format!("no {EMULATOR} ({why}). On Debian, as root: `apt-get install {EMULATOR}`; elsewhere the package qemu.")
+    })?;
+    shell::on_path(EMULATOR).ok_or_else(|| format!("{EMULATOR} is installed but not on PATH"))
+}
+
+/// The clippy that goes with a compiler built from a distribution's source, installed if need be.
+pub fn clippy_driver(rustc: &Path) -> Option<PathBuf> {
+    let driver = rustc.with_file_name("clippy-driver");
+    if !driver.is_file() && rustc.starts_with("/usr/bin") {
+        install(&[CLIPPY_PACKAGE]).ok()?;
+    }
+    driver.is_file().then_some(driver)
+}
+
+fn linker(sysroot: &Path) -> Option<PathBuf> {
+    let hosts = std::fs::read_dir(sysroot.join("lib/rustlib")).ok()?;
+    let bundled = hosts.flatten().map(|host| host.path().join("bin/rust-lld")).find(|lld| lld.is_file());
+    bundled.or_else(|| ["rust-lld", "ld.lld", "arm-none-eabi-ld"].into_iter().find_map(shell::on_path))
+}
+
+fn query(program: &Path, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn install(packages: &[&str]) -> Result<(), String> {
+    if !Path::new("/etc/debian_version").exists() || shell::on_path("apt-get").is_none() {
+        return Err("not a Debian system".into());
+    }
+    if query(Path::new("id"), &["-u"]).as_deref() != Some("0") {
+        return Err("not root, so nothing was installed".into());
+    }
+    shell::step(&format!("installing {}", packages.join(" ")));
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(arguments).stdin(Stdio::null()).env("DEBIAN_FRONTEND", "noninteractive");
+        shell::run(&mut command)
+    };
+    apt(&["-q", "update"])?;
+    apt(&[&["-q", "install", "-y", "--no-install-recommends"], packages].concat())
+}
