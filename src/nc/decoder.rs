@@ -6,6 +6,7 @@ use super::line::{Fill, Line, LineReader};
 use super::*;
 
 /// What one call of [`Decoder::step`] achieved.
+#[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<const AXES: usize> {
     /// A bounded piece of work is done and there is more: call again.

@@ -213,7 +213,7 @@ impl Evaluation<'_> {
                 }
             }
         };
-        if !(real::abs(value) <= f64::MAX) {
+        if !value.is_finite() {
             return Err(NcErrorKind::Overflow);
         }
         self.push(value)
@@ -243,7 +243,7 @@ impl Evaluation<'_> {
             let y = if commas == 1 { self.pop() } else { 0.0 };
             let x = self.pop();
             let value = function.apply(x, y)?;
-            if !(real::abs(value) <= f64::MAX) {
+            if !value.is_finite() {
                 return Err(NcErrorKind::Overflow);
             }
             self.push(value)?;

@@ -1,9 +1,10 @@
 //! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short queue.
-use super::block::{Item, Modal};
+use super::block::Item;
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::flow::{Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
+use super::modal::Modal;
 use super::parameter::Parameters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
@@ -134,7 +135,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// `%name` or `%L name`.
     fn head(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         c.bump();
-        let local = c.raw().to_ascii_uppercase() == b'L' && {
+        let local = c.raw().eq_ignore_ascii_case(&b'L') && {
             let mut ahead = *c;
             ahead.bump();
             matches!(ahead.raw(), b' ' | 0)
@@ -221,7 +222,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return c.since(mark).fault(NcErrorKind::Range {
                 what: "block number",
                 min: 0,
-                max: i64::from(u32::MAX),
+                max: u32::MAX,
                 unit: "",
                 above: false,
             });
@@ -235,7 +236,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn call(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         c.bump();
-        if c.raw().to_ascii_uppercase() != b'L' {
+        if !c.raw().eq_ignore_ascii_case(&b'L') {
             let _ = c.rest_of_word();
             return c.since(mark).fault(NcErrorKind::NotAvailable("global subroutine"));
         }

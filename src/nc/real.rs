@@ -4,6 +4,8 @@
 //! value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at most 2 ulp, tangent and the arc functions of it 3
 //! (host-tests/tests/nc_real.rs); powers with whole exponents at most 1 ulp per multiplication.
 
+#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
+
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8; // 33 bits, so that k·LN2_HIGH is exact for |k| < 2^20
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const RADIAN_HIGH: f64 = 0.017_453_292_519_943_295; // π/180
