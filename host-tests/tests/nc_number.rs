@@ -100,7 +100,7 @@ fn literals_in_expressions_are_the_nearest_f64() {
         let digits = random.next() >> random.below(50);
         let scale = random.below(19) as u32;
         let text = text_of(digits, scale);
-        if text.trim_matches('0').len() > 20 {
+        if digits >= 10_u64.pow(19) {
             continue;
         }
         assert_eq!(value(&text), text.parse::<f64>().unwrap(), "{text}");

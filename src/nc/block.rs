@@ -225,17 +225,20 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// The axis whose name stands here; names of more than one letter need `=` or `[` behind them.
     pub fn axis_here(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
+        let letter = c.peek_upper();
         let mut single = None;
         for (i, name) in self.setup.names.iter().enumerate() {
-            let name = name.as_str();
-            c.back_to(mark);
-            if name.len() == 1 && c.peek_upper() == name.as_bytes().first().copied().unwrap_or(0) {
+            let [first, second, ..] = name.0;
+            if first != letter {
+                continue;
+            }
+            if second == 0 {
                 single = Some(i);
-            } else if name.len() > 1 && c.eat_words(name) && matches!(c.peek(), b'=' | b'[') {
+            } else if c.eat_words(name.as_str()) && matches!(c.peek(), b'=' | b'[') {
                 return Some(i);
             }
+            c.back_to(mark);
         }
-        c.back_to(mark);
         if single.is_some() {
             c.bump();
         }

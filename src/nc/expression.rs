@@ -416,6 +416,9 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
+        if !matches!(first, b'M' | b'A' | b'X' | b'O') {
+            return None;
+        }
         let word = c.letters();
         for (name, op) in [("MOD", Op::Modulo), ("AND", Op::And), ("XOR", Op::Xor), ("OR", Op::Or)] {
             // `MODP2` is an operator and its operand.

@@ -92,7 +92,8 @@ pub(super) struct LineReader<T> {
     /// Next byte.
     offset: u32,
     line: u32,
-    column: u32,
+    /// Start of the physical line.
+    line_offset: u32,
     /// Where the logical line began.
     start: Mark,
     fresh: bool,
@@ -102,6 +103,8 @@ pub(super) struct LineReader<T> {
     /// Bytes dropped since the last one kept, and whether a line end is among them.
     gap: u32,
     broken: bool,
+    /// The last byte kept is followed by nothing but blanks so far.
+    in_words: bool,
 }
 
 impl<T: Text> LineReader<T> {
@@ -113,7 +116,7 @@ impl<T: Text> LineReader<T> {
             filled: 0,
             offset: 0,
             line: 1,
-            column: 1,
+            line_offset: 0,
             start: Mark { offset: 0, line: 1 },
             fresh: true,
             comment: 0,
@@ -121,6 +124,7 @@ impl<T: Text> LineReader<T> {
             continued: false,
             gap: 0,
             broken: false,
+            in_words: false,
         }
     }
 
@@ -130,7 +134,7 @@ impl<T: Text> LineReader<T> {
         self.filled = 0;
         self.offset = mark.offset;
         self.line = mark.line;
-        self.column = 1;
+        self.line_offset = mark.offset;
         self.fresh = true;
     }
 
@@ -146,7 +150,8 @@ impl<T: Text> LineReader<T> {
 
     /// Where the next byte stands.
     pub const fn here(&self) -> Place {
-        Place { line: self.line, column: self.column, length: 0, offset: self.offset }
+        let column = self.offset.wrapping_sub(self.line_offset).wrapping_add(1);
+        Place { line: self.line, column, length: 0, offset: self.offset }
     }
 
     /// Reads on until a logical line is complete, at most a slice.
@@ -160,6 +165,7 @@ impl<T: Text> LineReader<T> {
             self.continued = false;
             self.gap = 0;
             self.broken = false;
+            self.in_words = false;
         }
         for _ in 0..SLICE {
             let Some(byte) = self.next_byte()? else {
@@ -167,12 +173,27 @@ impl<T: Text> LineReader<T> {
                 let nothing = self.offset == self.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
+            if self.gap <= GAP
+                && self.in_words
+                && !matches!(byte, 0..=b' ' | b'(' | b')' | b';' | b'\\' | 0x7f..)
+            {
+                // The usual case: a byte of a word, perhaps after some blanks.
+                let blanks = self.gap as usize;
+                if line.bytes.len() + blanks < LINE_BYTES {
+                    for _ in 0..blanks {
+                        let _ = line.bytes.push(b' ');
+                    }
+                    let _ = line.bytes.push(byte);
+                    self.gap = 0;
+                    self.offset = self.offset.wrapping_add(1);
+                    continue;
+                }
+            }
             let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
-            self.column = self.column.saturating_add(1);
             if byte == b'\n' {
                 self.line = self.line.wrapping_add(1);
-                self.column = 1;
+                self.line_offset = self.offset;
                 self.comment = 0;
                 self.remark = false;
                 if !self.continued {
@@ -189,6 +210,7 @@ impl<T: Text> LineReader<T> {
             }
             if self.dropped(byte) {
                 self.gap = self.gap.saturating_add(1);
+                self.in_words &= self.comment == 0 && !self.remark && !self.continued;
             } else if byte >= 0x80 {
                 return Err(refusal(here, NcErrorKind::ForeignByte(byte)));
             } else if self.continued {
@@ -199,6 +221,7 @@ impl<T: Text> LineReader<T> {
                 keep(line, byte, here, self.gap, self.broken)?;
                 self.gap = 0;
                 self.broken = false;
+                self.in_words = true;
             }
         }
         Ok(Fill::Partial)
