@@ -37,7 +37,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
-        if let Some(warning) = self.interpreter.warnings.pop() {
+        if let Some(warning) = self.interpreter.warnings.pop_front() {
             return Ok(Step::Warning(warning));
         }
         if let Some(command) = self.interpreter.single.take() {

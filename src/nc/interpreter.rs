@@ -8,7 +8,7 @@ use super::modal::Modal;
 use super::parameter::Parameters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 /// Words of a block that can wait for their turn.
 pub const BLOCK_WORDS: usize = 16;
@@ -63,7 +63,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub single: Option<Command<AXES>>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
-    pub warnings: Vec<NcWarning, 4>,
+    pub warnings: Deque<NcWarning, 4>,
 }
 
 /// Start of a logical line and of the one behind it.
@@ -87,14 +87,14 @@ impl<const AXES: usize> Interpreter<AXES> {
             motion: None,
             single: None,
             values: [None; AXES],
-            warnings: Vec::new(),
+            warnings: Deque::new(),
             setup,
         }
     }
 
     /// Remembers a warning; more than four in one line say nothing new.
     pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
-        let _ = self.warnings.push(NcWarning { place: line.place(span), kind });
+        let _ = self.warnings.push_back(NcWarning { place: line.place(span), kind });
     }
 
     /// What is still open where the running program ends.

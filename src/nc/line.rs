@@ -167,28 +167,19 @@ impl<T: Text> LineReader<T> {
             self.broken = false;
             self.in_words = false;
         }
-        for _ in 0..SLICE {
+        let mut budget = SLICE;
+        while budget > 0 {
+            let run = self.take_run(line, budget);
+            if run > 0 {
+                budget -= run;
+                continue;
+            }
+            budget -= 1;
             let Some(byte) = self.next_byte()? else {
                 self.fresh = true;
                 let nothing = self.offset == self.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
-            if self.gap <= GAP
-                && self.in_words
-                && !matches!(byte, 0..=b' ' | b'(' | b')' | b';' | b'\\' | 0x7f..)
-            {
-                // The usual case: a byte of a word, perhaps after some blanks.
-                let blanks = self.gap as usize;
-                if line.bytes.len() + blanks < LINE_BYTES {
-                    for _ in 0..blanks {
-                        let _ = line.bytes.push(b' ');
-                    }
-                    let _ = line.bytes.push(byte);
-                    self.gap = 0;
-                    self.offset = self.offset.wrapping_add(1);
-                    continue;
-                }
-            }
             let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
             if byte == b'\n' {
@@ -225,6 +216,29 @@ impl<T: Text> LineReader<T> {
             }
         }
         Ok(Fill::Partial)
+    }
+
+    /// The usual case: bytes of a word, perhaps after some blanks, at most `budget`; says how many.
+    fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
+        if !self.in_words || self.gap > GAP {
+            return 0;
+        }
+        let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
+        let plain = |b: &u8| !matches!(*b, 0..=b' ' | b'(' | b')' | b';' | b'\\' | 0x7f..);
+        let run = rest.iter().take(budget).take_while(|b| plain(b)).count();
+        let blanks = self.gap as usize;
+        let words = rest.get(..run).unwrap_or(&[]);
+        if words.is_empty() || line.bytes.len() + blanks + run > LINE_BYTES {
+            return 0;
+        }
+        for _ in 0..blanks {
+            let _ = line.bytes.push(b' ');
+        }
+        let _ = line.bytes.extend_from_slice(words);
+        self.gap = 0;
+        self.used += run as u8;
+        self.offset = self.offset.wrapping_add(run as u32);
+        run
     }
 
     /// Follows comments and continuations; true for a byte that is not part of the line.
