@@ -12,9 +12,9 @@ pub struct NcError {
     /// What is wrong with it.
     pub kind: NcErrorKind,
     /// The word itself, cut to 24 bytes.
-    pub found: String<24>,
+    pub found: String<24, u8>,
     /// Axes of this machine where that explains the refusal, `X, Y, Z`.
-    pub axes: String<48>,
+    pub axes: String<24, u8>,
 }
 
 /// Kinds of refusal.
@@ -64,9 +64,9 @@ pub enum NcErrorKind {
         /// Quantity.
         what: &'static str,
         /// Least value.
-        min: i64,
+        min: i32,
         /// Largest value.
-        max: i64,
+        max: u32,
         /// Unit.
         unit: &'static str,
         /// The least value itself is refused.
@@ -217,7 +217,7 @@ impl fmt::Display for NcError {
                 if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
             }
             K::NotWhole(what) => write!(f, "\"{found}\" has a fraction: expected a whole number for {what}"),
-            K::Twice(what) => write!(f, "\"{found}\" gives {what} twice in this block"),
+            K::Twice(what) => write!(f, "\"{found}\": {what} given twice in this block"),
             K::Conflict(with) => write!(f, "\"{found}\" cannot stand in one block with {with}"),
             K::NoFeed => write!(f, "motion without feed: expected F before G01, G02 or G03"),
             K::ExactStopAlone => write!(f, "G60 without motion: expected axis positions in its block"),
@@ -225,7 +225,7 @@ impl fmt::Display for NcError {
             K::ArcTwice => write!(f, "arc by centre and radius: expected either I, J, K or R"),
             K::FullCircleByRadius => write!(f, "full circle by radius: expected I, J, K"),
             K::OutsidePlane => {
-                write!(f, "\"{found}\" is outside of the plane: expected {}", "the plane's I, J, K")
+                write!(f, "\"{found}\" is outside of the plane: expected the plane's I, J, K")
             }
             K::ArcWordAlone => write!(f, "\"{found}\" without arc: expected G02 or G03"),
             K::NoMainAxis => {

@@ -97,7 +97,7 @@ impl Function {
             Self::Sin => real::sin_cos(x).map(|(s, _)| s),
             Self::Cos => real::sin_cos(x).map(|(_, c)| c),
             Self::Tan => real::tan(x),
-            Self::Cot => real::sin_cos(x).and_then(|(s, c)| (s != 0.0).then(|| c / s)),
+            Self::Cot => real::cot(x),
             Self::Asin => real::asin(x),
             Self::Acos => real::acos(x),
             Self::Atan => Some(real::atan(x)),
@@ -213,7 +213,7 @@ impl Evaluation<'_> {
                 }
             }
         };
-        if !(real::abs(value) <= f64::MAX) {
+        if !value.is_finite() {
             return Err(NcErrorKind::Overflow);
         }
         self.push(value)
@@ -243,7 +243,7 @@ impl Evaluation<'_> {
             let y = if commas == 1 { self.pop() } else { 0.0 };
             let x = self.pop();
             let value = function.apply(x, y)?;
-            if !(real::abs(value) <= f64::MAX) {
+            if !value.is_finite() {
                 return Err(NcErrorKind::Overflow);
             }
             self.push(value)?;
@@ -416,6 +416,9 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
+        if !matches!(first, b'M' | b'A' | b'X' | b'O') {
+            return None;
+        }
         let word = c.letters();
         for (name, op) in [("MOD", Op::Modulo), ("AND", Op::And), ("XOR", Op::Xor), ("OR", Op::Or)] {
             // `MODP2` is an operator and its operand.

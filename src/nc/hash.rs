@@ -418,7 +418,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             if let Some(slot) = vector.get_mut(axis)
                 && slot.replace(value).is_some()
             {
-                return c.since(mark).fault(NcErrorKind::Twice("an axis"));
+                return c.since(mark).fault(NcErrorKind::Twice("axis"));
             }
         }
         Ok(vector)
