@@ -53,14 +53,16 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     for start in (0..blocks.len()).step_by(batch) {
         let known = blocks.len().min(start + depth);
         let entries = entries(&blocks[start..known]);
-        for i in start..blocks.len().min(start + batch) {
-            let Block { length, limits, .. } = &blocks[i];
-            let permitted = entries.get(i + 1 - start).copied().unwrap_or(0.0);
+        let released = blocks[start..known].iter().take(batch);
+        for (i, block) in released.enumerate() {
+            let Block { length, limits, .. } = block;
+            let permitted = entries.get(i + 1).copied().unwrap_or(0.0);
             let v_out = reach(*length, v_in, permitted, limits.accelerate());
             let profile =
                 Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
-            profiles
-                .push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {:?}", blocks[i])));
+            profiles.push(
+                profile.unwrap_or_else(|| panic!("block {}: {v_in} to {v_out} in {block:?}", start + i)),
+            );
             v_in = v_out;
         }
     }
