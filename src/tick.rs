@@ -57,7 +57,9 @@ const REST: Phase = Phase {
 };
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    pub(crate) fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
+    /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
+    /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
+    pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self { queue, phase: REST, done: 0, distance: Distance::ZERO, set_points: start }
     }
 

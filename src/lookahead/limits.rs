@@ -25,6 +25,9 @@ const TRANSITION_PART: f32 = 0.4;
 /// Parts of `B` inside an arc: slope, and v³κ²; the rest goes to 3vκ·a.
 const ARC_SLOPE_PART: f32 = 0.25;
 const ARC_PART: f32 = 0.5;
+/// Speeds tried for an arc, and the step from one to the next.
+const ARC_SPEEDS: usize = 5;
+const ARC_SPEED_STEP: f32 = 0.8;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
@@ -129,7 +132,8 @@ impl<const AXES: usize> Dynamics<AXES> {
                 a_max = min(a_max, axis.a_max);
                 budget = min(budget, set.budget);
             }
-            limits.bend(curvature, min(normal, NORMAL_PART * a_max), a_max, budget, circle.share);
+            let normal = min(normal, NORMAL_PART * a_max);
+            limits.bend(curvature, length, normal, a_max, budget, circle.share);
         }
         limits
     }
@@ -229,18 +233,31 @@ impl Limits {
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
     /// v³κ² + 3vκ·a + j inside `budget` (their exact sum is a vector no longer than that).
-    fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
+    ///
+    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
+    /// one before, the one is taken with which the arc alone, from rest to rest with that acceleration, is fastest.
+    fn bend(&mut self, curvature: f32, length: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         self.v = min(self.v, sqrt_f32(normal / curvature));
         self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
         for j in &mut self.j {
             *j = min(*j, ARC_SLOPE_PART * budget / share);
         }
-        let across = self.v * self.v * curvature;
-        let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
-        let jerk = (1.0 - ARC_SLOPE_PART) * budget - across * self.v * curvature;
-        let a = min(along, jerk / (3.0 * self.v * curvature));
-        self.a_up = min(self.a_up, a);
-        self.a_down = min(self.a_down, a);
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = self.v;
+        for _ in 0..ARC_SPEEDS {
+            let across = v * v * curvature;
+            let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
+            let jerk = (1.0 - ARC_SLOPE_PART) * budget - across * v * curvature;
+            let a = min(min(self.a_up, self.a_down), min(along, jerk / (3.0 * v * curvature)));
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        self.v = best.1;
+        self.a_up = min(self.a_up, best.2);
+        self.a_down = min(self.a_down, best.2);
     }
 }
 

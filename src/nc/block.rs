@@ -169,7 +169,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             ends: None,
         };
         while !c.at_end() {
-            if let Some(single) = self.word(c, &mut w)? {
+            if let Some(single) = self.word(c, line, &mut w)? {
                 if w.first.is_some() || !w.before.is_empty() || !w.after.is_empty() {
                     return single.fault(NcErrorKind::NotAlone("an axis command"));
                 }
@@ -181,10 +181,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// Reads one word. An axis bracket command puts itself into `single`; its span comes back.
-    fn word(&mut self, c: &mut Cursor<'_>, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
+    fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         if let Some(axis) = self.axis_here(c) {
-            if let Some(command) = self.axis_command(c, axis, mark)? {
+            if let Some(command) = self.axis_command(c, line, axis, mark)? {
                 self.single = Some(command);
                 return Ok(Some(c.since(mark)));
             }

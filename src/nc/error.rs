@@ -50,7 +50,7 @@ pub enum NcErrorKind {
         /// Command.
         command: &'static str,
         /// Its keywords.
-        expected: &'static str,
+        keywords: &'static [&'static str],
     },
     /// Keyword that does not go with the method or switch of the same command.
     KeywordMismatch {
@@ -197,8 +197,13 @@ impl fmt::Display for NcError {
             K::UnknownG => write!(f, "unknown G word \"{found}\": expected a G word of the language"),
             K::UnknownHash => write!(f, "unknown command \"{found}\": expected a # command of the language"),
             K::UnknownDollar => write!(f, "unknown statement \"{found}\": expected a $ statement of the language"),
-            K::UnknownKeyword { command, expected } => {
-                write!(f, "unknown keyword \"{found}\" in {command}: expected {expected}")
+            K::UnknownKeyword { command, keywords } => {
+                write!(f, "unknown keyword \"{found}\" in {command}: expected ")?;
+                for (i, keyword) in keywords.iter().enumerate() {
+                    f.write_str(if i > 0 { ", " } else { "" })?;
+                    f.write_str(keyword)?;
+                }
+                Ok(())
             }
             K::KeywordMismatch { with } => write!(f, "keyword \"{found}\" does not go with {with}"),
             K::UnknownFunction => write!(f, "unknown function \"{found}\": expected SIN, COS, TAN, SQRT …"),
@@ -276,10 +281,6 @@ pub enum NcWarningKind {
     EndlessFor,
     /// M02 or M30 inside a subroutine ends the whole program.
     EndInSubroutine,
-    /// A keyword below its least value was raised (RELEVANT_PATH to 32 µm).
-    Raised,
-    /// LOG OFF carries PARAM, or a similar addition that older programs have.
-    Ignored,
 }
 
 impl NcWarning {
@@ -298,8 +299,6 @@ impl fmt::Display for NcWarning {
             NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
             NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
-            NcWarningKind::Raised => "value below the least one: it is raised",
-            NcWarningKind::Ignored => "ignored here",
         })
     }
 }

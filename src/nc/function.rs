@@ -132,7 +132,7 @@ pub struct Contour {
     pub path_dev: Option<Position>,
     /// TRACK_DEV \[0°\].
     pub track_dev: Option<Position>,
-    /// RELEVANT_PATH \[0 mm\]; at least 0.032 mm where it is not 0.
+    /// RELEVANT_PATH \[0 mm\], as programmed (below 0.032 mm the contour stage takes 0.032 mm).
     pub relevant_path: Option<Position>,
     /// RELEVANT_TRACK \[0°\].
     pub relevant_track: Option<Position>,

@@ -1,15 +1,379 @@
-//! `#` commands.
+//! `#` commands: found by their words, then their brackets.
 use super::cursor::Cursor;
+use super::expression::expression;
+use super::function::*;
 use super::interpreter::Interpreter;
+use super::keyword::{COORDINATE, Range, Units, checked, list, number};
 use super::line::Line;
-use super::{Command, Fault, NcErrorKind};
+use super::number::Factor;
+use super::smoothing::{AkimaWords, HscWords, LogWords};
+use super::{Command, Fault, Head, NcErrorKind};
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Hash {
+    Contour(Option<ContourSwitch>),
+    LogOn,
+    LogOff,
+    LogClear,
+    Log,
+    Hsc(Option<bool>),
+    SlopeDefault,
+    Slope,
+    SetSlope,
+    Filter(Option<bool>),
+    VectorLimit(bool),
+    AkimaTrans,
+    StartVector,
+    EndVector,
+    SplineType(SplineType),
+    SplineOn,
+    SplineOff,
+    AsplineMode,
+    KinId,
+    TrafoOn,
+    TrafoOff,
+    Trafo,
+    PutAx,
+    CallAx,
+    RtWhile,
+    RtEndWhile,
+    DistanceClear,
+    FlushWait,
+    Time,
+}
+
+/// Commands, longer ones before those they begin with.
+const COMMANDS: &[(&str, Hash)] = &[
+    ("CONTOUR MODE ON", Hash::Contour(Some(ContourSwitch::On))),
+    ("CONTOUR MODE OFF", Hash::Contour(Some(ContourSwitch::Off))),
+    ("CONTOUR MODE", Hash::Contour(None)),
+    ("CONTOUR LOOKAHEAD LOG ON", Hash::LogOn),
+    ("CONTOUR LOOKAHEAD LOG OFF", Hash::LogOff),
+    ("CONTOUR LOOKAHEAD LOG CLEAR", Hash::LogClear),
+    ("CONTOUR LOOKAHEAD CLEAR", Hash::LogClear),
+    ("CONTOUR LOOKAHEAD LOG", Hash::Log),
+    ("HSC ON", Hash::Hsc(Some(true))),
+    ("HSC OFF", Hash::Hsc(Some(false))),
+    ("HSC", Hash::Hsc(None)),
+    ("SLOPE DEFAULT", Hash::SlopeDefault),
+    ("SLOPE", Hash::Slope),
+    ("SET SLOPE PROFIL", Hash::SetSlope),
+    ("FILTER ON", Hash::Filter(Some(true))),
+    ("FILTER OFF", Hash::Filter(Some(false))),
+    ("FILTER", Hash::Filter(None)),
+    ("VECTOR LIMIT ON", Hash::VectorLimit(true)),
+    ("VECTOR LIMIT OFF", Hash::VectorLimit(false)),
+    ("AKIMA TRANS", Hash::AkimaTrans),
+    ("AKIMA STARTVECTOR", Hash::StartVector),
+    ("AKIMA ENDVECTOR", Hash::EndVector),
+    ("SPLINE TYPE AKIMA", Hash::SplineType(SplineType::Akima)),
+    ("SPLINE TYPE BSPLINE", Hash::SplineType(SplineType::Bspline)),
+    ("SPLINE ON", Hash::SplineOn),
+    ("SPLINE OFF", Hash::SplineOff),
+    ("SET SPLINETYPE AKIMA", Hash::SplineType(SplineType::Akima)),
+    ("SET SPLINETYPE BSPLINE", Hash::SplineType(SplineType::Bspline)),
+    ("SET SPLINE ON", Hash::SplineOn),
+    ("SET SPLINE OFF", Hash::SplineOff),
+    ("SET ASPLINE MODE", Hash::AsplineMode),
+    ("KIN ID", Hash::KinId),
+    ("TRAFO ON", Hash::TrafoOn),
+    ("TRAFO OFF", Hash::TrafoOff),
+    ("TRAFO", Hash::Trafo),
+    ("PUT AX", Hash::PutAx),
+    ("CALL AX", Hash::CallAx),
+    ("RT WHILE", Hash::RtWhile),
+    ("RT ENDWHILE", Hash::RtEndWhile),
+    ("DISTANCE PROG START CLEAR", Hash::DistanceClear),
+    ("DISTANCE PROGRAM START CLEAR", Hash::DistanceClear),
+    ("FLUSH&WAIT", Hash::FlushWait),
+    ("TIME", Hash::Time),
+];
+
+/// First words of commands that ISG has and that are none of this project's functions.
+const OTHER: &[&str] = &[
+    "ACS", "ADD", "ANG", "AX", "BACKWARD", "BCS", "CACHE", "CAXTRACK", "CAX", "CHANNEL", "CHF", "CHR", "CLEAR",
+    "COLD", "CONTROL", "CORR", "COUPLE", "CS", "CYL", "DEL", "DIST", "DISABLE", "DYNAMIC", "ECS", "EDM", "ENABLE",
+    "ERROR", "EXPL", "EXPORT", "FACE", "FILE", "FLUSH", "FREE", "FRC", "GEAR", "GET", "GANTRY", "HANDWHEEL", "IDENT",
+    "INDP", "INIT", "INTF", "JOG", "KIN", "LOG", "MACHINE", "MAIN", "MANUAL", "MCS", "MEAS", "MIRROR", "MSG", "NIBBLE",
+    "OPTIONAL", "ORI", "OTC", "OVERWRITE", "PROFILE", "PROJECT", "PSET", "PRESET", "PTP", "PUNCH", "PUT", "ROTATION",
+    "REPOSITION", "RPF", "RT", "SCALE", "SELECT", "SEGMENTATION", "SET", "SIGNAL", "SINGLE", "SPINDLE", "STOP",
+    "STRING", "SUPPRESS", "TANGFEED", "TLC", "TOOL", "TRACK", "TRC", "TUBE", "TURN", "UNLOCK", "UPDATE", "USER",
+    "VAR", "ENDVAR", "VECTOR", "VOLCOMP", "WAIT", "WCS",
+];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    pub fn hash_command(&mut self, c: &mut Cursor<'_>, _line: &Line) -> Result<Command<AXES>, Fault> {
-        c.rest_of_word().fault(NcErrorKind::NotAvailable("command"))
+    /// The command behind `#`.
+    pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Command<AXES>, Fault> {
+        let mark = c.mark();
+        c.bump();
+        let words = c.mark();
+        let Some((_, id)) = COMMANDS.iter().find(|(name, _)| c.eat_words(name)) else {
+            let word = c.letters();
+            let other = OTHER.iter().any(|name| word.is(name));
+            c.back_to(words);
+            while c.peek().is_ascii_alphanumeric() || matches!(c.raw(), b'&' | b'_') {
+                c.bump();
+            }
+            let span = c.since(mark);
+            return span.fault(if other { NcErrorKind::NotAvailable("command") } else { NcErrorKind::UnknownHash });
+        };
+        let head = self.head_of(line, c.since(mark));
+        let command = self.arguments(c, *id, head)?;
+        c.require_end("a # command")?;
+        Ok(command)
     }
 
-    pub fn axis_command(&mut self, _c: &mut Cursor<'_>, _axis: usize, _mark: usize) -> Result<Option<Command<AXES>>, Fault> {
-        Ok(None)
+    /// Units of keywords that concern the main axes.
+    fn main_units(&self) -> Units {
+        Units { length: self.length_factor(), feed: Factor::ONE }
+    }
+
+    fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<Command<AXES>, Fault> {
+        let units = self.main_units();
+        let p = &self.parameters;
+        let here = c.peek();
+        Ok(match id {
+            Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
+            Hash::LogClear => Command::ContourLog(head, ContourLog::Clear),
+            Hash::LogOn | Hash::LogOff | Hash::Log => {
+                let mut words = LogWords::default();
+                if here == b'[' || id == Hash::Log {
+                    list(c, p, units, &mut words)?;
+                }
+                Command::ContourLog(
+                    head,
+                    match (id, words.param) {
+                        (Hash::LogOn, param) => ContourLog::On(param),
+                        (Hash::LogOff, param) => ContourLog::Off(param),
+                        (_, Some(param)) => ContourLog::Parameter(param),
+                        _ => return c.expected("ON, OFF, CLEAR or [PARAM=…]"),
+                    },
+                )
+            }
+            Hash::Hsc(switch) => {
+                let mut words = HscWords::default();
+                words.hsc.switch = switch;
+                let mark = c.mark();
+                if here == b'[' || switch.is_none() {
+                    list(c, p, units, &mut words)?;
+                }
+                if let Some(mode) = words.opmode {
+                    if mode == 0 {
+                        let kind = NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
+                        return c.since(mark).fault(kind);
+                    }
+                    words.hsc.method = Some(HscMethod::Op(mode));
+                }
+                Command::Hsc(head, words.hsc)
+            }
+            Hash::SlopeDefault => Command::Slope(head, Slope { default: true, ..Slope::default() }),
+            Hash::Slope => {
+                let mut slope = Slope::default();
+                list(c, p, units, &mut slope)?;
+                if slope == Slope::default() {
+                    return c.expected("TYPE or NO_OPT in brackets");
+                }
+                Command::Slope(head, slope)
+            }
+            Hash::SetSlope => Command::Slope(head, self.old_slope(c)?),
+            Hash::Filter(switch) => {
+                let mut filter = Filter { switch, ..Filter::default() };
+                if here == b'[' || switch.is_none() {
+                    list(c, p, units, &mut filter)?;
+                }
+                Command::Filter(head, filter)
+            }
+            Hash::VectorLimit(on) => {
+                let mut limit = VectorLimit { on, ..VectorLimit::default() };
+                limit.all = c.eat_words("ALL");
+                if !limit.all && c.peek() != b'[' {
+                    return c.expected("ALL or [ and limits");
+                }
+                while c.peek() == b'[' {
+                    list(c, p, units, &mut limit)?;
+                }
+                Command::VectorLimit(head, limit)
+            }
+            Hash::AkimaTrans => {
+                let mut words = AkimaWords::default();
+                list(c, p, units, &mut words)?;
+                Command::Spline(head, Spline::Transition { start: words.start, end: words.end })
+            }
+            Hash::StartVector => Command::Spline(head, Spline::StartVector(self.axis_vector(c)?)),
+            Hash::EndVector => Command::Spline(head, Spline::EndVector(self.axis_vector(c)?)),
+            Hash::SplineType(kind) => Command::Spline(head, Spline::Type(kind)),
+            Hash::SplineOn => Command::Spline(head, Spline::On),
+            Hash::SplineOff => Command::Spline(head, Spline::Off),
+            Hash::AsplineMode => {
+                c.require(b'[', "[start, end]")?;
+                let start = self.aspline_mode(c)?;
+                c.require(b',', ", and the mode of the end")?;
+                let end = self.aspline_mode(c)?;
+                c.require(b']', "]")?;
+                Command::Spline(head, Spline::Transition { start: Some(start), end: Some(end) })
+            }
+            Hash::KinId => Command::Kinematics(head, Kinematics::Select(self.kinematic_id(c)?)),
+            Hash::Trafo => Command::Kinematics(head, Kinematics::OnWith(self.kinematic_id(c)?)),
+            Hash::TrafoOn => Command::Kinematics(head, Kinematics::On),
+            Hash::TrafoOff => Command::Kinematics(head, Kinematics::Off),
+            Hash::PutAx => Command::PutAxes(head, self.axis_list(c)?),
+            Hash::CallAx => Command::CallAxes(head, self.axis_list(c)?),
+            Hash::RtWhile => {
+                let modulo = c.eat_words("MODULO") || {
+                    let bracket = c.eat(b'[');
+                    if bracket && !c.eat_words("MODULO") {
+                        return c.expected("MODULO");
+                    }
+                    if bracket {
+                        c.require(b']', "]")?;
+                    }
+                    bracket
+                };
+                Command::RtWhile(head, modulo)
+            }
+            Hash::RtEndWhile => Command::RtEndWhile(head),
+            Hash::DistanceClear => Command::DistanceClear(head),
+            Hash::FlushWait => Command::FlushWait(head),
+            Hash::Time => {
+                let mark = c.mark();
+                let seconds = number(c, p, mark, Range::new(0, 100_000, "s"))?;
+                Command::Dwell(head, DwellTime::Seconds(seconds))
+            }
+        })
+    }
+
+    /// #CONTOUR MODE: the interim point becomes a machine coordinate.
+    fn contour(&self, c: &mut Cursor<'_>, switch: Option<ContourSwitch>) -> Result<Contour, Fault> {
+        let mut contour = Contour { switch, ..Contour::default() };
+        let mark = c.mark();
+        if c.peek() == b'[' || switch.is_none() {
+            list(c, &self.parameters, self.main_units(), &mut contour)?;
+        }
+        for (value, main) in contour.point.iter_mut().zip(self.setup.main) {
+            if let Some(value) = value {
+                let Some(axis) = main else { return c.since(mark).fault(NcErrorKind::NoMainAxis) };
+                *value = checked(value.saturating_add(self.offset(axis)), c.since(mark))?;
+            }
+        }
+        Ok(contour)
+    }
+
+    /// `#SET SLOPE PROFIL [1]` or with the keywords of #SLOPE.
+    fn old_slope(&self, c: &mut Cursor<'_>) -> Result<Slope, Fault> {
+        let mark = c.mark();
+        c.require(b'[', "[ and the profile")?;
+        if c.peek().is_ascii_digit() || c.peek_upper() == b'P' {
+            let number_mark = c.mark();
+            let number = expression(c, &self.parameters)?;
+            let kind = match number.whole() {
+                Some(0) => SlopeType::Step,
+                Some(1) => SlopeType::Trapez,
+                Some(2) => SlopeType::Sin2,
+                Some(3) => SlopeType::Hsc,
+                _ => {
+                    let kind = NcErrorKind::Range { what: "profile", min: 0, max: 3, unit: "", above: false };
+                    return c.since(number_mark).fault(kind);
+                }
+            };
+            c.require(b']', "]")?;
+            return Ok(Slope { kind: Some(kind), ..Slope::default() });
+        }
+        c.back_to(mark);
+        let mut slope = Slope::default();
+        list(c, &self.parameters, self.main_units(), &mut slope)?;
+        Ok(slope)
+    }
+
+    /// 1 automatic, 2 tangential, 3 by the user.
+    fn aspline_mode(&self, c: &mut Cursor<'_>) -> Result<Tangent, Fault> {
+        let mark = c.mark();
+        match expression(c, &self.parameters)?.whole() {
+            Some(1) => Ok(Tangent::Auto),
+            Some(2) => Ok(Tangent::Tangential),
+            Some(3) => Ok(Tangent::User),
+            _ => {
+                c.since(mark).fault(NcErrorKind::Range { what: "mode", min: 1, max: 3, unit: "", above: false })
+            }
+        }
+    }
+
+    /// `[9]`.
+    fn kinematic_id(&self, c: &mut Cursor<'_>) -> Result<u16, Fault> {
+        c.require(b'[', "[ and the number of a kinematic")?;
+        let mark = c.mark();
+        let id = expression(c, &self.parameters)?.whole().and_then(|n| u16::try_from(n).ok()).filter(|n| *n > 0);
+        let span = c.since(mark);
+        let kind = NcErrorKind::Range { what: "kinematic", min: 1, max: 65_535, unit: "", above: false };
+        let id = id.ok_or(Fault { span, kind })?;
+        c.require(b']', "]")?;
+        Ok(id)
+    }
+
+    /// `X1 Y0 …` as numbers per axis.
+    fn axis_vector(&self, c: &mut Cursor<'_>) -> Result<[Option<Value>; AXES], Fault> {
+        let mut vector = [None; AXES];
+        if c.at_end() {
+            return c.expected("axis components");
+        }
+        while !c.at_end() {
+            let mark = c.mark();
+            let Some(axis) = self.axis_here(c) else { return self.no_axis(c) };
+            let value = number(c, &self.parameters, mark, COORDINATE)?;
+            if let Some(slot) = vector.get_mut(axis)
+                && slot.replace(value).is_some()
+            {
+                return c.since(mark).fault(NcErrorKind::Twice("an axis"));
+            }
+        }
+        Ok(vector)
+    }
+
+    /// `[Z]`, `[X, Y]`, `[X,1,0]`, `ALL`: a bit per axis; logical numbers and places are checked and dropped.
+    fn axis_list(&self, c: &mut Cursor<'_>) -> Result<u32, Fault> {
+        if c.eat_words("ALL") {
+            return Ok((0..AXES as u32).fold(0, |bits, axis| bits | 1_u32.wrapping_shl(axis)));
+        }
+        let mut bits = 0_u32;
+        c.require(b'[', "[ and axes")?;
+        loop {
+            while c.eat(b',') {}
+            if c.eat(b']') {
+                if c.eat(b'[') {
+                    continue;
+                }
+                break;
+            }
+            if c.peek().is_ascii_digit() && bits != 0 {
+                c.whole("axis number")?;
+                continue;
+            }
+            let Some(axis) = self.axis_name(c) else { return self.no_axis(c) };
+            bits |= 1_u32.wrapping_shl(axis as u32);
+        }
+        if bits == 0 {
+            return c.expected("at least one axis");
+        }
+        Ok(bits)
+    }
+
+    /// The axis called exactly as the identifier here.
+    fn axis_name(&self, c: &mut Cursor<'_>) -> Option<usize> {
+        let mark = c.mark();
+        let word = c.identifier(24);
+        let axis = self.setup.names.iter().position(|name| word.is(name.as_str()));
+        if axis.is_none() {
+            c.back_to(mark);
+        }
+        axis
+    }
+
+    /// Refuses what should have been an axis.
+    fn no_axis<V>(&self, c: &mut Cursor<'_>) -> Result<V, Fault> {
+        if c.at_end() {
+            return c.expected("an axis or ]");
+        }
+        let span = c.here();
+        let usual = matches!(c.peek_upper(), b'A'..=b'C' | b'Q' | b'U'..=b'Z');
+        span.fault(if usual { NcErrorKind::AxisNotHere } else { NcErrorKind::Expected("an axis") })
     }
 }

@@ -1,0 +1,269 @@
+//! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`, the same reader for every command.
+use super::block::in_range;
+use super::cursor::Cursor;
+use super::expression::expression;
+use super::function::{Limit, SlopeType, Tangent, Value};
+use super::number::Factor;
+use super::parameter::Parameters;
+use super::{Fault, NcErrorKind, Span};
+use crate::quantity::Position;
+
+/// Factors of what is programmed.
+#[derive(Clone, Copy)]
+pub(super) struct Units {
+    /// Positions of the axis or of the main axes.
+    pub length: Factor,
+    /// Feeds.
+    pub feed: Factor,
+}
+
+/// Range and unit of a number.
+#[derive(Clone, Copy)]
+pub(super) struct Range {
+    pub min: i32,
+    pub max: i32,
+    /// The least value itself is refused.
+    pub above: bool,
+    /// -1 is accepted too: not monitored.
+    pub or_off: bool,
+    pub unit: &'static str,
+    pub factor: Factor,
+}
+
+impl Range {
+    pub const fn new(min: i32, max: i32, unit: &'static str) -> Self {
+        Self { min, max, above: false, or_off: false, unit, factor: Factor::ONE }
+    }
+
+    pub const fn above(self) -> Self {
+        Self { above: true, ..self }
+    }
+
+    pub const fn or_off(self) -> Self {
+        Self { or_off: true, ..self }
+    }
+
+    pub const fn times(self, factor: Factor) -> Self {
+        Self { factor, ..self }
+    }
+}
+
+/// Lengths and distances.
+pub(super) const MILLIMETRES: Range = Range::new(0, 100_000, "mm");
+/// Angles.
+pub(super) const DEGREES: Range = Range::new(0, 360, "deg");
+/// Shares.
+pub(super) const PERCENT: Range = Range::new(0, 100, "%");
+/// Coordinates.
+pub(super) const COORDINATE: Range = Range::new(-100_000, 100_000, "mm or deg");
+
+/// Where the value of a keyword goes.
+pub(super) enum Slot<'a> {
+    /// The keyword says it all.
+    Done,
+    /// The same, or its like, was given before.
+    Twice,
+    /// The keyword does not go with this.
+    Mismatch(&'static str),
+    Number(&'a mut Option<Position>, Range),
+    /// 0 or 1.
+    Flag(&'a mut Option<bool>),
+    /// A whole number up to this.
+    Level(&'a mut Option<u8>, u8),
+    Count(&'a mut Option<u32>),
+    Real(&'a mut Option<f64>),
+    /// A value, or none for that of the channel.
+    Limit(&'a mut Option<Limit>),
+    Slope(&'a mut Option<SlopeType>),
+    Tangent(&'a mut Option<Tangent>),
+}
+
+/// A command with keywords.
+pub(super) trait Keywords {
+    /// Its name, for messages.
+    const COMMAND: &'static str;
+    /// Its keywords.
+    const LIST: &'static [&'static str];
+
+    /// Where the value of `keyword` (of [`Self::LIST`]) goes; `first`: nothing stands before it.
+    fn slot(&mut self, keyword: &'static str, first: bool, units: Units) -> Slot<'_>;
+}
+
+/// Reads `[…]` into `target`.
+pub(super) fn list<K: Keywords>(
+    c: &mut Cursor<'_>,
+    parameters: &Parameters,
+    units: Units,
+    target: &mut K,
+) -> Result<(), Fault> {
+    c.require(b'[', "[ and keywords")?;
+    list_inside(c, parameters, units, target)
+}
+
+/// The same behind the bracket.
+pub(super) fn list_inside<K: Keywords>(
+    c: &mut Cursor<'_>,
+    parameters: &Parameters,
+    units: Units,
+    target: &mut K,
+) -> Result<(), Fault> {
+    let mut first = true;
+    loop {
+        while c.eat(b',') {}
+        if c.eat(b']') {
+            return Ok(());
+        }
+        if c.at_end() {
+            return c.expected("]");
+        }
+        let mark = c.mark();
+        let Some(keyword) = keyword(c, K::LIST) else {
+            c.back_to(mark);
+            let span = c.here();
+            return span.fault(NcErrorKind::UnknownKeyword { command: K::COMMAND, keywords: K::LIST });
+        };
+        let name = c.since(mark);
+        value(c, parameters, target.slot(keyword, first, units), mark, name)?;
+        first = false;
+    }
+}
+
+/// The keyword here; its value may follow without a blank (`X110`, `XP5`).
+fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
+    let mark = c.mark();
+    let whole = c.identifier(24);
+    let length = whole.bytes().len();
+    for cut in (1..=length).rev() {
+        let head = whole.bytes().get(..cut).unwrap_or(&[]);
+        let next = whole.bytes().get(cut).copied().unwrap_or(b' ');
+        if cut < length && !next.is_ascii_digit() && next != b'P' {
+            continue;
+        }
+        if let Some(found) = known.iter().find(|k| k.as_bytes() == head) {
+            c.back_to(mark);
+            c.identifier(cut);
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// Reads the value of a keyword into its slot.
+fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usize, name: Span) -> Result<(), Fault> {
+    let twice = NcErrorKind::Twice("a keyword");
+    let whole = |c: &mut Cursor<'_>, max: i64| -> Result<i64, Fault> {
+        c.eat(b'=');
+        let number = expression(c, parameters)?;
+        let span = c.since(mark);
+        let Some(n) = number.whole() else { return span.fault(NcErrorKind::NotWhole("it")) };
+        if (0..=max).contains(&n) {
+            Ok(n)
+        } else {
+            span.fault(NcErrorKind::Range { what: "value", min: 0, max, unit: "", above: false })
+        }
+    };
+    match slot {
+        Slot::Done => Ok(()),
+        Slot::Twice => name.fault(twice),
+        Slot::Mismatch(with) => name.fault(NcErrorKind::KeywordMismatch { with }),
+        Slot::Number(Some(_), _)
+        | Slot::Flag(Some(_))
+        | Slot::Level(Some(_), _)
+        | Slot::Count(Some(_))
+        | Slot::Real(Some(_))
+        | Slot::Limit(Some(_))
+        | Slot::Slope(Some(_))
+        | Slot::Tangent(Some(_)) => name.fault(twice),
+        Slot::Number(to, range) => {
+            *to = Some(number(c, parameters, mark, range)?);
+            Ok(())
+        }
+        Slot::Flag(to) => {
+            *to = Some(whole(c, 1)? == 1);
+            Ok(())
+        }
+        Slot::Level(to, max) => {
+            *to = Some(whole(c, i64::from(max))? as u8);
+            Ok(())
+        }
+        Slot::Count(to) => {
+            *to = Some(whole(c, i64::from(u32::MAX))? as u32);
+            Ok(())
+        }
+        Slot::Real(to) => {
+            c.eat(b'=');
+            *to = Some(expression(c, parameters)?.real());
+            Ok(())
+        }
+        Slot::Limit(to) => {
+            let given = matches!(c.peek_upper(), b'=' | b'0'..=b'9' | b'.' | b'+' | b'-' | b'[' | b'P');
+            let range = Range::new(0, i32::MAX, "").above();
+            *to = Some(if given { Limit::Is(number(c, parameters, mark, range)?) } else { Limit::Channel });
+            Ok(())
+        }
+        Slot::Slope(to) => {
+            c.eat(b'=');
+            let names = [
+                ("STEP", SlopeType::Step),
+                ("TRAPEZ", SlopeType::Trapez),
+                ("SIN2", SlopeType::Sin2),
+                ("HSC", SlopeType::Hsc),
+            ];
+            *to = Some(choice(c, &names, "STEP, TRAPEZ, SIN2 or HSC")?);
+            Ok(())
+        }
+        Slot::Tangent(to) => {
+            c.eat(b'=');
+            let names = [("AUTO", Tangent::Auto), ("TANGENTIAL", Tangent::Tangential), ("USER", Tangent::User)];
+            *to = Some(choice(c, &names, "AUTO, TANGENTIAL or USER")?);
+            Ok(())
+        }
+    }
+}
+
+/// A number inside its range.
+pub(super) fn number(
+    c: &mut Cursor<'_>,
+    parameters: &Parameters,
+    mark: usize,
+    range: Range,
+) -> Result<Value, Fault> {
+    c.eat(b'=');
+    let given = expression(c, parameters)?.fixed(range.factor);
+    let (min, max) = (Value::from_num(range.min), Value::from_num(range.max));
+    let inside = |v: &Value| {
+        let low = if range.above { *v > min } else { *v >= min };
+        low && *v <= max || range.or_off && *v == -Value::ONE
+    };
+    given.filter(inside).ok_or(Fault {
+        span: c.since(mark),
+        kind: NcErrorKind::Range {
+            what: "value",
+            min: i64::from(range.min),
+            max: i64::from(range.max),
+            unit: range.unit,
+            above: range.above,
+        },
+    })
+}
+
+/// One of some names.
+fn choice<V: Copy>(c: &mut Cursor<'_>, names: &[(&str, V)], expected: &'static str) -> Result<V, Fault> {
+    let mark = c.mark();
+    let word = c.identifier(24);
+    match names.iter().find(|(name, _)| word.is(name)) {
+        Some((_, value)) => Ok(*value),
+        None => {
+            c.back_to(mark);
+            c.expected(expected)
+        }
+    }
+}
+
+/// Whether a sum of positions is still a coordinate.
+pub(super) fn checked(value: Position, span: Span) -> Result<Position, Fault> {
+    if in_range(value) {
+        return Ok(value);
+    }
+    span.fault(NcErrorKind::Range { what: "coordinate", min: -100_000, max: 100_000, unit: "", above: false })
+}

@@ -9,6 +9,7 @@
 //! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to 2^-32);
 //! expressions are f64 from + − × ÷ alone, the same bits everywhere.
 
+mod axis_command;
 mod block;
 mod command;
 mod control;
@@ -25,6 +26,7 @@ mod line;
 mod number;
 mod parameter;
 mod real;
+mod smoothing;
 mod text;
 
 pub use block::COORDINATE_MAX;

@@ -61,7 +61,6 @@ pub struct Diagnostic {
     pub message: String,
     shown: Option<Shown>,
     expected: Option<String>,
-    notes: Vec<String>,
 }
 
 impl Diagnostic {
@@ -76,7 +75,7 @@ impl Diagnostic {
     }
 
     fn new(severity: Severity, message: String) -> Self {
-        Self { severity, id: String::new(), message, shown: None, expected: None, notes: Vec::new() }
+        Self { severity, id: String::new(), message, shown: None, expected: None }
     }
 
     /// With the number of the message.
@@ -95,12 +94,6 @@ impl Diagnostic {
     /// With the words beside the caret: what was expected.
     pub fn expected(mut self, text: impl Into<String>) -> Self {
         self.expected = Some(text.into());
-        self
-    }
-
-    /// With a line of help below.
-    pub fn note(mut self, text: impl Into<String>) -> Self {
-        self.notes.push(text.into());
         self
     }
 
@@ -125,10 +118,9 @@ impl Diagnostic {
         let mut out = String::new();
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{head}{word}{id}{head:#}{strong}: {}{strong:#}", self.message);
-        let mut margin = String::new();
         if let Some(shown) = &self.shown {
             let number = shown.line.to_string();
-            margin = " ".repeat(number.len());
+            let margin = " ".repeat(number.len());
             let label = self.expected.as_ref().map_or_else(String::new, |text| format!(" {text}"));
             let _ = writeln!(
                 out,
@@ -145,9 +137,6 @@ impl Diagnostic {
             );
         } else if let Some(expected) = &self.expected {
             let _ = writeln!(out, " {rule}={rule:#} {expected}");
-        }
-        for note in &self.notes {
-            let _ = writeln!(out, "{margin} {rule}={rule:#} {note}");
         }
         out
     }

@@ -3,6 +3,7 @@
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
 use crate::diagnose::{Diagnostic, Source};
 use crate::machine::{Machine, limits, with_axes};
+use glidepath::channel::Error;
 use glidepath::nc::{
     ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
 };
@@ -80,6 +81,7 @@ fn decode_axes<const AXES: usize>(source: &Source, machine: &Machine) -> Result<
                 let segment = Segment { n: head.n, kind, end: numbers(&at), feed: None, stop: true };
                 program.segments.push(segment);
             }
+            Step::Command(Command::FlushWait(_)) => program.stop(),
             Step::Command(_) => {}
             Step::End => return Ok(program),
         }
@@ -109,28 +111,41 @@ fn place(diagnostic: Diagnostic, source: &Source, place: Place) -> Diagnostic {
     diagnostic.at(source, place.line as usize, place.column as usize, place.length as usize)
 }
 
-/// A refusal of the decoder.
+/// What the decoder refused.
 fn refused(source: &Source, error: &NcError) -> Diagnostic {
-    let text = error.to_string();
-    let id = error.kind.id();
-    let id = if id == 0 { String::new() } else { id.to_string() };
-    // What was expected stands beside the caret.
-    match text.split_once(": expected ") {
-        Some((what, expected)) => place(Diagnostic::error(what).id(id), source, error.place)
-            .expected(format!("expected {expected}")),
-        None => place(Diagnostic::error(text).id(id), source, error.place),
+    explained(source, error.place, &error.to_string(), id(error.kind.id()))
+}
+
+/// What was expected stands beside the caret.
+fn explained(source: &Source, at: Place, text: &str, id: String) -> Diagnostic {
+    let split = text.find(" expected ").map(|at| text.split_at(at));
+    match split {
+        Some((what, expected)) => {
+            let what = what.trim_end_matches([':', ';', ',']);
+            place(Diagnostic::error(what).id(id), source, at).expected(expected.trim_start())
+        }
+        None => place(Diagnostic::error(text).id(id), source, at),
     }
 }
 
-fn remark(source: &Source, warning: &NcWarning) -> Diagnostic {
-    let id = warning.id();
-    let id = if id == 0 { String::new() } else { id.to_string() };
-    place(Diagnostic::warning(warning.to_string()).id(id), source, warning.place)
+/// ISG's number of a message, where it has one.
+fn id(number: u32) -> String {
+    if number == 0 { String::new() } else { number.to_string() }
 }
 
-/// The message for what planner or decoder refused.
-pub fn refusal(source: &Source, error: glidepath::channel::Error) -> Diagnostic {
-    Diagnostic::error(format!("{}: {error:?}", source.name))
+fn remark(source: &Source, warning: &NcWarning) -> Diagnostic {
+    place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), source, warning.place)
+}
+
+/// What the planner refused.
+pub fn refusal(source: &Source, error: &Error) -> Diagnostic {
+    match error {
+        Error::Nc(error) => refused(source, error),
+        Error::Unplannable => Diagnostic::error(error.to_string()),
+        Error::NotAvailable(at, _) | Error::Motion(at, _) => {
+            explained(source, *at, &error.to_string(), String::new())
+        }
+    }
 }
 
 impl Program {
@@ -143,8 +158,8 @@ impl Program {
         let is_arc = matches!(motion.kind, MotionKind::Arc { .. });
         if motion.target == *start && !is_arc {
             // No motion; an exact stop then belongs to the end of the block before.
-            if let (true, Some(last)) = (motion.exact_stop, self.segments.last_mut()) {
-                last.stop = true;
+            if motion.exact_stop {
+                self.stop();
             }
             return;
         }
@@ -167,6 +182,12 @@ impl Program {
         let end = numbers(&motion.target);
         self.segments.push(Segment { n: motion.n, kind, end, feed, stop: motion.exact_stop });
         self.motions += 1;
+    }
+
+    fn stop(&mut self) {
+        if let Some(last) = self.segments.last_mut() {
+            last.stop = true;
+        }
     }
 
     /// The blocks that move.

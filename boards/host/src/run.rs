@@ -45,7 +45,7 @@ fn simulate_axes<const AXES: usize>(
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
     let (planner, interpolator) = channel
         .split(&data, start, source.text.as_slice())
-        .map_err(|error| vec![program::refusal(source, error)])?;
+        .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
     let trace_path = trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
@@ -57,7 +57,7 @@ fn simulate_axes<const AXES: usize>(
         cycle_s: machine.cycle_s(),
     };
     drive(planner, interpolator, recorder, Bar::new(program.motions)).map_err(|stop| match stop {
-        Stop::Refused(error) => vec![program::refusal(source, error)],
+        Stop::Refused(error) => vec![program::refusal(source, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
@@ -84,7 +84,8 @@ fn drive<const AXES: usize>(
     loop {
         while !done {
             match planner.poll().map_err(Stop::Refused)? {
-                Progress::Working => {}
+                // The decode pass has collected the warnings.
+                Progress::Working | Progress::Warning(_) => {}
                 Progress::Planned(block) => {
                     bar.at(recorder.statistics.blocks.len());
                     recorder.statistics.blocks.push(block);
@@ -98,6 +99,9 @@ fn drive<const AXES: usize>(
                 idle = 0;
                 let telemetry = interpolator.telemetry();
                 recorder.tick(&telemetry, interpolator.set_points()).map_err(Stop::Unwritable)?;
+                while let Some(event) = interpolator.event() {
+                    recorder.statistics.output(event);
+                }
             }
             State::Idle if done => break,
             State::Idle => {

@@ -3,6 +3,7 @@ use crate::machine::Machine;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::quantity::{Distance, Position};
+use glidepath::queue::Event;
 
 /// Set points of one axis, seen one after the other.
 #[derive(Clone, Debug, Default)]
@@ -80,6 +81,8 @@ pub struct Statistics {
     pub distance: i128,
     /// The time law of each motion block.
     pub blocks: Vec<PlannedBlock>,
+    /// Technology functions, with the tick at which they were due.
+    pub functions: Vec<(u64, Event)>,
     last_distance: Distance,
 }
 
@@ -92,6 +95,7 @@ impl Statistics {
             digest: Digest::new(),
             distance: 0,
             blocks: Vec::new(),
+            functions: Vec::new(),
             last_distance: Distance::ZERO,
         }
     }
@@ -105,6 +109,11 @@ impl Statistics {
         for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
             axis.add(set_point);
         }
+    }
+
+    /// Takes in a function that is due at the last tick.
+    pub fn output(&mut self, event: Event) {
+        self.functions.push((self.ticks.saturating_sub(1), event));
     }
 
     /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks.

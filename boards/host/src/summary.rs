@@ -6,7 +6,8 @@ use crate::statistics::Statistics;
 use anstyle::Style;
 use glidepath::channel::PlannedBlock;
 use glidepath::machine::AxisKind;
-use glidepath::quantity::Speed;
+use glidepath::quantity::{Speed, Time};
+use glidepath::queue::Function;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
 
@@ -32,7 +33,16 @@ pub struct Summary {
     stops: usize,
     slowest_corners: Vec<Corner>,
     warnings: Vec<Warning>,
+    functions: Vec<Output>,
     plan: Vec<Block>,
+}
+
+/// A technology function.
+#[derive(Serialize)]
+struct Output {
+    t_s: f64,
+    n: u32,
+    function: String,
 }
 
 #[derive(Serialize)]
@@ -79,6 +89,8 @@ struct Block {
     v_peak: f64,
     v_out: f64,
     time_s: f64,
+    /// From a standstill at its end to the tick at which the next motion may begin.
+    wait_s: f64,
 }
 
 fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::Ok, S::Error> {
@@ -90,6 +102,7 @@ impl Summary {
     pub fn new(source: &Source, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
+        let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
         let axes = machine.axes.iter().zip(&statistics.axes).map(|(data, seen)| {
             let allowed = limits(data);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);
@@ -116,13 +129,24 @@ impl Summary {
             v_in: speed(block.v_in),
             v_peak: speed(block.v_peak),
             v_out: speed(block.v_out),
-            time_s: block.time.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s,
+            time_s: time(block.time),
+            wait_s: time(block.wait),
         });
         let warnings = program.warnings.iter().map(|warning| {
             let (line, column) = warning.place();
             Warning { id: warning.id.clone(), line, column, text: warning.message.clone() }
         });
         let plan: Vec<Block> = plan.collect();
+        let functions = statistics.functions.iter().map(|(tick, event)| Output {
+            t_s: (*tick as f64 * f64::from(machine.channel.cycle_us)) / 1e6,
+            n: event.n,
+            function: match event.function {
+                Function::M(code) => format!("M{code}"),
+                Function::H(code) => format!("H{code}"),
+                Function::Spindle(speed) => format!("S{speed}"),
+                Function::Tool(tool) => format!("T{tool}"),
+            },
+        });
         let (stops, slowest_corners) = corners(&statistics.blocks, speed);
         Self {
             program: source.name.clone(),
@@ -139,6 +163,7 @@ impl Summary {
             stops,
             slowest_corners,
             warnings: warnings.collect(),
+            functions: functions.collect(),
             plan,
         }
     }
@@ -167,8 +192,10 @@ impl Summary {
         let cycle = self.cycle_s * 1e3;
         writeln!(
             out,
-            "  program time   {bold}{:.3} s{bold:#}, {} ticks of {cycle} ms",
-            self.program_time_s, self.ticks
+            "  program time   {bold}{:.3} s{bold:#}, {} tick{} of {cycle} ms",
+            self.program_time_s,
+            self.ticks,
+            if self.ticks == 1 { "" } else { "s" }
         )?;
         write!(out, "  motion         {} block{}", self.blocks, plural(self.blocks))?;
         write!(out, ", {:.3} mm of path", self.path_mm)?;
@@ -179,6 +206,16 @@ impl Summary {
         let moving = self.program_time_s - self.dwell_s;
         let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
         writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
+        if !self.functions.is_empty() {
+            let names: Vec<&str> =
+                self.functions.iter().take(8).map(|output| output.function.as_str()).collect();
+            let more = if self.functions.len() > 8 {
+                format!(" … ({} in all)", self.functions.len())
+            } else {
+                String::new()
+            };
+            writeln!(out, "  functions      {}{more}", names.join(" "))?;
+        }
         writeln!(out, "  digest         {}", self.digest)?;
         writeln!(out)?;
         writeln!(

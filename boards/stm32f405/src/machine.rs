@@ -13,7 +13,7 @@ const fn linear(letter: &str) -> AxisData {
         vb_eilgang: 1_000_000,
         vb_max: 1_000_000,
         a_max: 6_000,
-        tr_geom: 150_000,
+        tr_geom: 10_000,
         a_beschl: 2_000,
         a_brems: 2_000,
         a_grenz: 2_000,

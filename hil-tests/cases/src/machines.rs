@@ -18,7 +18,7 @@ const fn axis(data: AxisData, a: u32, ramp_us: u32) -> AxisData {
         tr_brems_ab: ramp_us,
         tr_brems_zu: ramp_us,
         tr_grenz: ramp_us,
-        tr_geom: ramp_us,
+        tr_geom: 10_000,
         ..data
     }
 }

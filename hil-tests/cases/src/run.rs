@@ -1,5 +1,5 @@
 //! The loop that runs a case. Target and host share it, so that nothing but the arithmetic can differ.
-use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -44,10 +44,12 @@ pub struct Outcome {
 }
 
 /// Why a case did not end.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
-    /// The crate refused machine or program.
-    Refused(Error),
+    /// The machine was refused.
+    Machine(MachineError),
+    /// The program was refused.
+    Program(Error),
     /// More than the ticks any case needs.
     Endless,
 }
@@ -62,8 +64,9 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     text: &'static [u8],
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
+    *channel = Channel::new();
     let (mut planner, mut interpolator) =
-        channel.split(machine, [Position::ZERO; AXES], text).map_err(Failure::Refused)?;
+        channel.split(machine, [Position::ZERO; AXES], text).map_err(Failure::Machine)?;
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
     let mut done = false;
     for _ in 0..TICK_LIMIT {
@@ -72,11 +75,11 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
             let result = poll(&mut planner);
             let cost = watch.now().wrapping_sub(before);
             watch.polled(cost, &result);
-            match result.map_err(Failure::Refused)? {
+            match result.map_err(Failure::Program)? {
                 Progress::Waiting => break,
                 Progress::Done => done = true,
                 Progress::Planned(_) => outcome.blocks += 1,
-                Progress::Working => {}
+                Progress::Working | Progress::Warning(_) => {}
             }
         }
         let before = watch.now();

@@ -104,7 +104,7 @@ fn motion(
         match progress {
             Ok(Progress::Waiting) => cortex_m::asm::wfi(),
             Ok(Progress::Done) => break,
-            Ok(Progress::Working | Progress::Planned(_)) => {}
+            Ok(_) => {}
             Err(error) => {
                 let _ = writeln!(report, "failed {error:?}");
                 return false;

@@ -52,7 +52,7 @@ fn main() -> ! {
             match planner.poll() {
                 Ok(Progress::Waiting) => cortex_m::asm::wfi(),
                 Ok(Progress::Done) => break,
-                Ok(Progress::Working | Progress::Planned(_)) => {}
+                Ok(_) => {}
                 Err(_) => FAILED.store(1, Relaxed),
             }
         }

@@ -34,7 +34,7 @@ impl Machine {
             a_beschl: 2000,
             a_brems: 2000,
             a_grenz: 2000,
-            tr_geom: 150_000,
+            tr_geom: 10_000,
             tr_beschl_ab: 150_000,
             tr_beschl_zu: 150_000,
             tr_brems_ab: 150_000,

@@ -81,10 +81,13 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Scene<'
     let steps = if panel.feed { feeds(scene, end) } else { Vec::new() };
 
     let mut reach = panel.limits.iter().map(|(value, _)| value.abs()).fold(0.0, f64::max);
-    reach = steps.iter().map(|step| step.2).fold(reach, f64::max);
     for series in std::iter::once(panel.path).chain(panel.axes.iter().copied()) {
         reach = envelope.series(series).map(|[low, high]| high.abs().max(low.abs())).fold(reach, f64::max);
     }
+    // What rapid motion could reach must not flatten what was reached.
+    let seen = reach * 1.5;
+    reach = steps.iter().map(|step| step.value).filter(|&value| value <= seen).fold(reach, f64::max);
+    reach = steps.iter().filter(|step| !step.rapid).map(|step| step.value).fold(reach, f64::max);
     let top = round_up(reach * 1.06);
     let x = Scale::new(0.0, end, frame.x, frame.right());
     let y = Scale::new(if panel.signed { -top } else { 0.0 }, top, frame.bottom(), frame.y);
@@ -121,8 +124,8 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Scene<'
         canvas.polyline(&[Point(frame.x, at), Point(frame.right(), at)], &dashed);
     }
     let mut line: Vec<Point> = Vec::new();
-    for &(from, to, value) in &steps {
-        line.extend([Point(x.at(from), y.at(value)), Point(x.at(to), y.at(value))]);
+    for step in &steps {
+        line.extend([Point(x.at(step.from), y.at(step.value)), Point(x.at(step.to), y.at(step.value))]);
     }
     canvas.polyline(&line, &dashed);
     canvas.clip(None);
@@ -210,15 +213,27 @@ fn borders(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, x: &Scale, 
     }
 }
 
-/// Programmed speed of each block as start, end and value; rapid motion at what its axes allow.
-fn feeds(scene: &Scene<'_>, end: f64) -> Vec<(f64, f64, f64)> {
+/// The programmed speed of a block.
+struct Feed {
+    from: f64,
+    to: f64,
+    value: f64,
+    rapid: bool,
+}
+
+/// Programmed speeds over time; rapid motion at what its axes allow.
+fn feeds(scene: &Scene<'_>, end: f64) -> Vec<Feed> {
     let cycle = scene.machine.cycle_s();
     let entries = &scene.picture.entries;
-    if entries.len() != scene.program.motions().count() {
+    if entries.len() != scene.program.motions {
         return Vec::new();
     }
     let starts = entries.iter().map(|&tick| tick as f64 * cycle);
     let ends = starts.clone().skip(1).chain([end]);
-    let speeds = scene.program.speeds(scene.machine);
-    starts.zip(ends).zip(speeds).map(|((from, to), speed)| (from, to, speed)).collect()
+    let speeds = scene.program.speeds(scene.machine).into_iter().zip(scene.program.motions());
+    let times = starts.zip(ends);
+    times
+        .zip(speeds)
+        .map(|((from, to), (value, segment))| Feed { from, to, value, rapid: segment.feed.is_none() })
+        .collect()
 }

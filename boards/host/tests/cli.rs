@@ -1,0 +1,229 @@
+//! The command line from outside: exit codes, messages, and files that appear or do not.
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn glidepath(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    command.args(arguments).output().expect("the simulator starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// An empty directory of this test's own.
+fn directory(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("a directory for the test");
+    path
+}
+
+fn file(directory: &Path, name: &str, content: &[u8]) -> String {
+    let path = directory.join(name);
+    fs::write(&path, content).expect("a file for the test");
+    path.to_str().expect("a path of plain characters").to_owned()
+}
+
+fn shipped(path: &str) -> String {
+    format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs, expects a refusal, and returns its message.
+fn refusal(arguments: &[&str]) -> String {
+    let output = glidepath(arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+    stderr(&output)
+}
+
+#[test]
+fn usage_errors_have_their_own_exit_code() {
+    for arguments in [&[][..], &["run"], &["walk", "a.nc"], &["run", "a.nc", "--plot", "a.gif"]] {
+        let output = glidepath(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+    }
+    assert!(stderr(&glidepath(&["run", "a.nc", "--plot", "a.gif"])).contains(".svg or .png"));
+    assert_eq!(glidepath(&["--help"]).status.code(), Some(0));
+}
+
+#[test]
+fn check_counts_what_it_decoded() {
+    let output = glidepath(&["check", &shipped("tests/programs/shapes.nc")]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("8 motion blocks (4 arcs), 1 dwell, 0 warnings"), "{text}");
+}
+
+#[test]
+fn a_missing_program_is_named() {
+    let text = refusal(&["run", "no such program.nc"]);
+    assert!(text.starts_with("error: cannot read no such program.nc: "), "{text}");
+}
+
+#[test]
+fn refusals_show_line_and_caret() {
+    let directory = directory("caret");
+    let program = file(&directory, "caret.nc", b"%caret\r\nN10 G01 X1 F600\r\nN20 G01 X[1+] Y2\r\n");
+    let text = refusal(&["check", &program]);
+    let lines: Vec<&str> = text.lines().collect();
+    let column: usize = lines[1].rsplit(':').next().and_then(|column| column.parse().ok()).expect("a column");
+    assert_eq!(lines[1], format!(" --> {program}:3:{column}"), "{text}");
+    assert_eq!(lines[3], "3 | N20 G01 X[1+] Y2", "{text}");
+    assert_eq!(lines[4].find('^'), Some(4 + column - 1), "{text}");
+    assert!(lines[4].contains("expected "), "{text}");
+}
+
+#[test]
+fn any_bytes_are_a_program_that_is_refused_in_text() {
+    let directory = directory("bytes");
+    let mut noise = b"%noise\nN10 G01 X1 F600 ".to_vec();
+    noise.extend((0..=255).rev());
+    let cases: [(&str, &[u8], &str); 4] = [
+        ("latin1.nc", b"%a\nN10 G01 X1 F600\nN20 \xfcber\n", "latin1.nc:3:5"),
+        ("nul.nc", b"%a\nN10 G01 X1 F600\nN20 \0\n", "nul.nc:3:5"),
+        ("noise.nc", &noise, "noise.nc:2:17"),
+        ("utf16.nc", b"\xff\xfe%\0a\0\n\0", "utf16.nc:1:1"),
+    ];
+    for (name, content, place) in cases {
+        let text = refusal(&["run", &file(&directory, name, content)]);
+        assert!(text.contains(place), "{text}");
+        let odd = text.chars().find(|character| character.is_control() && *character != '\n');
+        assert_eq!(odd, None, "{text:?}");
+    }
+}
+
+#[test]
+fn a_refused_program_leaves_no_file() {
+    let directory = directory("refused");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nN20 G01 X20\nN30 G01 QQ\n");
+    let outputs = ["t.csv", "s.json", "c.json", "p.svg"].map(|name| file(&directory, name, b"as it was"));
+    let [trace, summary, contour, plot] = &outputs;
+    let arguments = ["--trace", trace, "--summary", summary, "--contour", contour, "--plot", plot];
+    let text = refusal(&[&["run", &program][..], &arguments].concat());
+    assert!(text.contains("a.nc:4:"), "{text}");
+    for output in &outputs {
+        assert_eq!(fs::read(output).expect("it was there before"), b"as it was");
+    }
+    let names = fs::read_dir(&directory).expect("the directory is there").count();
+    assert_eq!(names, 5, "nothing but the program and the four old files");
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_named() {
+    let directory = directory("unwritable");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    let nowhere = directory.join("nowhere").join("t.csv");
+    let nowhere = nowhere.to_str().expect("a path of plain characters");
+    let text = refusal(&["run", &program, "--trace", nowhere]);
+    assert!(text.starts_with(&format!("error: cannot write {nowhere}: ")), "{text}");
+    let itself = refusal(&["run", &program, "--summary", &program]);
+    assert!(itself.contains("reads or writes it already"), "{itself}");
+    let one = directory.join("one").to_str().expect("a path of plain characters").to_owned();
+    let twice = refusal(&["run", &program, "--summary", &one, "--contour", &one, "--trace", &one]);
+    assert!(twice.contains("reads or writes it already"), "{twice}");
+    assert!(!Path::new(&one).exists());
+    if cfg!(target_os = "linux") {
+        let full = refusal(&["run", &program, "--summary", "/dev/full"]);
+        assert!(full.contains("cannot write /dev/full"), "{full}");
+    }
+}
+
+#[test]
+fn shipped_machines_are_accepted() {
+    let directory = directory("machines");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    for machine in ["default", "five-axis", "bench"] {
+        let machine = shipped(&format!("machines/{machine}.toml"));
+        let output = glidepath(&["check", &program, "--machine", &machine]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+}
+
+/// The whole message for a machine file that is wrong in one place.
+fn machine_refusal(name: &str, content: &str) -> String {
+    let directory = directory(name);
+    let program = file(&directory, "a.nc", b"%a\nM30\n");
+    let machine = file(&directory, "m.toml", content.as_bytes());
+    refusal(&["run", &program, "--machine", &machine])
+}
+
+#[test]
+fn machine_files_are_refused_with_line_name_value_and_range() {
+    let cases = [
+        ("range", "[channel]\ncycle_us = 99\n[axis.X]\n", 2, &["channel.cycle_us = 99", "100…10000 µs"][..]),
+        (
+            "type",
+            "[axis.X]\nvb_eilgang = \"fast\"\n",
+            2,
+            &["P-AXIS-00209", "\"fast\"", "an integer, 1…2000000000 µm/s"],
+        ),
+        ("whole", "[axis.X.dynamik]\na_max = 6000.0\n", 2, &["P-AXIS-00008", "6000.0", "an integer"]),
+        (
+            "unknown",
+            "[axis.X]\n[axis.X.dynamik]\namax = 1\n",
+            3,
+            &["unknown parameter axis.X.dynamik.amax", "`dynamik.a_max`"],
+        ),
+        (
+            "table",
+            "[axis.X]\na_beschl = 1\n",
+            2,
+            &["unknown parameter axis.X.a_beschl", "`slope_profil.a_beschl`"],
+        ),
+        (
+            "kind",
+            "[axis.X]\ntype = \"rotatory\"\n",
+            2,
+            &["\"rotatory\"", "\"linear\", \"rotary\" or \"spindle\""],
+        ),
+        (
+            "later",
+            "[axis.X.lslope_profil]\na_stufe_1 = 5\n",
+            2,
+            &["(P-AXIS-00011) is known, not available in this version"],
+        ),
+        (
+            "later2",
+            "[axis.X]\n[channel]\noverride_weight_prog_feed = 1\n",
+            3,
+            &["(P-CHAN-00066) is known, not available"],
+        ),
+        ("filter", "[axis.X.filter_fir]\norder = 5\n", 2, &["(P-AXIS-00587) is known, not available"]),
+        ("depends", "[axis.X]\nvb_eilgang = 300000\n", 2, &["= 300000", "1…200000 µm/s", "dynamik.vb_max"]),
+        (
+            "default",
+            "[axis.X]\n[axis.X.dynamik]\na_max = 900\n",
+            3,
+            &["a_beschl (P-AXIS-00001) = 1000 (the default)", "1…900 mm/s²"],
+        ),
+        (
+            "deep",
+            "[channel]\nlook_ahead = 9999\n[axis.X]\n",
+            2,
+            &["channel.look_ahead = 9999", "10…500 blocks"],
+        ),
+        (
+            "decimals",
+            "[channel]\nprog_start.feedrate_factor = 0.0625\n[axis.X]\n",
+            2,
+            &["0.0625", "three decimals"],
+        ),
+        ("name", "[axis.\"1X\"]\n", 1, &["`1X` cannot be the name of an axis"]),
+        ("twice", "[axis.X]\n[axis.x]\n", 2, &["axis X is there already"]),
+        ("top", "[axes.X]\n", 1, &["unknown table `axes`", "`axis`"]),
+        ("syntax", "[axis.X]\nvb_eilgang =\n", 2, &["not a TOML file"]),
+    ];
+    for (name, content, line, expected) in cases {
+        let text = machine_refusal(name, content);
+        assert!(text.contains(&format!("m.toml:{line}:")), "{name}: {text}");
+        for part in expected {
+            assert!(text.contains(part), "{name}: {part} not in {text}");
+        }
+        assert_eq!(text.matches("error").count(), 1, "{name}: {text}");
+    }
+    assert!(machine_refusal("empty", "").contains("a machine needs an axis"));
+    let seven: String = ('A'..='G').map(|letter| format!("[axis.{letter}]\n")).collect();
+    assert!(machine_refusal("seven", &seven).contains("7 axes: this simulator is built for 1 to 6"));
+}

@@ -1,0 +1,307 @@
+//! Runs from outside: what the files say is held against each other and against what was programmed.
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn shipped(path: &str) -> String {
+    format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Everything a run writes.
+struct Run {
+    stdout: String,
+    stderr: String,
+    trace: Trace,
+    summary: Value,
+    contour: Value,
+    directory: PathBuf,
+}
+
+/// A trace with its numbers in LSB of their formats.
+struct Trace {
+    header: String,
+    rows: Vec<Row>,
+}
+
+struct Row {
+    t_s: String,
+    n: u32,
+    block: u32,
+    s_mm: f64,
+    v_mm_s: f64,
+    a_mm_s2: f64,
+    axes: Vec<i64>,
+}
+
+fn run(name: &str, program: &str, machine: Option<&str>) -> Run {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("run-{name}"));
+    let _ = fs::remove_dir_all(&directory);
+    fs::create_dir_all(&directory).expect("a directory for the test");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    command.arg("run").arg(program);
+    if let Some(machine) = machine {
+        command.arg("--machine").arg(machine);
+    }
+    for (option, file) in
+        [("--trace", "t.csv"), ("--summary", "s.json"), ("--contour", "c.json"), ("--plot", "p.svg")]
+    {
+        command.arg(option).arg(directory.join(file));
+    }
+    let output = command.output().expect("the simulator starts");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let read = |file: &str| fs::read_to_string(directory.join(file)).expect("it was asked for");
+    let parse = |file: &str| serde_json::from_str(&read(file)).expect("JSON");
+    Run {
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr,
+        trace: trace(&read("t.csv")),
+        summary: parse("s.json"),
+        contour: parse("c.json"),
+        directory,
+    }
+}
+
+/// A program that the test writes itself.
+fn written(name: &str, text: &str) -> String {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.nc"));
+    fs::write(&path, text).expect("a program for the test");
+    path.to_str().expect("a path of plain characters").to_owned()
+}
+
+fn trace(text: &str) -> Trace {
+    let mut lines = text.lines();
+    let header = lines.next().expect("a header").to_owned();
+    let rows = lines.enumerate().map(|(tick, line)| {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields[0].parse(), Ok(tick), "one row per tick: {line}");
+        let number = |field: &str| field.parse::<f64>().expect("a number");
+        Row {
+            t_s: fields[1].to_owned(),
+            n: fields[2].parse().expect("a number"),
+            block: fields[3].parse().expect("a number"),
+            s_mm: number(fields[4]),
+            v_mm_s: number(fields[5]),
+            a_mm_s2: number(fields[6]),
+            axes: fields[7..].iter().map(|field| bits(field)).collect(),
+        }
+    });
+    Trace { header, rows: rows.collect() }
+}
+
+/// The multiple of 2^-32 that a decimal is; refuses decimals that are none.
+fn bits(decimal: &str) -> i64 {
+    let (sign, digits) = decimal.strip_prefix('-').map_or((1, decimal), |rest| (-1, rest));
+    let (whole, fraction) = digits.split_once('.').expect("a decimal point");
+    let whole: i64 = whole.parse().expect("digits");
+    // The fraction times 2^32, digit by digit from the end: each step must come out even in the end.
+    let mut digits: Vec<u8> = fraction.bytes().map(|digit| digit - b'0').collect();
+    let mut value = 0_i64;
+    for _ in 0..32 {
+        let mut carry = 0;
+        for digit in digits.iter_mut().rev() {
+            let doubled = *digit * 2 + carry;
+            (*digit, carry) = (doubled % 10, doubled / 10);
+        }
+        value = value * 2 + i64::from(carry);
+    }
+    assert!(digits.iter().all(|&digit| digit == 0), "{decimal} is not a multiple of 2^-32");
+    sign * ((whole << 32) + value)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+const LSB: f64 = 1.0 / 4_294_967_296.0;
+
+#[test]
+fn a_trace_is_at_rest_at_both_ends_and_complete() {
+    let run = run("ends", &shipped("tests/programs/shapes.nc"), None);
+    assert_eq!(run.trace.header, "tick,t_s,n,block,s_mm,v_mm_s,a_mm_s2,X,Y,Z");
+    let rows = &run.trace.rows;
+    let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+    assert_eq!((first.v_mm_s, first.a_mm_s2, first.s_mm), (0.0, 0.0, 0.0));
+    assert_eq!((last.v_mm_s, last.a_mm_s2), (0.0, 0.0));
+    assert_eq!((first.axes.as_slice(), last.axes.as_slice()), (&[0; 3][..], &[0; 3][..]));
+    assert_eq!(
+        (rows[1000].t_s.as_str(), rows[1050].t_s.as_str(), first.t_s.as_str()),
+        ("1.0", "1.05", "0.0")
+    );
+    assert_eq!(run.summary["ticks"], json!(rows.len()));
+    assert_eq!(number(&run.summary["program_time_s"]), last.t_s.parse::<f64>().unwrap_or(-1.0));
+    assert_eq!(run.summary["cycle_s"], json!(0.001));
+
+    // Every block is there, in order, under its number.
+    let mut blocks: Vec<(u32, u32)> = rows.iter().map(|row| (row.block, row.n)).collect();
+    blocks.dedup();
+    let expected = [10, 20, 30, 40, 50, 70, 80, 90].into_iter().enumerate();
+    assert_eq!(blocks, expected.map(|(block, n)| (block as u32, n)).collect::<Vec<_>>());
+    assert_eq!(run.summary["blocks"], json!(8));
+}
+
+#[test]
+fn digest_and_peaks_can_be_computed_from_the_trace() {
+    let run = run("digest", &shipped("tests/programs/shapes.nc"), None);
+    // FNV-1a over the halves of every set point, from the printed decimals: they must be exact for that.
+    let mut digest = 0xcbf2_9ce4_8422_2325_u64;
+    for row in &run.trace.rows {
+        for &axis in &row.axes {
+            for half in [axis as u64 & 0xffff_ffff, axis as u64 >> 32] {
+                digest = (digest ^ half).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+    }
+    assert_eq!(run.summary["digest"], json!(format!("{digest:016x}")));
+
+    for (index, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+        let mut values: Vec<i64> = run.trace.rows.iter().map(|row| row.axes[index]).collect();
+        let rest = values[values.len() - 1];
+        values.splice(0..0, [values[0]; 3]);
+        values.extend([rest; 3]);
+        let mut scale = LSB;
+        for field in ["v_max", "a_max", "j_max"] {
+            values = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            scale *= 1000.0;
+            let peak = values.iter().map(|value| value.abs()).max().unwrap_or(0) as f64 * scale;
+            let said = number(&run.summary["axes"][name][field]);
+            assert!((peak - said).abs() <= 1e-9 * peak, "{name} {field}: {peak} {said}");
+        }
+        let axis = &run.summary["axes"][name];
+        for kind in ["v", "a", "j"] {
+            let (peak, limit) =
+                (number(&axis[format!("{kind}_max")]), number(&axis[format!("{kind}_limit")]));
+            // Rounding of set points: 8 · half an LSB per tick³.
+            let allowance = if kind == "j" { 4.0 * LSB * 1e9 } else { 0.01 };
+            assert!(peak > 0.0 && peak <= limit + allowance, "{name} {kind}: {peak} of {limit}");
+        }
+    }
+}
+
+#[test]
+fn path_columns_belong_together() {
+    let run = run("columns", &shipped("tests/programs/shapes.nc"), None);
+    let rows = &run.trace.rows;
+    for triple in rows.windows(3) {
+        let [before, row, after] = triple else { continue };
+        assert!(after.s_mm >= row.s_mm);
+        // Differences of a motion with at most 13 334 mm/s³, the limit of one axis, √3 for three of them.
+        let jerk = 13_334.0 * 3.0_f64.sqrt();
+        let v = (after.s_mm - before.s_mm) / 0.002;
+        assert!((v - row.v_mm_s).abs() <= jerk * 1e-6 / 4.0 + 1e-6, "t = {}: {v} {}", row.t_s, row.v_mm_s);
+        let a = (after.v_mm_s - before.v_mm_s) / 0.002;
+        assert!((a - row.a_mm_s2).abs() <= jerk * 1e-3 / 2.0 + 1e-3, "t = {}: {a} {}", row.t_s, row.a_mm_s2);
+    }
+    let planned = run.summary["plan"].as_array().expect("a list").iter();
+    let planned: f64 = planned.map(|block| number(&block["length_mm"])).sum();
+    assert!((planned - rows[rows.len() - 1].s_mm).abs() < 1e-9);
+    assert!((planned - number(&run.summary["path_mm"])).abs() < 1e-9);
+}
+
+#[test]
+fn the_contour_is_what_was_programmed() {
+    let run = run("contour", &shipped("tests/programs/shapes.nc"), None);
+    let at = |x: f64, y: f64, z: f64| json!({"X": x, "Y": y, "Z": z});
+    let centre = |x: f64, y: f64| json!({"X": x, "Y": y});
+    let expected = json!({
+        "axes": ["X", "Y", "Z"],
+        "main": ["X", "Y", "Z"],
+        "start": at(0.0, 0.0, 0.0),
+        "segments": [
+            {"n": 10, "type": "line", "end": at(10.0, 0.0, 0.0), "stop": false},
+            {"n": 20, "type": "line", "end": at(50.125, 0.0, 0.0), "feed": 6000.0, "stop": false},
+            {"n": 30, "type": "arc", "plane": ["X", "Y"], "center": centre(50.125, -10.0), "dir": "cw",
+             "turns": 0, "end": at(60.125, -10.0, 0.0), "feed": 6000.0, "stop": false},
+            {"n": 40, "type": "arc", "plane": ["X", "Y"], "center": centre(70.125, -10.0), "dir": "ccw",
+             "turns": 0, "end": at(70.125, 0.0, 0.0), "feed": 6000.0, "stop": false},
+            {"n": 50, "type": "line", "end": at(70.125, 20.0, 0.0), "feed": 6000.0, "stop": true},
+            {"n": 60, "type": "dwell"},
+            {"n": 70, "type": "arc", "plane": ["X", "Y"], "center": centre(50.125, 20.0), "dir": "ccw",
+             "turns": 0, "end": at(70.125, 20.0, 3.0), "feed": 9000.0, "stop": false},
+            {"n": 80, "type": "arc", "plane": ["Z", "X"], "center": {"Z": 3.0, "X": 75.125}, "dir": "cw",
+             "turns": 0, "end": at(70.125, 20.0, 3.0), "feed": 9000.0, "stop": false},
+            {"n": 90, "type": "line", "end": at(0.0, 0.0, 0.0), "stop": false},
+        ],
+    });
+    let mut contour = run.contour;
+    // 0.05 s is no binary fraction: it is compared apart.
+    let time = contour["segments"][5].as_object_mut().and_then(|dwell| dwell.remove("time"));
+    assert!((number(&time.expect("a dwell has a time")) - 0.05).abs() < 1e-9);
+    assert_eq!(contour, expected);
+}
+
+#[test]
+fn the_default_machine_file_gives_the_same_bits() {
+    let program = shipped("../../programs/first.nc");
+    let built_in = run("built-in", &program, None);
+    let default = run("default", &program, Some(&shipped("machines/default.toml")));
+    assert_eq!(built_in.summary["digest"], default.summary["digest"]);
+    assert!(default.stdout.contains("default.toml") && built_in.stdout.contains("built-in"));
+    // Another machine moves differently.
+    let bench = run("bench", &program, Some(&shipped("machines/bench.toml")));
+    assert_ne!(built_in.summary["digest"], bench.summary["digest"]);
+}
+
+#[test]
+fn rotary_axes_move_along_and_alone() {
+    let text = "%rotary\nN10 G01 X30 Y40 C36.5 F6000\nN20 G01 A-12.25 F3600\nN30 X30 Y0\nM30\n";
+    let run = run("rotary", &written("rotary", text), Some(&shipped("machines/five-axis.toml")));
+    assert!(run.trace.header.ends_with(",X,Y,Z,A,C"), "{}", run.trace.header);
+    let last = &run.trace.rows[run.trace.rows.len() - 1].axes;
+    assert_eq!(last, &["30.0", "0.0", "0.0", "-12.25", "36.5"].map(bits));
+    assert_eq!(run.contour["main"], json!(["X", "Y", "Z"]));
+    for (name, unit) in [("X", "mm"), ("C", "°")] {
+        let axis = &run.summary["axes"][name];
+        assert_eq!(axis["unit"], json!(unit));
+        assert!(number(&axis["v_max"]) <= number(&axis["v_limit"]));
+    }
+}
+
+#[test]
+fn the_feed_factor_makes_metres_of_the_feed() {
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("metres.toml");
+    let text = "[channel.prog_start]\nfeedrate_factor = 0.1\nslope.profile = 1\n[axis.X]\n";
+    fs::write(&machine, text).expect("a machine for the test");
+    let run = run("metres", &written("metres", "%m\nG01 X10 F2.5\nM30\n"), machine.to_str());
+    assert!((number(&run.contour["segments"][0]["feed"]) - 2500.0).abs() < 1e-6);
+}
+
+#[test]
+fn warnings_and_functions_are_told() {
+    let text = "%L part\nN10 G01 X1 F600 M7\nM30\n%main\nN1 M3 S500\nLL part\nM30\n";
+    let run = run("warnings", &written("warnings", text), None);
+    assert!(run.stderr.contains("warning") && run.stderr.contains("warnings.nc:3:1"), "{}", run.stderr);
+    assert_eq!(run.summary["warnings"][0]["line"], json!(3));
+    assert_eq!(run.summary["warnings"][0]["column"], json!(1));
+    assert!(run.summary["warnings"][0]["text"].as_str().is_some_and(|text| text.contains("subroutine")));
+    let functions: Vec<_> = run.summary["functions"].as_array().into_iter().flatten().collect();
+    let names: Vec<_> = functions.iter().filter_map(|function| function["function"].as_str()).collect();
+    assert_eq!(names, ["S500", "M3", "M7"]);
+    assert!(number(&functions[2]["t_s"]) > 0.0);
+}
+
+#[test]
+fn pictures_have_their_format() {
+    let program = shipped("tests/programs/shapes.nc");
+    let run = run("picture", &program, None);
+    let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    assert!(svg.starts_with("<svg ") && svg.contains("Path speed") && svg.contains("shapes.nc"));
+    let png = run.directory.join("p.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let output = command.arg("run").arg(&program).arg("--plot").arg(&png).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(fs::read(&png).expect("it was asked for").starts_with(b"\x89PNG\r\n"));
+}
+
+#[test]
+fn what_is_not_available_is_refused_where_it_stands() {
+    let text = "%n\nN10 G01 X1 F600\nN20 #HSC ON [SURFACE PATH_DEV=0.02]\nN30 X2\nM30\n";
+    let program = written("not-available", text);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let output = command.args(["run", &program]).output().expect("the simulator starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("known, not available in this version"), "{text}");
+    assert!(text.contains("not-available.nc:3:5") && text.contains("N20 #HSC ON"), "{text}");
+}

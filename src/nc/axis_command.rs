@@ -1,0 +1,223 @@
+//! Axis bracket commands: `X[OSC …]`, `X[INDP_SYN …]`.
+use super::cursor::Cursor;
+use super::function::*;
+use super::interpreter::Interpreter;
+use super::keyword::{COORDINATE, Keywords, Range, Slot, Units, checked, list_inside};
+use super::line::Line;
+use super::number::Factor;
+use super::{Command, Fault, Head, NcErrorKind, Span};
+use crate::machine::AxisKind;
+use crate::quantity::Position;
+
+/// Words of OSC.
+#[derive(Default)]
+struct OscWords {
+    on: bool,
+    off: bool,
+    instant: bool,
+    offsets: bool,
+    short: bool,
+    feed: Option<Value>,
+    frequency: Option<Value>,
+    period: Option<Value>,
+    first: Option<Position>,
+    second: Option<Position>,
+    zero: Option<Position>,
+    excursion: Option<Position>,
+    first_wait: Option<Value>,
+    second_wait: Option<Value>,
+    count: Option<u32>,
+}
+
+const SECONDS: Range = Range::new(0, 100_000, "s");
+const FEED: Range = Range::new(0, i32::MAX, "mm/min").above();
+
+impl Keywords for OscWords {
+    const COMMAND: &'static str = "OSC";
+    const LIST: &'static [&'static str] = &[
+        "ON",
+        "OFF",
+        "INSTANT",
+        "FEED",
+        "FREQ",
+        "TIME",
+        "1ST_POS",
+        "2ND_POS",
+        "ZERO_POS",
+        "EXCUR",
+        "1ST_DELT",
+        "2ND_DELT",
+        "NBR_OSC",
+        "INCL_OFFSETS",
+        "SHORT",
+    ];
+
+    fn slot(&mut self, keyword: &'static str, _: bool, units: Units) -> Slot<'_> {
+        let coordinate = COORDINATE.times(units.length);
+        let mark = match keyword {
+            "ON" | "OFF" if self.on || self.off => return Slot::Twice,
+            "ON" => &mut self.on,
+            "OFF" => &mut self.off,
+            "FEED" => return Slot::Number(&mut self.feed, FEED.times(units.feed)),
+            "INSTANT" if self.on => return Slot::Mismatch("OSC ON"),
+            "INSTANT" => &mut self.instant,
+            _ if self.off => return Slot::Mismatch("OSC OFF"),
+            "FREQ" => return Slot::Number(&mut self.frequency, Range::new(0, 1000, "Hz").above()),
+            "TIME" => return Slot::Number(&mut self.period, SECONDS.above()),
+            "1ST_POS" => return Slot::Number(&mut self.first, coordinate),
+            "2ND_POS" => return Slot::Number(&mut self.second, coordinate),
+            "ZERO_POS" => return Slot::Number(&mut self.zero, coordinate),
+            "EXCUR" => return Slot::Number(&mut self.excursion, coordinate),
+            "1ST_DELT" => return Slot::Number(&mut self.first_wait, SECONDS),
+            "2ND_DELT" => return Slot::Number(&mut self.second_wait, SECONDS),
+            "NBR_OSC" => return Slot::Count(&mut self.count),
+            "INCL_OFFSETS" => &mut self.offsets,
+            _ => &mut self.short,
+        };
+        if *mark {
+            return Slot::Twice;
+        }
+        *mark = true;
+        Slot::Done
+    }
+}
+
+/// Words of INDP.
+#[derive(Default)]
+struct IndependentWords {
+    words: Independent,
+    motion: bool,
+    dimension: bool,
+}
+
+impl Keywords for IndependentWords {
+    const COMMAND: &'static str = "INDP";
+    const LIST: &'static [&'static str] =
+        &["G00", "G01", "G0", "G1", "G90", "G91", "POS", "POSITION", "FEED", "SLOPE_TYPE"];
+
+    fn slot(&mut self, keyword: &'static str, _: bool, units: Units) -> Slot<'_> {
+        let (seen, choice, value) = match keyword {
+            "POS" | "POSITION" => return Slot::Number(&mut self.words.position, COORDINATE.times(units.length)),
+            "FEED" => return Slot::Number(&mut self.words.feed, FEED.times(units.feed)),
+            "SLOPE_TYPE" => return Slot::Slope(&mut self.words.slope),
+            "G90" | "G91" => (&mut self.dimension, &mut self.words.relative, keyword == "G91"),
+            _ => (&mut self.motion, &mut self.words.rapid, matches!(keyword, "G00" | "G0")),
+        };
+        if *seen {
+            return Slot::Twice;
+        }
+        *seen = true;
+        *choice = value;
+        Slot::Done
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Units of keywords that concern an axis.
+    pub fn units(&self, axis: usize) -> Units {
+        let denominator = self.setup.feedrate_factor_milli.max(1);
+        Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
+    }
+
+    /// The command in brackets behind the name of an axis, if there is one; else the cursor stays.
+    pub fn axis_command(
+        &mut self,
+        c: &mut Cursor<'_>,
+        line: &Line,
+        axis: usize,
+        mark: usize,
+    ) -> Result<Option<Command<AXES>>, Fault> {
+        let bracket = c.mark();
+        if !c.eat(b'[') {
+            return Ok(None);
+        }
+        let word = c.identifier(24);
+        if word.is("OSC") {
+            return self.oscillation(c, line, axis, mark).map(Some);
+        }
+        if word.is("INDP_SYN") || word.is("INDP_ASYN") || word.is("INDP") {
+            let mut target = IndependentWords::default();
+            target.words.axis = axis;
+            target.words.synchronous = !word.is("INDP_ASYN");
+            list_inside(c, &self.parameters, self.units(axis), &mut target)?;
+            return Ok(Some(Command::Independent(self.head_of(line, c.since(mark)), target.words)));
+        }
+        c.back_to(bracket);
+        Ok(None)
+    }
+
+    fn oscillation(
+        &mut self,
+        c: &mut Cursor<'_>,
+        line: &Line,
+        axis: usize,
+        mark: usize,
+    ) -> Result<Command<AXES>, Fault> {
+        let mut w = OscWords::default();
+        list_inside(c, &self.parameters, self.units(axis), &mut w)?;
+        let span = c.since(mark);
+        let action = if w.on {
+            self.oscillation_on(&w, axis, span)?
+        } else if w.off {
+            match (w.feed, w.instant) {
+                (Some(_), true) => return span.fault(NcErrorKind::Conflict("INSTANT and FEED")),
+                (Some(feed), _) => OscillationAction::OffFeed(feed),
+                (None, true) => OscillationAction::OffInstant,
+                (None, false) => OscillationAction::Off,
+            }
+        } else {
+            return span.fault(NcErrorKind::Missing("ON or OFF"));
+        };
+        if let (OscillationAction::On { second, .. }, Some(slot)) = (action, self.position.get_mut(axis)) {
+            // It ends there, however it ends (but OFF INSTANT: the planner knows better then).
+            *slot = second;
+        }
+        Ok(Command::Oscillation(self.head_of(line, span), Oscillation { axis, action }))
+    }
+
+    fn oscillation_on(&self, w: &OscWords, axis: usize, span: Span) -> Result<OscillationAction, Fault> {
+        let speed = match (w.feed, w.frequency, w.period) {
+            (Some(feed), None, None) => OscillationSpeed::Feed(feed),
+            (None, Some(frequency), None) => OscillationSpeed::Frequency(frequency),
+            (None, None, Some(period)) => OscillationSpeed::Period(period),
+            (None, None, None) => return span.fault(NcErrorKind::OscillationSpeed),
+            _ => return span.fault(NcErrorKind::Conflict("more than one of FEED, FREQ, TIME")),
+        };
+        let (first, second) = match (w.first, w.second, w.zero, w.excursion) {
+            (Some(first), Some(second), None, None) => (first, second),
+            (None, None, Some(zero), Some(excursion)) => {
+                (zero.saturating_sub(excursion), zero.saturating_add(excursion))
+            }
+            _ => return span.fault(NcErrorKind::Missing("1ST_POS and 2ND_POS, or ZERO_POS and EXCUR")),
+        };
+        let offset = if w.offsets { self.offset(axis) } else { Position::ZERO };
+        let first = checked(first.saturating_add(offset), span)?;
+        let second = checked(second.saturating_add(offset), span)?;
+        if first == second {
+            return span.fault(NcErrorKind::Missing("two different positions"));
+        }
+        if w.short {
+            if self.setup.kinds.get(axis) != Some(&AxisKind::Rotary) {
+                return span.fault(NcErrorKind::KeywordMismatch { with: "SHORT on a linear axis" });
+            }
+            let turn = Position::const_from_int(360);
+            if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {
+                return span.fault(NcErrorKind::OscillationModulo);
+            }
+        }
+        Ok(OscillationAction::On {
+            first,
+            second,
+            speed,
+            first_wait: w.first_wait.unwrap_or(Value::ZERO),
+            second_wait: w.second_wait.unwrap_or(Value::ZERO),
+            count: w.count,
+            short: w.short,
+        })
+    }
+
+    /// Where a command stands.
+    pub fn head_of(&self, line: &Line, span: Span) -> Head {
+        Head { n: self.n, place: line.place(span), in_motion: false }
+    }
+}
