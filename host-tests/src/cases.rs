@@ -189,48 +189,6 @@ impl Program {
         text
     }
 
-    /// What the decoder has to make of [`Self::text`].
-    pub fn motions<const AXES: usize>(
-        &self,
-        machine: &MachineData<AXES>,
-    ) -> Vec<glidepath::nc::Motion<AXES>> {
-        use glidepath::nc::{ArcBy, MotionKind};
-        use glidepath::quantity::{Feed, Position};
-        let main: Vec<usize> = machine.main_axes().into_iter().flatten().collect();
-        let mut from = self.start.clone();
-        let position = |nm: i64| Position::from_bits(set_point(nm));
-        let motion = |(i, block): (usize, &Move)| {
-            let kind = match block.kind {
-                Kind::Rapid => MotionKind::Rapid,
-                Kind::Line => MotionKind::Line,
-                Kind::Arc { plane, clockwise, by } => {
-                    let by = match by {
-                        By::Radius(nm) => ArcBy::Radius(position(nm)),
-                        By::Offset(offset) => ArcBy::Centre(std::array::from_fn(|i| {
-                            position(from[main[plane.axes()[i]]]) + position(offset[i])
-                        })),
-                    };
-                    let plane = match plane {
-                        Plane::Xy => glidepath::nc::Plane::G17,
-                        Plane::Zx => glidepath::nc::Plane::G18,
-                        Plane::Yz => glidepath::nc::Plane::G19,
-                    };
-                    MotionKind::Arc { plane, clockwise, by }
-                }
-            };
-            from.clone_from(&block.target);
-            glidepath::nc::Motion {
-                n: 10 * (i as u32 + 1),
-                place: glidepath::nc::Place::default(),
-                kind,
-                target: std::array::from_fn(|k| position(block.target[k])),
-                feed: Feed::from_num(block.feed),
-                exact_stop: block.stop,
-            }
-        };
-        self.moves.iter().enumerate().map(motion).collect()
-    }
-
     /// The contour in f64. Blocks without motion are left out.
     pub fn contour<const AXES: usize>(&self, machine: &MachineData<AXES>) -> Contour {
         self.contour_of(machine, |nm| nm as f64 / NM as f64)

@@ -1,7 +1,7 @@
 //! Runs a program through the library and keeps every set point.
 use crate::cases::{Program, set_point};
 use crate::reference::geometry::Contour;
-use glidepath::channel::{Channel, PlannedBlock};
+use glidepath::channel::{Channel, PlannedBlock, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -88,10 +88,11 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
     machine: &MachineData<AXES>,
     burst: usize,
 ) -> Result<Run, String> {
+    let text = program.text(machine);
     let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) =
-        channel.split(machine, start, &b""[..]).map_err(|e| format!("{e:?}"))?;
+        channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
     let mut run = Run {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
         blocks: Vec::new(),
@@ -106,15 +107,12 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
         }
         state
     };
-    let mut motions = program.motions(machine).into_iter();
-    let mut done = false;
     let mut idle = 0;
     loop {
-        use glidepath::planning::Work;
-        match planner.planning.work().map_err(|e| format!("{e:?}"))? {
-            Work::Planned(block) => run.blocks.push(block),
-            Work::Working => idle += 1,
-            Work::Waiting => {
+        match planner.poll().map_err(|e| format!("{e:?}"))? {
+            Progress::Planned(block) => run.blocks.push(block),
+            Progress::Working | Progress::Warning(_) => idle += 1,
+            Progress::Waiting => {
                 for _ in 0..burst {
                     if tick() == State::Active {
                         idle = 0;
@@ -122,14 +120,7 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
                 }
                 idle += 1;
             }
-            Work::Hungry => match motions.next() {
-                Some(m) => planner.planning.take(&m).map_err(|e| format!("{e:?}"))?,
-                None if done => break,
-                None => {
-                    done = true;
-                    planner.planning.rest(1);
-                }
-            },
+            Progress::Done => break,
         }
         assert!(idle < STUCK, "{}: no progress", program.name);
     }

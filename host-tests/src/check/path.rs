@@ -1,4 +1,9 @@
 //! Where on the programmed contour is every set point, in order?
+//!
+//! A contour may pass the same place twice or turn back on itself, then a set point alone does not tell where it
+//! belongs. So all places are followed: a *candidate* is a point of the contour within the tolerance of the set point that
+//! can be reached from a candidate of the row before, forward, with no more than the feed. The motion is on the contour
+//! in order if a candidate of the last row is the end of the contour.
 use super::ROUNDING;
 use crate::reference::geometry::{Contour, Element};
 use crate::trace::Trace;
@@ -16,6 +21,20 @@ pub struct Course {
     pub tracking_error: f64,
 }
 
+/// A place on the contour where a row can be.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    element: usize,
+    u: f64,
+    s: f64,
+    main: f64,
+    tracking: f64,
+    /// Candidate of the row before that it follows best: with the smallest change of speed.
+    before: usize,
+    /// Distance from it.
+    step: f64,
+}
+
 /// The length that speeds count along: main axes, or tracking axes where they move alone.
 fn length(element: &Element) -> f64 {
     let main = element.main_length();
@@ -29,61 +48,85 @@ fn length(element: &Element) -> f64 {
 /// # Errors
 /// The first row that does not.
 pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> Result<Course, String> {
-    let mut course = Course::default();
     let lengths: Vec<f64> = contour.elements.iter().map(length).collect();
-    let (mut j, mut u, mut begin) = (0, 0.0, 0.0);
+    let begins: Vec<f64> = lengths
+        .iter()
+        .scan(0.0, |at, length| {
+            *at += length;
+            Some(*at - length)
+        })
+        .collect();
+    let total: f64 = lengths.iter().sum();
+    let steps: Vec<f64> =
+        contour.elements.iter().map(|e| e.feed.map_or(v_rapid, |f| f / 60.0) * trace.cycle).collect();
+    let slack = 4.0 * tolerance;
+
+    let mut rows: Vec<Vec<Candidate>> = Vec::with_capacity(trace.len());
     for tick in 0..trace.len() {
         let q = trace.mm(tick);
-        let before = course.s.last().copied().unwrap_or(0.0);
-        let mut nearest = f64::INFINITY;
-        let mut fastest = 0.0_f64;
-        loop {
-            let Some(element) = contour.elements.get(j) else {
-                return Err(format!(
-                    "tick {tick}: {q:?} is {nearest} mm from the rest of the contour (element {j})"
-                ));
-            };
-            fastest = fastest.max(element.feed.map_or(v_rapid, |f| f / 60.0));
-            let off = Deviation::of(element, &q, u, tolerance);
-            // Forward only; a step back by twice the tolerance is rounding.
-            let slack = 2.0 * tolerance / lengths[j].max(1e-9);
-            // At a joint both elements are within tolerance: the nearer one.
-            let ahead = (off.u >= 1.0).then(|| contour.elements.get(j + 1)).flatten();
-            let leave = ahead.is_some_and(|next| {
-                let other = Deviation::of(next, &q, 0.0, tolerance);
-                other.inside && other.u >= 0.0 && other.main < off.main
-            });
-            if off.inside && !leave && off.u >= u - slack {
-                u = off.u.clamp(u, 1.0);
-                course.error = course.error.max(off.main);
-                course.tracking_error = course.tracking_error.max(off.tracking);
-                break;
+        let start = Candidate { element: 0, u: 0.0, s: 0.0, main: 0.0, tracking: 0.0, before: 0, step: 0.0 };
+        let previous = rows.last().map_or_else(|| vec![start], Clone::clone);
+        let mut row: Vec<Candidate> = Vec::new();
+        let mut nearest = Deviation { u: 0.0, main: f64::INFINITY, tracking: 0.0, inside: false };
+        for (before, from) in previous.iter().enumerate() {
+            let mut fastest = 0.0_f64;
+            for element in from.element..contour.elements.len() {
+                fastest = fastest.max(steps[element]);
+                let farthest = from.s + fastest * (1.0 + 1e-9) + slack;
+                if begins[element] > farthest {
+                    break;
+                }
+                let near = if element == from.element { from.u } else { 0.0 };
+                let off = Deviation::of(&contour.elements[element], &q, near, tolerance);
+                if off.main < nearest.main {
+                    nearest = off;
+                }
+                let u = off.u.clamp(0.0, 1.0);
+                let s = begins[element] + u * lengths[element];
+                if !off.inside || s > farthest || s < from.s - slack {
+                    continue;
+                }
+                let s = s.max(from.s);
+                let step = s - from.s;
+                let change = (step - from.step).abs();
+                let Deviation { main, tracking, .. } = off;
+                let new = Candidate { element, u, s, main, tracking, before, step };
+                match row.iter_mut().find(|c| c.element == element) {
+                    Some(c) if change < (c.step - previous[c.before].step).abs() => *c = new,
+                    Some(_) => {}
+                    None => row.push(new),
+                }
             }
-            nearest = nearest.min(off.main);
-            // The rest of this element lies between the two rows: it must be short enough to pass within a tick.
-            let passed = begin + lengths[j] - before;
-            if passed > fastest * trace.cycle * (1.0 + 1e-9) + 4.0 * tolerance {
-                return Err(format!(
-                    "tick {tick}, element {j}: {q:?} is {} mm (tracking {}) from the contour at {u} of it",
-                    off.main, off.tracking
-                ));
-            }
-            begin += lengths[j];
-            j += 1;
-            u = 0.0;
         }
-        let s = begin + u * lengths[j];
-        if s - before > fastest * trace.cycle * (1.0 + 1e-9) + 4.0 * tolerance {
-            return Err(format!("tick {tick}: {} mm within a tick, feed {fastest} mm/s", s - before));
+        if row.is_empty() {
+            let Deviation { main, tracking, u, .. } = nearest;
+            let from: Vec<usize> = previous.iter().map(|c| c.element).collect();
+            return Err(format!(
+                "tick {tick}: {q:?} is {main} mm (tracking {tracking}) off at {u}, after elements {from:?}"
+            ));
         }
-        course.s.push(s);
-        course.element.push(j);
+        rows.push(row);
     }
-    let left = (1.0 - u) * lengths.get(j).copied().unwrap_or(0.0);
-    let later: f64 = lengths.iter().skip(j + 1).sum();
-    if left + later > 4.0 * tolerance {
-        return Err(format!("{} mm of the contour are missing", left + later));
+
+    let last = rows.last().map_or(&[][..], |row| row);
+    let reached = last.iter().enumerate().max_by(|a, b| a.1.s.total_cmp(&b.1.s));
+    let Some((mut at, end)) = reached else {
+        return if total == 0.0 { Ok(Course::default()) } else { Err("no motion".to_owned()) };
+    };
+    if end.s < total - slack {
+        return Err(format!("{} mm of the contour are missing", total - end.s));
     }
+    let mut course = Course::default();
+    for row in rows.iter().rev() {
+        let candidate = row[at];
+        course.s.push(candidate.s);
+        course.element.push(candidate.element);
+        course.error = course.error.max(candidate.main);
+        course.tracking_error = course.tracking_error.max(candidate.tracking);
+        at = candidate.before;
+    }
+    course.s.reverse();
+    course.element.reverse();
     Ok(course)
 }
 
@@ -105,6 +148,7 @@ impl Course {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Deviation {
     u: f64,
     main: f64,

@@ -2,9 +2,9 @@
 //!
 //! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
 //! then it is filled again. At the end of the program all that is left is handed on.
-use super::geometry::Contour;
+use super::geometry::{Contour, Element};
 use super::limits::{BlockLimits, Machine, path_length};
-use super::profile::{Change, Profile, reach};
+use super::profile::{Change, Profile, largest, reach};
 use glidepath::channel::PlannedBlock;
 use glidepath::quantity::Speed;
 
@@ -13,7 +13,7 @@ use glidepath::quantity::Speed;
 pub struct Block {
     /// Length.
     pub length: f64,
-    /// Limits inside.
+    /// Limits inside, when both neighbours are known.
     pub limits: BlockLimits,
     /// Highest speed at its start; zero after a stop.
     pub v_start: f64,
@@ -22,7 +22,7 @@ pub struct Block {
 /// Blocks of a contour with their limits, joints included.
 pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
-    let mut before: Option<&super::geometry::Element> = None;
+    let mut before: Option<&Element> = None;
     for element in &contour.elements {
         let mut limits = machine.block(element);
         let mut v_start = 0.0;
@@ -52,34 +52,60 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     let mut v_in = 0.0;
     for start in (0..blocks.len()).step_by(batch) {
         let known = blocks.len().min(start + depth);
-        let entries = entries(&blocks[start..known]);
-        for i in start..blocks.len().min(start + batch) {
-            let Block { length, limits, .. } = &blocks[i];
-            let permitted = entries.get(i + 1 - start).copied().unwrap_or(0.0);
-            let v_out = reach(*length, v_in, permitted, limits.accelerate());
+        let mut ring = blocks[start..known].to_vec();
+        if known < blocks.len()
+            && let Some(last) = ring.last_mut()
+        {
+            // Whatever comes next may need its part of the jerk.
+            last.limits.share();
+        }
+        let entries = entries(&ring);
+        for (i, block) in ring.iter().enumerate().take(batch) {
+            let Block { length, limits, .. } = block;
+            let next = entries.get(i + 1).copied().unwrap_or(0.0);
+            let v_out = leave(block, v_in, next);
             let profile =
                 Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
-            profiles
-                .push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {:?}", blocks[i])));
+            profiles.push(
+                profile.unwrap_or_else(|| panic!("block {}: {v_in} to {v_out} in {block:?}", start + i)),
+            );
             v_in = v_out;
         }
     }
     profiles
 }
 
-/// Speeds at the start of each block from which all of them can come to a standstill at the end of the last.
+/// Speeds at the start of each block up to which all of them can come to a standstill at the end of the last.
+///
+/// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
+/// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to v/3. So a
+/// block may be entered faster if it is left at zero than if it is left at what the next one would take. In between it is
+/// never best.
 fn entries(blocks: &[Block]) -> Vec<f64> {
     let mut v = 0.0;
     let mut entries: Vec<f64> = blocks
         .iter()
         .rev()
         .map(|block| {
-            v = reach(block.length, v, block.v_start, block.limits.brake().reversed());
+            let from =
+                |v_out: f64| reach(block.length, v_out, block.v_start, block.limits.brake().reversed());
+            v = from(v).max(from(0.0));
             v
         })
         .collect();
     entries.reverse();
     entries
+}
+
+/// The highest speed at the end of a block, at most `next`, that can be reached from `v_in`.
+fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
+    let highest = reach(block.length, v_in, next, block.limits.accelerate());
+    let brake = |v_out: f64| Change::new(v_out, v_in, block.limits.brake().reversed()).distance;
+    if brake(highest) <= block.length * (1.0 + 1e-12) {
+        return highest;
+    }
+    // Slower, so that slowing down is quicker.
+    largest(0.0, highest, |v_out| brake(v_out) <= block.length)
 }
 
 /// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the duration at

@@ -190,7 +190,7 @@ pub fn reach(length: f64, v0: f64, v_max: f64, ramps: Ramps) -> f64 {
 }
 
 /// The largest value in the bracket that fits, where `fits` holds below some value and not above it.
-fn largest(mut low: f64, mut high: f64, fits: impl Fn(f64) -> bool) -> f64 {
+pub fn largest(mut low: f64, mut high: f64, fits: impl Fn(f64) -> bool) -> f64 {
     if fits(high) {
         return high;
     }
