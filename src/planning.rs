@@ -146,7 +146,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
     pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
-        self.queue.events.enqueue(Event { block: self.taken, n, function }).map_err(|e| e.function)
+        self.queue.events.push(Event { block: self.taken, n, function }).map_err(|e| e.function)
     }
 
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
@@ -168,10 +168,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             if let Some(phase) = self.emitter.step() {
                 return Ok(self.hand_over(phase));
             }
-            if self.emitter.is_done() && self.stops {
+            if self.stops {
                 self.emitter.settle();
             }
-            return Ok(Work::Working);
         }
         match self.stage {
             Stage::Passing(batch) => {
@@ -199,7 +198,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn hand_over(&mut self, phase: Phase) -> Work {
-        match self.queue.phases.enqueue(phase) {
+        match self.queue.phases.push(phase) {
             Ok(()) => Work::Working,
             Err(phase) => {
                 self.held = Some(phase);
@@ -210,7 +209,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Plans the first block of the ring for good.
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
-        if !self.queue.segments.ready() {
+        if self.queue.segments.is_full() {
             return Ok(Work::Waiting);
         }
         let Some(release) = self.lookahead.release() else {
@@ -226,7 +225,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let segment =
             Segment { shape: block.shape, base, start: self.distance, n: block.n, block: self.blocks };
         // There is room: asked above.
-        let _ = self.queue.segments.enqueue(segment);
+        let _ = self.queue.segments.push(segment);
         self.emitter.begin(&profile, self.distance, length);
         self.stops = release.v_out == Speed::ZERO;
         block.shape.at(length.to_bits(), &base, &mut self.position);

@@ -143,10 +143,10 @@ mod group {
 
 /// G words of the language without a function here (ISG's list), sorted.
 const OTHER_G: [u16; 76] = [
-    5, 8, 9, 10, 11, 12, 13, 20, 21, 22, 23, 25, 26, 33, 40, 41, 42, 51, 52, 63, 66, 68, 69, 74, 80, 81, 82, 83, 84,
-    85, 86, 87, 88, 89, 96, 97, 98, 99, 100, 101, 102, 106, 107, 108, 112, 115, 116, 117, 135, 136, 137, 138, 139,
-    140, 141, 159, 163, 164, 165, 166, 167, 193, 196, 200, 201, 202, 236, 237, 238, 239, 293, 301, 302, 303, 900,
-    901,
+    5, 8, 9, 10, 11, 12, 13, 20, 21, 22, 23, 25, 26, 33, 40, 41, 42, 51, 52, 63, 66, 68, 69, 74, 80, 81, 82,
+    83, 84, 85, 86, 87, 88, 89, 96, 97, 98, 99, 100, 101, 102, 106, 107, 108, 112, 115, 116, 117, 135, 136,
+    137, 138, 139, 140, 141, 159, 163, 164, 165, 166, 167, 193, 196, 200, 201, 202, 236, 237, 238, 239, 293,
+    301, 302, 303, 900, 901,
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -297,12 +297,24 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// A whole number behind an address.
-    fn code(&self, c: &mut Cursor<'_>, mark: usize, what: &'static str, max: u32) -> Result<(u32, Span), Fault> {
+    fn code(
+        &self,
+        c: &mut Cursor<'_>,
+        mark: usize,
+        what: &'static str,
+        max: u32,
+    ) -> Result<(u32, Span), Fault> {
         let given = self.value(c, mark)?;
         let Some(value) = given.number.whole() else { return given.span.fault(NcErrorKind::NotWhole(what)) };
         match u32::try_from(value) {
             Ok(value) if value <= max => Ok((value, given.span)),
-            _ => given.span.fault(NcErrorKind::Range { what, min: 0, max: i64::from(max), unit: "", above: false }),
+            _ => given.span.fault(NcErrorKind::Range {
+                what,
+                min: 0,
+                max: i64::from(max),
+                unit: "",
+                above: false,
+            }),
         }
     }
 
@@ -637,7 +649,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             let offset = self.offset(axis);
             let kind = self.coordinate_of(axis);
             if let Some(slot) = target.get_mut(axis) {
-                *slot = if self.modal.relative { slot.saturating_add(value) } else { value.saturating_add(offset) };
+                *slot = if self.modal.relative {
+                    slot.saturating_add(value)
+                } else {
+                    value.saturating_add(offset)
+                };
                 if !in_range(*slot) {
                     return given.span.fault(kind);
                 }
@@ -679,7 +695,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 None => return span.fault(NcErrorKind::NoMainAxis),
             }
         }
-        let of = |positions: &[Position; AXES], axis: usize| positions.get(axis).copied().unwrap_or(Position::ZERO);
+        let of = |positions: &[Position; AXES], axis: usize| {
+            positions.get(axis).copied().unwrap_or(Position::ZERO)
+        };
         for (i, given) in w.centre.iter().enumerate() {
             if let (Some(given), false) = (given, plane.contains(&i)) {
                 return given.span.fault(NcErrorKind::OutsidePlane);

@@ -201,7 +201,13 @@ impl<'a> Cursor<'a> {
             return self.expected(what);
         }
         if !fits {
-            return span.fault(NcErrorKind::Range { what, min: 0, max: i64::from(u32::MAX), unit: "", above: false });
+            return span.fault(NcErrorKind::Range {
+                what,
+                min: 0,
+                max: i64::from(u32::MAX),
+                unit: "",
+                above: false,
+            });
         }
         Ok(value)
     }

@@ -108,7 +108,8 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             Refusal::Here(fault) => self.line.error(fault.span, fault.kind),
             Refusal::At(place, kind) => self.reader.error_at(place, kind),
         };
-        if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis) {
+        if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis)
+        {
             for (i, name) in self.interpreter.setup.names.iter().enumerate() {
                 // A list cut short still helps.
                 let _ = error.axes.push_str(if i > 0 { ", " } else { "" });

@@ -147,7 +147,12 @@ impl Op {
             Self::Open(_) | Self::Call(_) => 0,
             Self::Or | Self::Xor => 1,
             Self::And => 2,
-            Self::Equal | Self::Unequal | Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual => 3,
+            Self::Equal
+            | Self::Unequal
+            | Self::Less
+            | Self::LessEqual
+            | Self::Greater
+            | Self::GreaterEqual => 3,
             Self::Add | Self::Subtract => 4,
             Self::Multiply | Self::Divide | Self::Modulo => 5,
             Self::Negate | Self::Not => 6,

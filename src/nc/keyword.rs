@@ -149,7 +149,13 @@ fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
 }
 
 /// Reads the value of a keyword into its slot.
-fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usize, name: Span) -> Result<(), Fault> {
+fn value(
+    c: &mut Cursor<'_>,
+    parameters: &Parameters,
+    slot: Slot<'_>,
+    mark: usize,
+    name: Span,
+) -> Result<(), Fault> {
     let twice = NcErrorKind::Twice("a keyword");
     let whole = |c: &mut Cursor<'_>, max: i64| -> Result<i64, Fault> {
         c.eat(b'=');
@@ -214,7 +220,8 @@ fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usiz
         }
         Slot::Tangent(to) => {
             c.eat(b'=');
-            let names = [("AUTO", Tangent::Auto), ("TANGENTIAL", Tangent::Tangential), ("USER", Tangent::User)];
+            let names =
+                [("AUTO", Tangent::Auto), ("TANGENTIAL", Tangent::Tangential), ("USER", Tangent::User)];
             *to = Some(choice(c, &names, "AUTO, TANGENTIAL or USER")?);
             Ok(())
         }

@@ -247,7 +247,8 @@ impl<T: Text> LineReader<T> {
             self.used = 0;
             self.filled = count.min(64) as u8;
         }
-        let byte = if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
+        let byte =
+            if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
         self.used += u8::from(byte.is_some());
         Ok(byte)
     }

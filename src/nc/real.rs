@@ -19,8 +19,8 @@ pub(super) fn abs(x: f64) -> f64 {
 /// Nearest f64 to `mantissa` / 10^`scale` (correct up to 2^53 and 22 decimals, else within 1 ulp).
 pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     const POWERS: [f64; 20] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
-        1e19,
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+        1e18, 1e19,
     ];
     mantissa as f64 / POWERS.get(usize::from(scale)).copied().unwrap_or(1e19)
 }
@@ -197,8 +197,7 @@ pub(super) fn atan(x: f64) -> f64 {
         (45.0, 0.0),
     ];
     // 1/1, 1/3, … of the series; |t| ≤ 1/16: next term below 2^-64.
-    const C: [f64; 7] =
-        [-1.0 / 15.0, 1.0 / 13.0, -1.0 / 11.0, 1.0 / 9.0, -1.0 / 7.0, 1.0 / 5.0, -1.0 / 3.0];
+    const C: [f64; 7] = [-1.0 / 15.0, 1.0 / 13.0, -1.0 / 11.0, 1.0 / 9.0, -1.0 / 7.0, 1.0 / 5.0, -1.0 / 3.0];
     let a = abs(x);
     let (numerator, denominator, above) = if a > 1.0 { (1.0, a, true) } else { (a, 1.0, false) };
     let k = round(numerator / denominator * 8.0);
@@ -210,7 +209,8 @@ pub(super) fn atan(x: f64) -> f64 {
     let top_low = -cd_low;
     let (cn, cn_low) = product(c, numerator);
     let bottom = denominator + cn;
-    let bottom_low = (if denominator > cn { cn - (bottom - denominator) } else { denominator - (bottom - cn) }) + cn_low;
+    let bottom_low =
+        (if denominator > cn { cn - (bottom - denominator) } else { denominator - (bottom - cn) }) + cn_low;
     let t = (top + top_low) / bottom;
     let (tb, tb_low) = product(t, bottom);
     let t_low = (((top - tb) - tb_low) + top_low - t * bottom_low) / bottom;
