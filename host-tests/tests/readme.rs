@@ -60,7 +60,7 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
 #[test]
 fn the_example_runs() {
     let end = example::last_set_point(b"N10 G01 X10 Y-5 F1000\nN20 G02 X20 I5\nM30\n");
-    assert_eq!(end.map(|end| end.map(f64::from)), Ok([20.0, -5.0, 0.0]));
+    assert_eq!(end.map(|end| end.map(|axis| axis.to_num::<f64>())), Ok([20.0, -5.0, 0.0]));
     let refused = example::last_set_point(b"N10 G01 X10 F1000\nN20 #HSC ON [SURFACE]\n");
     assert_eq!(refused, Err("line 2: #HSC is known, not available in this version".into()));
 }
@@ -85,9 +85,8 @@ fn times(text: &mut String) {
     let columns =
         ["program", "blocks", "length_mm", "time_s", "straight_line_s", "path_error_nm"].map(column);
     text.push_str(
-        "Program times at F 20 m/min beside the time of one straight line of the same length, which no path with corners can reach. \
-         Machine:\n2000 mm/s², ramps 50 ms, 200 mm/s, cycle 1 ms. All of \
-         [times.csv](host-tests/tables/times.csv), asserted by `host-tests/tests/chords.rs`.\n\n\
+        "Program times at F 20 m/min beside the ideal, the time of one straight line of the same length. Machine: 2000 mm/s², ramps\n\
+         50 ms, 200 mm/s, cycle 1 ms. All of [times.csv](host-tests/tables/times.csv), asserted by `host-tests/tests/chords.rs`.\n\n\
          | program | blocks | length mm | time s | straight line s | path error nm |\n|---|---:|---:|---:|---:|---:|\n",
     );
     for row in lines {
@@ -168,5 +167,43 @@ fn files_that_papers_link_to_exist() {
                 assert!(folder.join(file).exists(), "{paper}: {link}");
             }
         }
+    }
+}
+
+#[test]
+fn numbers_in_the_text_are_those_of_the_code() {
+    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let pieces = glidepath::queue::PHASES;
+    assert!(readme.contains(&format!("A full queue holds {pieces} pieces")), "{pieces} pieces");
+    let lengths = glidepath::tick::SKIP_PER_TICK - 1;
+    assert!(readme.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
+}
+
+/// Source files of the crate, one after the other.
+fn sources(folder: &Path, text: &mut String) {
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        match entry.path() {
+            path if path.is_dir() => sources(&path, text),
+            path => text.push_str(&std::fs::read_to_string(path).expect("text")),
+        }
+    }
+}
+
+#[test]
+fn functions_that_the_overview_names_exist() {
+    let mut source = String::new();
+    sources(&root().join("src"), &mut source);
+    let overview = read("docs/overview.md");
+    let named: Vec<&str> =
+        overview.split('`').skip(1).step_by(2).filter(|word| word.contains("::")).collect();
+    assert!(named.len() > 20, "{named:?}");
+    for word in named {
+        let (of, name) = word.rsplit_once("::").expect("filtered");
+        let known =
+            [format!("fn {name}("), format!("fn {name}<"), format!("    {name}"), format!("struct {name}")];
+        assert!(known.iter().any(|declaration| source.contains(declaration)), "{word}");
+        let of = of.rsplit("::").next().unwrap_or(of);
+        let known = ["struct", "enum", "trait", "mod"].map(|kind| format!("{kind} {of}"));
+        assert!(known.iter().any(|declaration| source.contains(declaration)), "{of} of {word}");
     }
 }
