@@ -1,9 +1,10 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
-use crate::lookahead::{Dynamics, Lookahead};
+use crate::lookahead::{Dynamics, Lookahead, Release};
 use crate::machine::MachineData;
+use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Motion, MotionKind};
-use crate::path::{self, PathError};
+use crate::path::{self, Element, PathError};
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed, Time};
 use crate::queue::{Event, Function, Phase, Segment, Sender};
 use crate::slope::emit::Emitter;
@@ -55,6 +56,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
     flush: bool,
+    profile: Profile,
     emitter: Emitter,
     /// The last block handed to the emitter ends in a standstill.
     stops: bool,
@@ -88,6 +90,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
+            profile: Profile::default(),
             emitter: Emitter::new(),
             stops: false,
             held: None,
@@ -108,10 +111,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let feed = match motion.kind {
             MotionKind::Rapid => None,
-            _ => Some(motion.feed.to_bits() as f32 * (1.0 / 4_294_967_296.0)),
+            _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
         };
         let (from, to) = (&self.programmed, &motion.target);
-        let element = match motion.kind {
+        let result = match motion.kind {
             MotionKind::Rapid | MotionKind::Line => path::line(from, to, &self.main),
             MotionKind::Arc { plane, clockwise, by } => {
                 let centre = match by {
@@ -123,23 +126,34 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 centre.and_then(|c| path::arc(from, to, c, plane, clockwise, &self.main)).map(Some)
             }
         };
-        if let Some(element) = element.map_err(MotionError::Path)? {
-            // A block without motion needs no feed.
-            if feed.is_some_and(|feed| feed <= 0.0) {
-                return Err(MotionError::NoFeed);
-            }
-            let limits = self.dynamics.element(&element, feed);
-            let rapid = feed.is_none();
-            if (element.shape.length.to_bits() as f32) > limits.v * SLOWEST {
-                return Err(MotionError::TooSlow);
-            }
-            self.lookahead.push(&element, limits, rapid, &self.dynamics, motion.n, motion.place);
-            self.programmed = motion.target;
-            self.taken = self.taken.wrapping_add(1);
+        match result {
+            Ok(Some(element)) => self.append(&element, motion, feed)?,
+            Ok(None) => {}
+            Err(error) => return Err(MotionError::Path(error)),
         }
         if motion.exact_stop {
             self.lookahead.stop_here();
         }
+        Ok(())
+    }
+
+    fn append(
+        &mut self,
+        element: &Element<AXES>,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+    ) -> Result<(), MotionError> {
+        // A block without motion needs no feed: it does not come here.
+        if feed.is_some_and(|feed| feed <= 0.0) {
+            return Err(MotionError::NoFeed);
+        }
+        let limits = self.dynamics.element(element, feed);
+        if to_f32(element.shape.length.to_bits()) > limits.v * SLOWEST {
+            return Err(MotionError::TooSlow);
+        }
+        self.lookahead.push(element, limits, feed.is_none(), &self.dynamics, motion.n, motion.place);
+        self.programmed = motion.target;
+        self.taken = self.taken.wrapping_add(1);
         Ok(())
     }
 
@@ -214,36 +228,42 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.queue.segments.is_full() {
             return Ok(Work::Waiting);
         }
-        let Some(release) = self.lookahead.release() else {
+        let Some(Release { block, v_in, v_out }) = self.lookahead.release() else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
         self.stage = Stage::Releasing(left - 1);
-        let block = release.block;
         let length = block.shape.length;
-        let profile = Profile::plan(length, release.v_in, release.v_out, &block.limits);
-        let profile = profile.inspect_err(|_| self.lookahead.clear())?;
+        if let Err(error) = self.profile.plan(length, v_in, v_out, &block.limits) {
+            self.lookahead.clear();
+            return Err(error);
+        }
         let base = block.shape.base(&self.position);
-        let segment =
-            Segment { shape: block.shape, base, start: self.distance, n: block.n, block: self.blocks };
         // There is room: asked above.
-        let _ = self.queue.segments.push(segment);
-        self.emitter.begin(&profile, self.distance, length);
-        self.stops = release.v_out == Speed::ZERO;
-        block.shape.at(length.to_bits(), &base, &mut self.position);
-        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
-        self.blocks = self.blocks.wrapping_add(1);
+        let _ = self.queue.segments.push(Segment {
+            shape: block.shape,
+            base,
+            start: self.distance,
+            n: block.n,
+            block: self.blocks,
+        });
+        self.emitter.begin(&self.profile, self.distance, length);
+        self.stops = v_out == Speed::ZERO;
         self.planned = PlannedBlock {
-            block: segment.block,
+            block: self.blocks,
             n: block.n,
             place: block.place,
             length,
-            v_in: release.v_in,
-            v_peak: profile.peak(),
-            v_out: release.v_out,
-            time: profile.time(),
+            v_in,
+            v_peak: self.profile.peak(),
+            v_out,
+            time: self.profile.time(),
             wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
         };
+        block.shape.at(length.to_bits(), &base, &mut self.position);
+        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
+        self.blocks = self.blocks.wrapping_add(1);
+        self.lookahead.drop_first();
         Ok(Work::Planned)
     }
 

@@ -12,6 +12,7 @@
 //! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
 //! `B`.
 use crate::machine::{AxisData, MachineData};
+use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::{Element, End};
 use crate::tick::SKIP_PER_TICK;
@@ -100,7 +101,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
         let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
-        let length = element.shape.length.to_bits() as f32 * LSB_44;
+        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
         let mut limits = Limits {
             v: SKIP * length,
             a_up: f32::MAX,
@@ -115,7 +116,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         for (k, (axis, tangent)) in self.axes.iter().zip(&element.entry.tangent).enumerate() {
             let share = match element.circle {
                 Some(circle) if circle.plane.contains(&k) => circle.share,
-                _ => magnitude(*tangent as f32 * LSB_40),
+                _ => magnitude(to_f32(*tangent) * LSB_40),
             };
             if share > 0.0 {
                 limits.restrict(&sets(axis), 1.0 / share);
@@ -151,7 +152,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let set = if rapid { &axis.rapid } else { &axis.feed };
             let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
             let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
-            let knee = magnitude(t1.wrapping_sub(*t0) as f32 * LSB_40);
+            let knee = magnitude(to_f32(t1.wrapping_sub(*t0)) * LSB_40);
             let bend = magnitude(c1 - c0);
             let part = TRANSITION_PART * set.budget;
             if knee > 0.0 {

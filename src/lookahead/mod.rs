@@ -12,6 +12,7 @@ mod limits;
 pub use limits::{Dynamics, Limits};
 pub(crate) use limits::{max, min};
 
+use crate::math::float::to_f32;
 use crate::nc::Place;
 use crate::path::{Element, End, Shape};
 use crate::quantity::Speed;
@@ -26,6 +27,8 @@ pub struct Block<const AXES: usize> {
     pub shape: Shape<AXES>,
     /// Its limits.
     pub limits: Limits,
+    /// Its length, mm.
+    length: f32,
     /// Speed at which its start may be passed at most, mm/tick.
     cap: f32,
     /// Planned speed at its start.
@@ -36,10 +39,10 @@ pub struct Block<const AXES: usize> {
     pub place: Place,
 }
 
-/// A block that leaves the ring, with the speeds at its ends.
-pub struct Release<const AXES: usize> {
+/// The block at the front of the ring and the speeds at its ends.
+pub struct Release<'a, const AXES: usize> {
     /// The block.
-    pub block: Block<AXES>,
+    pub block: &'a Block<AXES>,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -111,23 +114,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         n: u32,
         place: Place,
     ) {
-        let length = element.shape.length.to_bits() as f32 * (1.0 / (1u64 << 44) as f32);
+        let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
         let mut cap = 0.0;
-        if let (Some(last), Some(before)) = (&self.last, self.blocks.back_mut()) {
-            if !self.stop {
-                cap = min(before.limits.v, limits.v);
-                let rapid = rapid && last.rapid;
-                let shorter = min(last.length, length);
-                if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter) {
-                    cap = min(cap, v);
-                    limits.share();
-                    before.limits.share();
-                }
+        if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
+            cap = min(before.limits.v, limits.v);
+            let rapid = rapid && last.rapid;
+            let shorter = min(last.length, length);
+            if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter) {
+                cap = min(cap, v);
+                limits.share();
+                before.limits.share();
             }
         }
         self.stop = false;
         self.last = Some(Last { exit: element.exit, length, rapid });
-        let block = Block { shape: element.shape, limits, cap, v_in: Speed::ZERO, n, place };
+        let block = Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, n, place };
         // There is room: the caller asked.
         let _ = self.blocks.push_back(block);
     }
@@ -160,33 +161,32 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         false
     }
 
-    /// Hands on the first block.
-    pub fn release(&mut self) -> Option<Release<AXES>> {
-        let block = self.blocks.pop_front()?;
+    /// Decides the end speed of the first block, which leaves with [`Self::drop_first`].
+    pub fn release(&mut self) -> Option<Release<'_, AXES>> {
+        let block = self.blocks.front()?;
         let v_in = block.v_in;
-        let v_out = match self.blocks.front_mut() {
-            Some(next) => {
-                let reach = block.leave(v_in);
-                if reach < next.v_in {
-                    next.v_in = reach;
-                }
-                next.v_in
+        let reach = block.leave(v_in);
+        let mut v_out = Speed::ZERO;
+        if let Some(next) = self.blocks.get_mut(1) {
+            if reach < next.v_in {
+                next.v_in = reach;
             }
-            None => {
-                // What follows starts from rest.
-                self.last = None;
-                Speed::ZERO
-            }
-        };
-        Some(Release { block, v_in, v_out })
+            v_out = next.v_in;
+        }
+        Some(Release { block: self.blocks.front()?, v_in, v_out })
+    }
+
+    /// The first block leaves the ring.
+    pub fn drop_first(&mut self) {
+        let _ = self.blocks.pop_front();
+        if self.blocks.is_empty() {
+            // What follows starts from rest.
+            self.last = None;
+        }
     }
 }
 
 impl<const AXES: usize> Block<AXES> {
-    fn length_mm(&self) -> f32 {
-        self.shape.length.to_bits() as f32 * (1.0 / (1u64 << 44) as f32)
-    }
-
     /// Highest speed at its start that can still come down to `v_out`.
     fn enter(&self, v_out: Speed) -> Speed {
         let ramp = Ramp::new(self.limits.a_down, self.limits.j[3], self.limits.j[2]);
@@ -206,7 +206,7 @@ impl<const AXES: usize> Block<AXES> {
         if low.to_bits() >= cap {
             return Speed::from_bits(cap);
         }
-        let gain = ramp.reach(speed_f32(low.to_bits()), self.length_mm());
+        let gain = ramp.reach(speed_f32(low.to_bits()), self.length);
         Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
     }
 }

@@ -3,6 +3,7 @@
 //! The compiler's own 128-bit products and 64-bit quotients become library calls on a 32-bit core; these
 //! functions use 32×32→64 products and one hardware 32-bit division instead. All but the `f32` roots are pure
 //! integer code; the roots use only IEEE operations that round alike on every machine.
+pub mod float;
 pub mod wide;
 
 pub mod divide;

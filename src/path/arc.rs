@@ -5,6 +5,7 @@
 use super::{Circle, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
 use crate::math::angle::atan2_turns;
 use crate::math::divide::{div_shift_signed, div_wide};
+use crate::math::float::to_f32;
 use crate::math::wide::{mul_shift, mul_wide};
 use crate::nc::Plane;
 use crate::quantity::Position;
@@ -100,11 +101,11 @@ pub fn arc<const AXES: usize>(
         let outward = div_shift_signed(difference, 40, length.unsigned_abs());
         let mut ends = End { tangent: linear, curvature: [0.0; AXES] };
         let tangent = [-mul_shift(unit[1], along, 40), mul_shift(unit[0], along, 40)];
-        let share = along as f32 * LSB_40;
+        let share = to_f32(along) * LSB_40;
         for i in 0..2 {
             if let (Some(t), Some(c)) = (ends.tangent.get_mut(axes[i]), ends.curvature.get_mut(axes[i])) {
                 *t = tangent[i].wrapping_add(mul_shift(unit[i], outward, 40));
-                *c = -(unit[i] as f32 * LSB_40) * share * share / (len as f32 * LSB_44);
+                *c = -(to_f32(unit[i]) * LSB_40) * share * share / (to_f32(len) * LSB_44);
             }
         }
         (ends, if share < 0.0 { -share } else { share })
@@ -113,7 +114,7 @@ pub fn arc<const AXES: usize>(
     let (exit, share1) = end(r1, len1);
     let circle = Circle {
         plane: axes,
-        radius: len0.min(len1) as f32 * LSB_44,
+        radius: to_f32(len0.min(len1)) * LSB_44,
         share: if share0 > share1 { share0 } else { share1 },
     };
     Ok(Element { shape, entry, exit, circle: Some(circle) })

@@ -81,7 +81,7 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
     ///
     /// # Errors
     /// The item back if the ring is full.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, item: T) -> Result<(), T> {
         if self.is_full() {
             return Err(item);
@@ -128,7 +128,7 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     }
 
     /// Takes the oldest item out.
-    #[inline]
+    #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         let item = *self.peek()?;
         self.skip();

@@ -4,8 +4,8 @@
 //! the state at the first tick inside a part: the interrupt then counts whole ticks, and a part without a tick is
 //! not handed over at all, so that a tick begins at most one piece.
 //!
-//! Pieces are short where rounding would grow (64 ticks with jerk, 256 with acceleration): with coefficients of
-//! 2^-58 mm the cubic stays within 2^-41 mm.
+//! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
+//! 2^-58 mm the cubic stays within 2^-40 mm.
 use super::profile::{Change, Profile};
 use crate::math::divide::div_wide;
 use crate::math::wide::{mul_hi, mul_shift, mul_wide};
@@ -16,7 +16,7 @@ use crate::queue::Phase;
 pub const TICK: u64 = 1 << 36;
 
 /// Longest pieces, ticks: with jerk, with acceleration, at constant speed.
-const LONGEST: [u64; 3] = [64, 256, 65_535];
+const LONGEST: [u64; 3] = [128, 512, 65_535];
 
 /// How speed changes within a part.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,6 +8,7 @@
 use super::ramp::{Ramp, root_of_cubic};
 use crate::lookahead::{Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
+use crate::math::float::{to_bits, to_f32};
 use crate::math::wide::{mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
 
@@ -23,7 +24,7 @@ pub struct Change {
 }
 
 /// Speed over time in one block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Profile {
     /// From `v_in` to the peak.
     pub up: Change,
@@ -41,27 +42,27 @@ pub struct Unplannable;
 /// Longest block: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
-/// 2^58 and 2^36 as factors.
+/// 2^58 as a factor.
 const SPEED_ONE: f32 = (1u64 << 58) as f32;
-const TIME_ONE: f32 = (1u64 << 36) as f32;
 
-/// Speed in units of 2^-58 from `f32`; the product is exact, the cast cuts nothing above 2^-34.
+/// Speed in units of 2^-58, cut to the integer below.
 pub fn speed_bits(v: f32) -> i64 {
-    (v * SPEED_ONE) as i64
+    to_bits::<58>(v)
 }
 
 /// Speed as `f32`.
 pub fn speed_f32(bits: i64) -> f32 {
-    bits as f32 * (1.0 / SPEED_ONE)
+    to_f32(bits) * (1.0 / SPEED_ONE)
 }
 
 impl Change {
-    /// Change from `v0` to `v1` with these times: speeds between the parts follow from equal peak accelerations,
+    /// Becomes the change from `v0` to `v1` with these times: speeds between the parts follow from equal peak accelerations,
     /// dv = ap (t1/2 + t2 + t3/2).
-    fn new(v0: i64, v1: i64, times: [u64; 3]) -> Self {
+    fn set(&mut self, v0: i64, v1: i64, times: [u64; 3]) {
         let dv = v1 - v0;
         if dv == 0 {
-            return Self { times: [0; 3], speeds: [v0; 4], lengths: [0; 3] };
+            (self.times, self.speeds, self.lengths) = ([0; 3], [v0; 4], [0; 3]);
+            return;
         }
         let [t1, t2, t3] = times;
         let whole = t1 + 2 * t2 + t3;
@@ -78,8 +79,9 @@ impl Change {
         let [a, b] = [v0 + first, v1 - last];
         // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
-        let lengths = [area(v0 + third(first), t1), hold, area(v1 - third(last), t3)];
-        Self { times, speeds: [v0, a, b, v1], lengths }
+        self.times = times;
+        self.speeds = [v0, a, b, v1];
+        self.lengths = [area(v0 + third(first), t1), hold, area(v1 - third(last), t3)];
     }
 
     /// Path length of all three parts, LSB 2^-44 mm.
@@ -92,11 +94,11 @@ impl Change {
         self.times.iter().sum()
     }
 
-    /// The same change in `factor`·2^-62 of the time.
-    fn shrunk(&self, factor: u64) -> Self {
+    /// Becomes the same change in `factor`·2^-62 of the time.
+    fn shrink(&mut self, factor: u64) {
         let times =
             self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
-        Self::new(self.speeds[0], self.speeds[3], times)
+        self.set(self.speeds[0], self.speeds[3], times);
     }
 
     /// Whether peak acceleration and jerks are permitted, without a division: dv ≤ a·whole/2 and
@@ -131,11 +133,17 @@ fn third(x: i64) -> i64 {
 }
 
 impl Profile {
-    /// The fastest profile over `length` inside `limits`.
+    /// Becomes the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
     /// [`Unplannable`] if the speeds cannot be joined over that length, which the look-ahead rules out.
-    pub fn plan(length: Distance, v_in: Speed, v_out: Speed, limits: &Limits) -> Result<Self, Unplannable> {
+    pub fn plan(
+        &mut self,
+        length: Distance,
+        v_in: Speed,
+        v_out: Speed,
+        limits: &Limits,
+    ) -> Result<(), Unplannable> {
         let (v_in, v_out, length) = (v_in.to_bits(), v_out.to_bits(), length.to_bits());
         let up = Ramp::new(limits.a_up, limits.j[0], limits.j[1]);
         let down = Ramp::new(limits.a_down, limits.j[3], limits.j[2]);
@@ -145,30 +153,28 @@ impl Profile {
         let times = |ramp: &Ramp, from: i64| {
             let times = ramp.times(speed_f32(peak - from));
             // up, so that rounding never raises a jerk
-            times.map(|t| if peak == from || t == 0.0 { 0 } else { (t * TIME_ONE) as u64 + 1 })
+            times.map(|t| if peak == from || t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 })
         };
         let up_times = times(&up, v_in);
         let [end, hold, begin] = times(&down, v_out);
-        let mut profile = Self {
-            up: Change::new(v_in, peak, up_times),
-            cruise: 0,
-            down: Change::new(peak, v_out, [begin, hold, end]),
-        };
-        let slopes = profile.up.length() + profile.down.length();
+        self.up.set(v_in, peak, up_times);
+        self.down.set(peak, v_out, [begin, hold, end]);
+        let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
             // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel
-            profile.cruise = div_shift(rest as u64, 50, peak.max(1) as u64);
+            self.cruise = div_shift(rest as u64, 50, peak.max(1) as u64);
         } else {
             let factor = div_shift(length as u64, 62, slopes as u64);
-            profile.up = profile.up.shrunk(factor);
-            profile.down = profile.down.shrunk(factor);
+            self.cruise = 0;
+            self.up.shrink(factor);
+            self.down.shrink(factor);
         }
-        let inside = profile.up.is_inside(limits.a_up, limits.j[0], limits.j[1])
-            && profile.down.is_inside(limits.a_down, limits.j[2], limits.j[3])
+        let inside = self.up.is_inside(limits.a_up, limits.j[0], limits.j[1])
+            && self.down.is_inside(limits.a_down, limits.j[2], limits.j[3])
             && peak <= speed_bits(limits.v * ACCEL_SLACK)
-            && profile.cruise < LONGEST;
-        if inside { Ok(profile) } else { Err(Unplannable) }
+            && self.cruise < LONGEST;
+        if inside { Ok(()) } else { Err(Unplannable) }
     }
 
     /// Duration of the block.
@@ -193,7 +199,7 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
     }
     let [from_in, from_out] = [v_in, v_out].map(speed_f32);
     let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { speed_f32(low - v) });
-    let target = length as f32 * (1.0 / (1u64 << 44) as f32);
+    let target = to_f32(length) * (1.0 / (1u64 << 44) as f32);
     let excess = |x: f32| {
         let [s0, d0] = up.distance(from_in, above_in + x);
         let [s1, d1] = down.distance(from_out, above_out + x);

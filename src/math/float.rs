@@ -1,0 +1,23 @@
+//! Conversions between 64-bit integers and `f32` without library calls. Both use only exact or correctly rounded
+//! operations, so that they give the same bits everywhere.
+
+const TWO_32: f32 = 4_294_967_296.0;
+
+/// `x` as `f32`, relative error at most 2^-22: each half is rounded, then their sum.
+#[inline(always)]
+pub fn to_f32(x: i64) -> f32 {
+    (x >> 32) as i32 as f32 * TWO_32 + x as u32 as f32
+}
+
+/// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31; saturates above, 0 below 0.
+#[inline(always)]
+pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
+    // Both factors are powers of two: the products are exact, and so is the difference.
+    let upper = x * const { (1u64 << (SCALE - 32)) as f32 };
+    let whole = upper as i32;
+    if whole < 0 {
+        return 0;
+    }
+    let rest = (upper - whole as f32) * TWO_32;
+    (i64::from(whole) << 32) | i64::from(rest as u32)
+}
