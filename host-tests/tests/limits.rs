@@ -54,6 +54,15 @@ fn other_cycles() {
 }
 
 #[test]
+fn arbitrary_machines() {
+    // `cargo run --release -p host-tests --example soak -- 0 5000` goes on with it.
+    for seed in 0..80 {
+        good::<1, 120>(&program(seed, Mix::arbitrary(1, seed)), &machines::arbitrary(seed));
+        good::<3, 120>(&program(seed, Mix::arbitrary(3, seed)), &machines::arbitrary(seed));
+    }
+}
+
+#[test]
 fn edges_of_three_axes() {
     for program in edges::three_axes() {
         for machine in &machines_of::<3>(1000) {
