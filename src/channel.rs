@@ -147,7 +147,7 @@ pub enum Progress {
 }
 
 /// The time law of one motion block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlannedBlock {
     /// Motion blocks since program start, from 0.
     pub block: u32,
@@ -241,7 +241,7 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
-            Ok(Work::Planned(block)) => return Ok(Progress::Planned(block)),
+            Ok(Work::Planned) => return Ok(Progress::Planned(*self.planning.planned())),
             Ok(Work::Hungry) => {}
             Err(Unplannable) => {
                 self.source = Source::Ended;

@@ -27,8 +27,8 @@ pub enum Work {
     Working,
     /// The queue is full.
     Waiting,
-    /// A block has its time law.
-    Planned(PlannedBlock),
+    /// A block has its time law: [`Planning::planned`].
+    Planned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
 }
@@ -68,6 +68,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     blocks: u32,
     /// Blocks taken in.
     taken: u32,
+    planned: PlannedBlock,
     queue: Sender<'a, AXES>,
 }
 
@@ -95,6 +96,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             distance: Distance::ZERO,
             blocks: 0,
             taken: 0,
+            planned: PlannedBlock::default(),
             queue,
         }
     }
@@ -146,7 +148,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
     pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
-        self.queue.events.enqueue(Event { block: self.taken, n, function }).map_err(|e| e.function)
+        self.queue.events.push(Event { block: self.taken, n, function }).map_err(|e| e.function)
     }
 
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
@@ -168,10 +170,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             if let Some(phase) = self.emitter.step() {
                 return Ok(self.hand_over(phase));
             }
-            if self.emitter.is_done() && self.stops {
+            if self.stops {
                 self.emitter.settle();
             }
-            return Ok(Work::Working);
         }
         match self.stage {
             Stage::Passing(batch) => {
@@ -199,7 +200,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn hand_over(&mut self, phase: Phase) -> Work {
-        match self.queue.phases.enqueue(phase) {
+        match self.queue.phases.push(phase) {
             Ok(()) => Work::Working,
             Err(phase) => {
                 self.held = Some(phase);
@@ -210,7 +211,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Plans the first block of the ring for good.
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
-        if !self.queue.segments.ready() {
+        if self.queue.segments.is_full() {
             return Ok(Work::Waiting);
         }
         let Some(release) = self.lookahead.release() else {
@@ -226,13 +227,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let segment =
             Segment { shape: block.shape, base, start: self.distance, n: block.n, block: self.blocks };
         // There is room: asked above.
-        let _ = self.queue.segments.enqueue(segment);
+        let _ = self.queue.segments.push(segment);
         self.emitter.begin(&profile, self.distance, length);
         self.stops = release.v_out == Speed::ZERO;
         block.shape.at(length.to_bits(), &base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
         self.blocks = self.blocks.wrapping_add(1);
-        Ok(Work::Planned(PlannedBlock {
+        self.planned = PlannedBlock {
             block: segment.block,
             n: block.n,
             place: block.place,
@@ -242,7 +243,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             v_out: release.v_out,
             time: profile.time(),
             wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
-        }))
+        };
+        Ok(Work::Planned)
+    }
+
+    /// The block planned last.
+    pub fn planned(&self) -> &PlannedBlock {
+        &self.planned
     }
 
     fn come_to_rest(&mut self) -> Work {

@@ -66,7 +66,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
     pub fn tick(&mut self) -> State {
         if self.done >= self.phase.ticks {
-            match self.queue.phases.dequeue() {
+            match self.queue.phases.pop() {
                 Some(phase) => self.phase = phase,
                 None => return State::Idle,
             }
@@ -85,7 +85,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         for _ in 0..SKIP_PER_TICK {
             match self.queue.segments.peek() {
                 Some(segment) if segment.is_behind(distance) && self.queue.segments.len() > 1 => {
-                    let _ = self.queue.segments.dequeue();
+                    self.queue.segments.skip();
                 }
                 _ => break,
             }
@@ -109,7 +109,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         // Standing still at the end of a block, what comes after that block is due.
         let rests = self.phase.speed == Speed::ZERO && self.phase.sixth_jerk == Jerk::ZERO;
         let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(rests));
-        if event.block <= reached { self.queue.events.dequeue() } else { None }
+        if event.block <= reached { self.queue.events.pop() } else { None }
     }
 
     /// Path values of the last set point.

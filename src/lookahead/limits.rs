@@ -158,8 +158,12 @@ impl<const AXES: usize> Dynamics<AXES> {
                 smooth = smooth && knee <= SMOOTH;
                 let part = if bend > 0.0 { 0.5 * part } else { part };
                 let alone = min(part, set.knee) / knee;
-                let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
-                v = min(v, max(min(alone, shorter * (1.0 / 3.0)), min(alone, close)));
+                if 3.0 * alone > shorter {
+                    let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
+                    v = min(v, min(alone, max(shorter * (1.0 / 3.0), close)));
+                } else {
+                    v = min(v, alone);
+                }
             }
             if bend > 0.0 {
                 smooth = false;

@@ -97,7 +97,9 @@ impl Keywords for IndependentWords {
 
     fn slot(&mut self, keyword: &'static str, _: bool, units: Units) -> Slot<'_> {
         let (seen, choice, value) = match keyword {
-            "POS" | "POSITION" => return Slot::Number(&mut self.words.position, COORDINATE.times(units.length)),
+            "POS" | "POSITION" => {
+                return Slot::Number(&mut self.words.position, COORDINATE.times(units.length));
+            }
             "FEED" => return Slot::Number(&mut self.words.feed, FEED.times(units.feed)),
             "SLOPE_TYPE" => return Slot::Slope(&mut self.words.slope),
             "G90" | "G91" => (&mut self.dimension, &mut self.words.relative, keyword == "G91"),

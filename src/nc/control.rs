@@ -321,11 +321,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 }
                 self.flow.blocks.pop();
             }
-            Role::Divides if self.flow.depth == 0 => {
-                if self.enters(c, passing, &word)? {
-                    self.flow.passing = None;
-                    c.require_end("a $ statement")?;
-                }
+            Role::Divides if self.flow.depth == 0 && self.enters(c, passing, &word)? => {
+                self.flow.passing = None;
+                c.require_end("a $ statement")?;
             }
             _ => {}
         }

@@ -201,39 +201,37 @@ impl<'a> Cursor<'a> {
             return self.expected(what);
         }
         if !fits {
-            return span.fault(NcErrorKind::Range { what, min: 0, max: i64::from(u32::MAX), unit: "", above: false });
+            return span.fault(NcErrorKind::Range { what, min: 0, max: u32::MAX, unit: "", above: false });
         }
         Ok(value)
     }
 
-    /// An unsigned decimal literal. Decimals beyond the 19th significant digit are cut.
+    /// An unsigned decimal literal. Decimals beyond the 19th significant digit and the 19th place are cut.
     pub fn decimal(&mut self) -> Result<Number, Fault> {
         let mark = self.mark();
-        let (mut mantissa, mut scale, mut point, mut digits, mut full) = (0_u64, 0_u8, false, false, false);
+        let (mut mantissa, mut scale, mut significant) = (0_u64, 0_u8, 0_u8);
+        let (mut point, mut digits, mut full) = (false, false, false);
         loop {
             let byte = self.raw();
-            if byte == b'.' && !point {
-                point = true;
-            } else if byte.is_ascii_digit() {
-                digits = true;
-                let next = mantissa.checked_mul(10).and_then(|m| m.checked_add(u64::from(byte - b'0')));
-                match next {
-                    Some(m) if scale < 19 && !full => {
-                        mantissa = m;
-                        scale += u8::from(point);
-                    }
-                    _ if point => full = true,
-                    _ => {
-                        while self.raw().is_ascii_digit() {
-                            self.at += 1;
-                        }
-                        return self.since(mark).fault(NcErrorKind::Overflow);
-                    }
+            let digit = byte.wrapping_sub(b'0');
+            if digit > 9 {
+                if byte != b'.' || point {
+                    break;
                 }
+                point = true;
+            } else if significant < 19 && scale < 19 {
+                // Below 10^19, which 64 bits hold.
+                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+                significant += u8::from(mantissa != 0);
+                scale += u8::from(point);
+                digits = true;
             } else {
-                break;
+                full |= !point;
             }
             self.at += 1;
+        }
+        if full {
+            return self.since(mark).fault(NcErrorKind::Overflow);
         }
         if !digits {
             self.at = mark;

@@ -6,6 +6,7 @@ use super::line::{Fill, Line, LineReader};
 use super::*;
 
 /// What one call of [`Decoder::step`] achieved.
+#[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<const AXES: usize> {
     /// A bounded piece of work is done and there is more: call again.
@@ -36,7 +37,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
-        if let Some(warning) = self.interpreter.warnings.pop() {
+        if let Some(warning) = self.interpreter.warnings.pop_front() {
             return Ok(Step::Warning(warning));
         }
         if let Some(command) = self.interpreter.single.take() {
@@ -80,7 +81,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
-                Phase::Heads => Err(Refusal::At(self.here(), NcErrorKind::NoMainProgram)),
+                Phase::Heads => Err(Refusal::At(self.reader.here(), NcErrorKind::NoMainProgram)),
                 Phase::Start | Phase::Ended => {
                     self.interpreter.phase = Phase::Ended;
                     Ok(Next::Line)
@@ -97,18 +98,14 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         }
     }
 
-    fn here(&self) -> Place {
-        let mark = self.reader.next_start();
-        Place { line: mark.line, column: 1, length: 0, offset: mark.offset }
-    }
-
     /// Adds place and text to a refusal.
     fn error(&mut self, refusal: Refusal) -> NcError {
         let mut error = match refusal {
             Refusal::Here(fault) => self.line.error(fault.span, fault.kind),
             Refusal::At(place, kind) => self.reader.error_at(place, kind),
         };
-        if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis) {
+        if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis)
+        {
             for (i, name) in self.interpreter.setup.names.iter().enumerate() {
                 // A list cut short still helps.
                 let _ = error.axes.push_str(if i > 0 { ", " } else { "" });

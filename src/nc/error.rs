@@ -12,9 +12,9 @@ pub struct NcError {
     /// What is wrong with it.
     pub kind: NcErrorKind,
     /// The word itself, cut to 24 bytes.
-    pub found: String<24>,
+    pub found: String<24, u8>,
     /// Axes of this machine where that explains the refusal, `X, Y, Z`.
-    pub axes: String<48>,
+    pub axes: String<24, u8>,
 }
 
 /// Kinds of refusal.
@@ -64,9 +64,9 @@ pub enum NcErrorKind {
         /// Quantity.
         what: &'static str,
         /// Least value.
-        min: i64,
+        min: i32,
         /// Largest value.
-        max: i64,
+        max: u32,
         /// Unit.
         unit: &'static str,
         /// The least value itself is refused.
@@ -193,10 +193,14 @@ impl fmt::Display for NcError {
             K::AxisNotHere => {
                 write!(f, "axis {found} is known, not available on this machine (axes {})", self.axes)
             }
-            K::UnknownWord => write!(f, "unknown word \"{found}\": expected an address or an axis ({})", self.axes),
+            K::UnknownWord => {
+                write!(f, "unknown word \"{found}\": expected an address or an axis ({})", self.axes)
+            }
             K::UnknownG => write!(f, "unknown G word \"{found}\": expected a G word of the language"),
             K::UnknownHash => write!(f, "unknown command \"{found}\": expected a # command of the language"),
-            K::UnknownDollar => write!(f, "unknown statement \"{found}\": expected a $ statement of the language"),
+            K::UnknownDollar => {
+                write!(f, "unknown statement \"{found}\": expected a $ statement of the language")
+            }
             K::UnknownKeyword { command, keywords } => {
                 write!(f, "unknown keyword \"{found}\" in {command}: expected ")?;
                 for (i, keyword) in keywords.iter().enumerate() {
@@ -213,14 +217,16 @@ impl fmt::Display for NcError {
                 if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
             }
             K::NotWhole(what) => write!(f, "\"{found}\" has a fraction: expected a whole number for {what}"),
-            K::Twice(what) => write!(f, "\"{found}\" gives {what} twice in this block"),
+            K::Twice(what) => write!(f, "\"{found}\": {what} given twice in this block"),
             K::Conflict(with) => write!(f, "\"{found}\" cannot stand in one block with {with}"),
             K::NoFeed => write!(f, "motion without feed: expected F before G01, G02 or G03"),
             K::ExactStopAlone => write!(f, "G60 without motion: expected axis positions in its block"),
             K::ArcUndefined => write!(f, "arc without centre or radius: expected I, J, K or R"),
             K::ArcTwice => write!(f, "arc by centre and radius: expected either I, J, K or R"),
             K::FullCircleByRadius => write!(f, "full circle by radius: expected I, J, K"),
-            K::OutsidePlane => write!(f, "\"{found}\" is outside of the plane: expected {}", "the plane's I, J, K"),
+            K::OutsidePlane => {
+                write!(f, "\"{found}\" is outside of the plane: expected the plane's I, J, K")
+            }
             K::ArcWordAlone => write!(f, "\"{found}\" without arc: expected G02 or G03"),
             K::NoMainAxis => {
                 write!(f, "\"{found}\" needs a main axis this machine lacks (axes {})", self.axes)
@@ -251,7 +257,9 @@ impl fmt::Display for NcError {
             }
             K::NameTooLong => write!(f, "name too long: expected at most 83 characters"),
             K::NotAlone(what) => write!(f, "unexpected \"{found}\": expected {what} alone in its block"),
-            K::BlockTooFull => write!(f, "too many words in a block: expected at most {}", super::BLOCK_WORDS),
+            K::BlockTooFull => {
+                write!(f, "too many words in a block: expected at most {}", super::BLOCK_WORDS)
+            }
             K::OscillationSpeed => write!(f, "oscillation speed not defined: expected FEED, FREQ or TIME"),
             K::OscillationModulo => write!(f, "position \"{found}\" of a modulo axis: expected 0 to 360 deg"),
             K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),

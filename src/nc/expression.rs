@@ -97,7 +97,7 @@ impl Function {
             Self::Sin => real::sin_cos(x).map(|(s, _)| s),
             Self::Cos => real::sin_cos(x).map(|(_, c)| c),
             Self::Tan => real::tan(x),
-            Self::Cot => real::sin_cos(x).and_then(|(s, c)| (s != 0.0).then(|| c / s)),
+            Self::Cot => real::cot(x),
             Self::Asin => real::asin(x),
             Self::Acos => real::acos(x),
             Self::Atan => Some(real::atan(x)),
@@ -147,7 +147,12 @@ impl Op {
             Self::Open(_) | Self::Call(_) => 0,
             Self::Or | Self::Xor => 1,
             Self::And => 2,
-            Self::Equal | Self::Unequal | Self::Less | Self::LessEqual | Self::Greater | Self::GreaterEqual => 3,
+            Self::Equal
+            | Self::Unequal
+            | Self::Less
+            | Self::LessEqual
+            | Self::Greater
+            | Self::GreaterEqual => 3,
             Self::Add | Self::Subtract => 4,
             Self::Multiply | Self::Divide | Self::Modulo => 5,
             Self::Negate | Self::Not => 6,
@@ -208,7 +213,7 @@ impl Evaluation<'_> {
                 }
             }
         };
-        if !(real::abs(value) <= f64::MAX) {
+        if !value.is_finite() {
             return Err(NcErrorKind::Overflow);
         }
         self.push(value)
@@ -238,7 +243,7 @@ impl Evaluation<'_> {
             let y = if commas == 1 { self.pop() } else { 0.0 };
             let x = self.pop();
             let value = function.apply(x, y)?;
-            if !(real::abs(value) <= f64::MAX) {
+            if !value.is_finite() {
                 return Err(NcErrorKind::Overflow);
             }
             self.push(value)?;
@@ -411,6 +416,9 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
+        if !matches!(first, b'M' | b'A' | b'X' | b'O') {
+            return None;
+        }
         let word = c.letters();
         for (name, op) in [("MOD", Op::Modulo), ("AND", Op::And), ("XOR", Op::Xor), ("OR", Op::Or)] {
             // `MODP2` is an operator and its operand.

@@ -14,12 +14,18 @@ pub const SUBROUTINES: usize = 64;
 #[derive(Clone, Copy)]
 pub(super) enum Block {
     /// Counter, last value, step.
-    For { counter: u32, end: f64, step: f64 },
+    For {
+        counter: u32,
+        end: f64,
+        step: f64,
+    },
     While,
     Do,
     Repeat,
     If,
-    Switch { value: f64 },
+    Switch {
+        value: f64,
+    },
 }
 
 impl Block {

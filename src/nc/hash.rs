@@ -91,14 +91,100 @@ const COMMANDS: &[(&str, Hash)] = &[
 
 /// First words of commands that ISG has and that are none of this project's functions.
 const OTHER: &[&str] = &[
-    "ACS", "ADD", "ANG", "AX", "BACKWARD", "BCS", "CACHE", "CAXTRACK", "CAX", "CHANNEL", "CHF", "CHR", "CLEAR",
-    "COLD", "CONTROL", "CORR", "COUPLE", "CS", "CYL", "DEL", "DIST", "DISABLE", "DYNAMIC", "ECS", "EDM", "ENABLE",
-    "ERROR", "EXPL", "EXPORT", "FACE", "FILE", "FLUSH", "FREE", "FRC", "GEAR", "GET", "GANTRY", "HANDWHEEL", "IDENT",
-    "INDP", "INIT", "INTF", "JOG", "KIN", "LOG", "MACHINE", "MAIN", "MANUAL", "MCS", "MEAS", "MIRROR", "MSG", "NIBBLE",
-    "OPTIONAL", "ORI", "OTC", "OVERWRITE", "PROFILE", "PROJECT", "PSET", "PRESET", "PTP", "PUNCH", "PUT", "ROTATION",
-    "REPOSITION", "RPF", "RT", "SCALE", "SELECT", "SEGMENTATION", "SET", "SIGNAL", "SINGLE", "SPINDLE", "STOP",
-    "STRING", "SUPPRESS", "TANGFEED", "TLC", "TOOL", "TRACK", "TRC", "TUBE", "TURN", "UNLOCK", "UPDATE", "USER",
-    "VAR", "ENDVAR", "VECTOR", "VOLCOMP", "WAIT", "WCS",
+    "ACS",
+    "ADD",
+    "ANG",
+    "AX",
+    "BACKWARD",
+    "BCS",
+    "CACHE",
+    "CAXTRACK",
+    "CAX",
+    "CHANNEL",
+    "CHF",
+    "CHR",
+    "CLEAR",
+    "COLD",
+    "CONTROL",
+    "CORR",
+    "COUPLE",
+    "CS",
+    "CYL",
+    "DEL",
+    "DIST",
+    "DISABLE",
+    "DYNAMIC",
+    "ECS",
+    "EDM",
+    "ENABLE",
+    "ERROR",
+    "EXPL",
+    "EXPORT",
+    "FACE",
+    "FILE",
+    "FLUSH",
+    "FREE",
+    "FRC",
+    "GEAR",
+    "GET",
+    "GANTRY",
+    "HANDWHEEL",
+    "IDENT",
+    "INDP",
+    "INIT",
+    "INTF",
+    "JOG",
+    "KIN",
+    "LOG",
+    "MACHINE",
+    "MAIN",
+    "MANUAL",
+    "MCS",
+    "MEAS",
+    "MIRROR",
+    "MSG",
+    "NIBBLE",
+    "OPTIONAL",
+    "ORI",
+    "OTC",
+    "OVERWRITE",
+    "PROFILE",
+    "PROJECT",
+    "PSET",
+    "PRESET",
+    "PTP",
+    "PUNCH",
+    "PUT",
+    "ROTATION",
+    "REPOSITION",
+    "RPF",
+    "RT",
+    "SCALE",
+    "SELECT",
+    "SEGMENTATION",
+    "SET",
+    "SIGNAL",
+    "SINGLE",
+    "SPINDLE",
+    "STOP",
+    "STRING",
+    "SUPPRESS",
+    "TANGFEED",
+    "TLC",
+    "TOOL",
+    "TRACK",
+    "TRC",
+    "TUBE",
+    "TURN",
+    "UNLOCK",
+    "UPDATE",
+    "USER",
+    "VAR",
+    "ENDVAR",
+    "VECTOR",
+    "VOLCOMP",
+    "WAIT",
+    "WCS",
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -115,7 +201,11 @@ impl<const AXES: usize> Interpreter<AXES> {
                 c.bump();
             }
             let span = c.since(mark);
-            return span.fault(if other { NcErrorKind::NotAvailable("command") } else { NcErrorKind::UnknownHash });
+            return span.fault(if other {
+                NcErrorKind::NotAvailable("command")
+            } else {
+                NcErrorKind::UnknownHash
+            });
         };
         let head = self.head_of(line, c.since(mark));
         let command = self.arguments(c, *id, head)?;
@@ -159,7 +249,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 }
                 if let Some(mode) = words.opmode {
                     if mode == 0 {
-                        let kind = NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
+                        let kind =
+                            NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
                         return c.since(mark).fault(kind);
                     }
                     words.hsc.method = Some(HscMethod::Op(mode));
@@ -291,9 +382,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             Some(1) => Ok(Tangent::Auto),
             Some(2) => Ok(Tangent::Tangential),
             Some(3) => Ok(Tangent::User),
-            _ => {
-                c.since(mark).fault(NcErrorKind::Range { what: "mode", min: 1, max: 3, unit: "", above: false })
-            }
+            _ => c.since(mark).fault(NcErrorKind::Range {
+                what: "mode",
+                min: 1,
+                max: 3,
+                unit: "",
+                above: false,
+            }),
         }
     }
 
@@ -301,7 +396,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn kinematic_id(&self, c: &mut Cursor<'_>) -> Result<u16, Fault> {
         c.require(b'[', "[ and the number of a kinematic")?;
         let mark = c.mark();
-        let id = expression(c, &self.parameters)?.whole().and_then(|n| u16::try_from(n).ok()).filter(|n| *n > 0);
+        let id =
+            expression(c, &self.parameters)?.whole().and_then(|n| u16::try_from(n).ok()).filter(|n| *n > 0);
         let span = c.since(mark);
         let kind = NcErrorKind::Range { what: "kinematic", min: 1, max: 65_535, unit: "", above: false };
         let id = id.ok_or(Fault { span, kind })?;
@@ -322,7 +418,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             if let Some(slot) = vector.get_mut(axis)
                 && slot.replace(value).is_some()
             {
-                return c.since(mark).fault(NcErrorKind::Twice("an axis"));
+                return c.since(mark).fault(NcErrorKind::Twice("axis"));
             }
         }
         Ok(vector)

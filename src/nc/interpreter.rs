@@ -1,13 +1,14 @@
 //! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short queue.
-use super::block::{Item, Modal};
+use super::block::Item;
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::flow::{Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
+use super::modal::Modal;
 use super::parameter::Parameters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 /// Words of a block that can wait for their turn.
 pub const BLOCK_WORDS: usize = 16;
@@ -62,7 +63,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub single: Option<Command<AXES>>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
-    pub warnings: Vec<NcWarning, 4>,
+    pub warnings: Deque<NcWarning, 4>,
 }
 
 /// Start of a logical line and of the one behind it.
@@ -86,14 +87,14 @@ impl<const AXES: usize> Interpreter<AXES> {
             motion: None,
             single: None,
             values: [None; AXES],
-            warnings: Vec::new(),
+            warnings: Deque::new(),
             setup,
         }
     }
 
     /// Remembers a warning; more than four in one line say nothing new.
     pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
-        let _ = self.warnings.push(NcWarning { place: line.place(span), kind });
+        let _ = self.warnings.push_back(NcWarning { place: line.place(span), kind });
     }
 
     /// What is still open where the running program ends.
@@ -134,10 +135,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// `%name` or `%L name`.
     fn head(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         c.bump();
-        let local = c.raw().to_ascii_uppercase() == b'L' && {
+        let local = c.raw().eq_ignore_ascii_case(&b'L') && {
             let mut ahead = *c;
             ahead.bump();
-            ahead.raw() == b' '
+            matches!(ahead.raw(), b' ' | 0)
         };
         if local {
             c.bump();
@@ -221,7 +222,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return c.since(mark).fault(NcErrorKind::Range {
                 what: "block number",
                 min: 0,
-                max: i64::from(u32::MAX),
+                max: u32::MAX,
                 unit: "",
                 above: false,
             });
@@ -235,7 +236,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn call(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         c.bump();
-        if c.raw().to_ascii_uppercase() != b'L' {
+        if !c.raw().eq_ignore_ascii_case(&b'L') {
             let _ = c.rest_of_word();
             return c.since(mark).fault(NcErrorKind::NotAvailable("global subroutine"));
         }

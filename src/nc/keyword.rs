@@ -1,5 +1,5 @@
 //! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`, the same reader for every command.
-use super::block::in_range;
+use super::compose::in_range;
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::{Limit, SlopeType, Tangent, Value};
@@ -149,17 +149,22 @@ fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
 }
 
 /// Reads the value of a keyword into its slot.
-fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usize, name: Span) -> Result<(), Fault> {
-    let twice = NcErrorKind::Twice("a keyword");
-    let whole = |c: &mut Cursor<'_>, max: i64| -> Result<i64, Fault> {
+fn value(
+    c: &mut Cursor<'_>,
+    parameters: &Parameters,
+    slot: Slot<'_>,
+    mark: usize,
+    name: Span,
+) -> Result<(), Fault> {
+    let twice = NcErrorKind::Twice("keyword");
+    let whole = |c: &mut Cursor<'_>, max: u32| -> Result<u32, Fault> {
         c.eat(b'=');
         let number = expression(c, parameters)?;
         let span = c.since(mark);
         let Some(n) = number.whole() else { return span.fault(NcErrorKind::NotWhole("it")) };
-        if (0..=max).contains(&n) {
-            Ok(n)
-        } else {
-            span.fault(NcErrorKind::Range { what: "value", min: 0, max, unit: "", above: false })
+        match u32::try_from(n) {
+            Ok(n) if n <= max => Ok(n),
+            _ => span.fault(NcErrorKind::Range { what: "value", min: 0, max, unit: "", above: false }),
         }
     };
     match slot {
@@ -183,11 +188,11 @@ fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usiz
             Ok(())
         }
         Slot::Level(to, max) => {
-            *to = Some(whole(c, i64::from(max))? as u8);
+            *to = Some(whole(c, u32::from(max))? as u8);
             Ok(())
         }
         Slot::Count(to) => {
-            *to = Some(whole(c, i64::from(u32::MAX))? as u32);
+            *to = Some(whole(c, u32::MAX)?);
             Ok(())
         }
         Slot::Real(to) => {
@@ -214,7 +219,8 @@ fn value(c: &mut Cursor<'_>, parameters: &Parameters, slot: Slot<'_>, mark: usiz
         }
         Slot::Tangent(to) => {
             c.eat(b'=');
-            let names = [("AUTO", Tangent::Auto), ("TANGENTIAL", Tangent::Tangential), ("USER", Tangent::User)];
+            let names =
+                [("AUTO", Tangent::Auto), ("TANGENTIAL", Tangent::Tangential), ("USER", Tangent::User)];
             *to = Some(choice(c, &names, "AUTO, TANGENTIAL or USER")?);
             Ok(())
         }
@@ -239,8 +245,8 @@ pub(super) fn number(
         span: c.since(mark),
         kind: NcErrorKind::Range {
             what: "value",
-            min: i64::from(range.min),
-            max: i64::from(range.max),
+            min: range.min,
+            max: range.max.unsigned_abs(),
             unit: range.unit,
             above: range.above,
         },

@@ -92,7 +92,8 @@ pub(super) struct LineReader<T> {
     /// Next byte.
     offset: u32,
     line: u32,
-    column: u32,
+    /// Start of the physical line.
+    line_offset: u32,
     /// Where the logical line began.
     start: Mark,
     fresh: bool,
@@ -102,6 +103,8 @@ pub(super) struct LineReader<T> {
     /// Bytes dropped since the last one kept, and whether a line end is among them.
     gap: u32,
     broken: bool,
+    /// The last byte kept is followed by nothing but blanks so far.
+    in_words: bool,
 }
 
 impl<T: Text> LineReader<T> {
@@ -113,7 +116,7 @@ impl<T: Text> LineReader<T> {
             filled: 0,
             offset: 0,
             line: 1,
-            column: 1,
+            line_offset: 0,
             start: Mark { offset: 0, line: 1 },
             fresh: true,
             comment: 0,
@@ -121,6 +124,7 @@ impl<T: Text> LineReader<T> {
             continued: false,
             gap: 0,
             broken: false,
+            in_words: false,
         }
     }
 
@@ -130,7 +134,7 @@ impl<T: Text> LineReader<T> {
         self.filled = 0;
         self.offset = mark.offset;
         self.line = mark.line;
-        self.column = 1;
+        self.line_offset = mark.offset;
         self.fresh = true;
     }
 
@@ -144,6 +148,12 @@ impl<T: Text> LineReader<T> {
         Mark { offset: self.offset, line: self.line }
     }
 
+    /// Where the next byte stands.
+    pub const fn here(&self) -> Place {
+        let column = self.offset.wrapping_sub(self.line_offset).wrapping_add(1);
+        Place { line: self.line, column, length: 0, offset: self.offset }
+    }
+
     /// Reads on until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.fresh {
@@ -155,19 +165,26 @@ impl<T: Text> LineReader<T> {
             self.continued = false;
             self.gap = 0;
             self.broken = false;
+            self.in_words = false;
         }
-        for _ in 0..SLICE {
+        let mut budget = SLICE;
+        while budget > 0 {
+            let run = self.take_run(line, budget);
+            if run > 0 {
+                budget -= run;
+                continue;
+            }
+            budget -= 1;
             let Some(byte) = self.next_byte()? else {
                 self.fresh = true;
                 let nothing = self.offset == self.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
-            let here = Place { line: self.line, column: self.column, length: 1, offset: self.offset };
+            let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
-            self.column = self.column.saturating_add(1);
             if byte == b'\n' {
                 self.line = self.line.wrapping_add(1);
-                self.column = 1;
+                self.line_offset = self.offset;
                 self.comment = 0;
                 self.remark = false;
                 if !self.continued {
@@ -184,6 +201,7 @@ impl<T: Text> LineReader<T> {
             }
             if self.dropped(byte) {
                 self.gap = self.gap.saturating_add(1);
+                self.in_words &= self.comment == 0 && !self.remark && !self.continued;
             } else if byte >= 0x80 {
                 return Err(refusal(here, NcErrorKind::ForeignByte(byte)));
             } else if self.continued {
@@ -194,9 +212,33 @@ impl<T: Text> LineReader<T> {
                 keep(line, byte, here, self.gap, self.broken)?;
                 self.gap = 0;
                 self.broken = false;
+                self.in_words = true;
             }
         }
         Ok(Fill::Partial)
+    }
+
+    /// The usual case: bytes of a word, perhaps after some blanks, at most `budget`; says how many.
+    fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
+        if !self.in_words || self.gap > GAP {
+            return 0;
+        }
+        let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
+        let plain = |b: &u8| !matches!(*b, 0..=b' ' | b'(' | b')' | b';' | b'\\' | 0x7f..);
+        let run = rest.iter().take(budget).take_while(|b| plain(b)).count();
+        let blanks = self.gap as usize;
+        let words = rest.get(..run).unwrap_or(&[]);
+        if words.is_empty() || line.bytes.len() + blanks + run > LINE_BYTES {
+            return 0;
+        }
+        for _ in 0..blanks {
+            let _ = line.bytes.push(b' ');
+        }
+        let _ = line.bytes.extend_from_slice(words);
+        self.gap = 0;
+        self.used += run as u8;
+        self.offset = self.offset.wrapping_add(run as u32);
+        run
     }
 
     /// Follows comments and continuations; true for a byte that is not part of the line.
@@ -239,7 +281,7 @@ impl<T: Text> LineReader<T> {
 
     fn next_byte(&mut self) -> Result<Option<u8>, NcError> {
         if self.used >= self.filled {
-            let place = Place { line: self.line, column: self.column, length: 0, offset: self.offset };
+            let place = self.here();
             let count = self
                 .text
                 .read(self.offset, &mut self.chunk)
@@ -247,7 +289,8 @@ impl<T: Text> LineReader<T> {
             self.used = 0;
             self.filled = count.min(64) as u8;
         }
-        let byte = if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
+        let byte =
+            if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
         self.used += u8::from(byte.is_some());
         Ok(byte)
     }

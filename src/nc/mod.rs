@@ -12,6 +12,7 @@
 mod axis_command;
 mod block;
 mod command;
+mod compose;
 mod control;
 mod cursor;
 mod decoder;
@@ -23,13 +24,13 @@ mod hash;
 mod interpreter;
 mod keyword;
 mod line;
+mod modal;
 mod number;
 mod parameter;
 mod real;
 mod smoothing;
 mod text;
 
-pub use block::COORDINATE_MAX;
 pub use command::*;
 pub use decoder::{Decoder, Step};
 use error::{Fault, Span};
@@ -39,6 +40,7 @@ pub use flow::{CALL_DEPTH, NESTING, SUBROUTINES};
 pub use function::*;
 pub use interpreter::BLOCK_WORDS;
 pub use line::{CONTINUATIONS, LINE_BYTES};
+pub use modal::COORDINATE_MAX;
 pub use parameter::PARAMETERS;
 pub use text::*;
 

@@ -1,8 +1,10 @@
 //! f64 functions of expressions, from + − × ÷ alone so that every machine gives the same bits.
 //!
 //! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors against the true
-//! value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at most 2 ulp
+//! value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at most 2 ulp, tangent and the arc functions of it 3
 //! (host-tests/tests/nc_real.rs); powers with whole exponents at most 1 ulp per multiplication.
+
+#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8; // 33 bits, so that k·LN2_HIGH is exact for |k| < 2^20
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -16,13 +18,24 @@ pub(super) fn abs(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (u64::MAX >> 1))
 }
 
-/// Nearest f64 to `mantissa` / 10^`scale` (correct up to 2^53 and 22 decimals, else within 1 ulp).
+/// Nearest f64 to `mantissa` / 10^`scale`, ties to even; `scale` up to 19.
 pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     const POWERS: [f64; 20] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
-        1e19,
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+        1e18, 1e19,
     ];
-    mantissa as f64 / POWERS.get(usize::from(scale)).copied().unwrap_or(1e19)
+    let power = POWERS.get(usize::from(scale)).copied().unwrap_or(1e19);
+    if mantissa <= 1 << 53 {
+        // Both exact: one rounding.
+        return mantissa as f64 / power;
+    }
+    // 127 bits over at most 64: a quotient of 63 bits or more, made odd where a rest is left, rounds correctly.
+    let shift = 63 + mantissa.leading_zeros();
+    let dividend = u128::from(mantissa) << shift;
+    let divisor = u128::from(power as u64);
+    let quotient = dividend.checked_div(divisor).unwrap_or(0);
+    let sticky = u128::from(quotient.wrapping_mul(divisor) != dividend);
+    (quotient | sticky) as f64 * power_of_two(-(shift as i32))
 }
 
 /// Towards zero.
@@ -60,10 +73,10 @@ pub(super) fn round(x: f64) -> f64 {
     }
 }
 
-/// Remainder of `x` / `y` with the sign of `x`, exact; `y` is not zero.
+/// Remainder of `x` / `y` with the sign of `x`, exact; no number for |y| below 10^-290 where exponents end.
 pub(super) fn remainder(x: f64, y: f64) -> f64 {
     let (mut rest, divisor) = (abs(x), abs(y));
-    if !rest.is_finite() || divisor == 0.0 || divisor.is_nan() {
+    if !rest.is_finite() || !(divisor >= 1e-290) {
         return f64::NAN;
     }
     // Subtracts y·2^k for falling k; each subtraction is exact, k starts at the exponent difference (< 2100).
@@ -175,11 +188,23 @@ pub(super) fn sin_cos(degrees: f64) -> Option<(f64, f64)> {
 
 /// Tangent; `None` where it is infinite.
 pub(super) fn tan(degrees: f64) -> Option<f64> {
-    let (s, c) = sin_cos(degrees)?;
-    if abs(s) == abs(c) {
-        return Some(s / c);
+    slope_of(degrees, 0)
+}
+
+/// Cotangent; `None` where it is infinite.
+pub(super) fn cot(degrees: f64) -> Option<f64> {
+    slope_of(degrees, 1).map(|x| 0.0 - x)
+}
+
+/// Tangent of an angle plus `quarters` right angles.
+fn slope_of(degrees: f64, quarters: u8) -> Option<f64> {
+    let (quarter, rest) = reduce(degrees)?;
+    let upright = (quarter + quarters) & 1 == 1;
+    if abs(rest) == 45.0 {
+        return Some(if (rest > 0.0) == upright { -1.0 } else { 1.0 });
     }
-    (c != 0.0).then(|| s / c)
+    let (s, c) = sin_cos_eighth(rest);
+    if upright { (s != 0.0).then(|| -c / s) } else { Some(s / c) }
 }
 
 /// Arc tangent in degrees.
@@ -197,8 +222,7 @@ pub(super) fn atan(x: f64) -> f64 {
         (45.0, 0.0),
     ];
     // 1/1, 1/3, … of the series; |t| ≤ 1/16: next term below 2^-64.
-    const C: [f64; 7] =
-        [-1.0 / 15.0, 1.0 / 13.0, -1.0 / 11.0, 1.0 / 9.0, -1.0 / 7.0, 1.0 / 5.0, -1.0 / 3.0];
+    const C: [f64; 7] = [-1.0 / 15.0, 1.0 / 13.0, -1.0 / 11.0, 1.0 / 9.0, -1.0 / 7.0, 1.0 / 5.0, -1.0 / 3.0];
     let a = abs(x);
     let (numerator, denominator, above) = if a > 1.0 { (1.0, a, true) } else { (a, 1.0, false) };
     let k = round(numerator / denominator * 8.0);
@@ -210,7 +234,8 @@ pub(super) fn atan(x: f64) -> f64 {
     let top_low = -cd_low;
     let (cn, cn_low) = product(c, numerator);
     let bottom = denominator + cn;
-    let bottom_low = (if denominator > cn { cn - (bottom - denominator) } else { denominator - (bottom - cn) }) + cn_low;
+    let bottom_low =
+        (if denominator > cn { cn - (bottom - denominator) } else { denominator - (bottom - cn) }) + cn_low;
     let t = (top + top_low) / bottom;
     let (tb, tb_low) = product(t, bottom);
     let t_low = (((top - tb) - tb_low) + top_low - t * bottom_low) / bottom;

@@ -139,7 +139,16 @@ impl Keywords for Contour {
             "MERGE" => Slot::Flag(&mut self.merge),
             other => {
                 let [x, y, z] = &mut self.point;
-                Slot::Number(if other == "X" { x } else if other == "Y" { y } else { z }, coordinate)
+                Slot::Number(
+                    if other == "X" {
+                        x
+                    } else if other == "Y" {
+                        y
+                    } else {
+                        z
+                    },
+                    coordinate,
+                )
             }
         }
     }

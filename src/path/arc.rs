@@ -77,25 +77,20 @@ pub fn arc<const AXES: usize>(
     shape.a = r0;
     if difference != 0 {
         let ratio = div_shift_signed(difference, 62, len0.unsigned_abs());
-        shape.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 64, end_w));
+        shape.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 51, end_w) as i32);
     }
-    // In the plane the linear part makes up for what the rounded circle misses at its end.
-    let circle_end = shape.circle(shape.end_w());
-    for ((k, r1), end) in axes.into_iter().zip(r1).zip(circle_end) {
+    for k in axes {
         if let Some(travel) = travel.get_mut(k) {
             *travel = 0;
         }
-        if let Some(gain) = shape.gain.get_mut(k) {
-            *gain = (r1 >> (FINER - GUARD)).wrapping_sub(end);
-        }
     }
-    let missed = axes.map(|k| shape.gain.get(k).copied().unwrap_or(0));
     shape.set_gains(&travel);
-    for (k, missed) in axes.into_iter().zip(missed) {
-        if let Some(gain) = shape.gain.get_mut(k) {
-            *gain = div_shift_signed(missed, 64, end_w);
-        }
-    }
+    // Quotient and product are off by at most one LSB each: hidden by the guard bits.
+    let end = shape.circle(shape.end_w());
+    shape.miss = [0, 1].map(|i| {
+        let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
+        div_shift_signed(missed, 62, end_w) as i32
+    });
 
     let linear = shape.linear_tangent();
     let end = |r: [i64; 2], len: i64| {

@@ -4,14 +4,15 @@
 //! The curve itself is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
 //!
 //! ```text
-//! x_k = base_k + gain_k·w [+ a_p(w)·cos φ − a_q(w)·sin φ, a_q(w)·cos φ + a_p(w)·sin φ for the two axes of an arc]
-//! φ = turn·w,  a(w) = a + grow·w
+//! x_k = base_k + gain_k·w                                   every axis of a line, of an arc those outside its plane
+//! x_p = base_p + a_p(w)·cos φ − a_q(w)·sin φ + miss_p·w     the two axes of its plane
+//! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
 //! so that a tick multiplies and adds. `w` is the distance shifted to 63 bits: every factor then uses its full
-//! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. The linear
-//! part of an arc carries the axes outside its plane, and in the plane what rounding left between the end of the
-//! circle and the programmed end, so that the end is met to the last bit.
+//! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. `miss` is what
+//! rounding left between the end of the circle and the programmed end, so that the end is met to the last bit; it
+//! and `grow` are so small that the upper half of `w` does.
 mod arc;
 mod line;
 
@@ -133,8 +134,10 @@ pub struct Shape<const AXES: usize> {
     gain: [i64; AXES],
     /// Radius vector at the start, 2^-44 mm.
     a: [i64; 2],
-    /// Its growth: 2^-44 mm per 2^64 units of `w`.
-    grow: [i64; 2],
+    /// Its growth: 2^-44 mm per 2^51 units of `w`.
+    grow: [i32; 2],
+    /// What the circle misses at its end: 2^-42 mm per 2^62 units of `w`.
+    miss: [i32; 2],
     /// Angle: 2^-60 revolutions per 2^64 units of `w`.
     turn: i64,
     /// Axes of the arc's plane.
@@ -147,7 +150,16 @@ impl<const AXES: usize> Shape<AXES> {
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(1);
-        Self { length, gain: [0; AXES], a: [0; 2], grow: [0; 2], turn: 0, plane: [NO_PLANE; 2], shift }
+        Self {
+            length,
+            gain: [0; AXES],
+            a: [0; 2],
+            grow: [0; 2],
+            miss: [0; 2],
+            turn: 0,
+            plane: [NO_PLANE; 2],
+            shift,
+        }
     }
 
     /// Whether it is an arc.
@@ -171,22 +183,14 @@ impl<const AXES: usize> Shape<AXES> {
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = distance << (self.shift & 63);
-        if self.plane[0] == NO_PLANE {
-            for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
-                *x = add(*base, mul_hi(w, *gain));
-            }
-        } else {
-            let mut sum = [0i64; AXES];
-            for (sum, gain) in sum.iter_mut().zip(&self.gain) {
-                *sum = mul_hi(w, *gain);
-            }
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
+            *x = if *gain == 0 { *base } else { add(*base, mul_hi(w, *gain)) };
+        }
+        if self.plane[0] != NO_PLANE {
             for (axis, part) in self.plane.iter().zip(self.circle(w)) {
-                if let Some(sum) = sum.get_mut(*axis as usize) {
-                    *sum = sum.wrapping_add(part);
+                if let (Some(x), Some(base)) = (out.get_mut(*axis as usize), base.get(*axis as usize)) {
+                    *x = add(*base, part);
                 }
-            }
-            for ((x, base), sum) in out.iter_mut().zip(base).zip(&sum) {
-                *x = add(*base, *sum);
             }
         }
     }
@@ -195,9 +199,13 @@ impl<const AXES: usize> Shape<AXES> {
     #[inline(always)]
     fn circle(&self, w: i64) -> [i64; 2] {
         let (sin, cos) = sin_cos((mul_hi(w, self.turn) << 4) as u64);
-        let p = self.a[0].wrapping_add(mul_hi(w, self.grow[0]));
-        let q = self.a[1].wrapping_add(mul_hi(w, self.grow[1]));
-        [mul_hi(p, cos).wrapping_sub(mul_hi(q, sin)), mul_hi(q, cos).wrapping_add(mul_hi(p, sin))]
+        let upper = w >> 32;
+        let [p, q] = [0, 1].map(|i| self.a[i].wrapping_add((upper * i64::from(self.grow[i])) >> 19));
+        let [x, y] = [0, 1].map(|i| (upper * i64::from(self.miss[i])) >> 30);
+        [
+            x.wrapping_add(mul_hi(p, cos)).wrapping_sub(mul_hi(q, sin)),
+            y.wrapping_add(mul_hi(q, cos)).wrapping_add(mul_hi(p, sin)),
+        ]
     }
 }
 

@@ -8,7 +8,7 @@
 //! 2^-58 mm the cubic stays within 2^-41 mm.
 use super::profile::{Change, Profile};
 use crate::math::divide::div_wide;
-use crate::math::wide::{mul_shift, mul_wide};
+use crate::math::wide::{mul_hi, mul_shift, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::Phase;
 
@@ -49,10 +49,9 @@ pub struct Emitter {
     part: usize,
     /// Time from the start of that part to the next tick.
     next: u64,
-    /// Whether `reciprocal` belongs to the part.
-    ready: bool,
-    /// 2^126 / (time << zeros).
+    /// 2^126 / (time << zeros), and the time it belongs to: often that of the next part too.
     reciprocal: u64,
+    reciprocal_of: u64,
     zeros: u32,
 }
 
@@ -72,7 +71,7 @@ impl Default for Emitter {
 impl Emitter {
     /// At rest, at a tick.
     pub const fn new() -> Self {
-        Self { parts: [IDLE; PARTS], part: PARTS, next: 0, ready: false, reciprocal: 0, zeros: 0 }
+        Self { parts: [IDLE; PARTS], part: PARTS, next: 0, reciprocal: 0, reciprocal_of: 0, zeros: 0 }
     }
 
     /// Whether the last block is handed out.
@@ -83,42 +82,36 @@ impl Emitter {
     /// Takes the next block, which starts at path distance `start`. Only when the last one [`Self::is_done`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
-        let mut at = start.to_bits();
-        let mut parts = [IDLE; PARTS];
-        let (up, down) = parts.split_at_mut(4);
-        let (cruise, up) = up.split_last_mut().map_or((None, &mut [][..]), |(c, u)| (Some(c), u));
-        fill(up, &profile.up, &mut at);
+        let at = fill(&mut self.parts, 0, &profile.up, start.to_bits());
         // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise lies between.
-        let mut back = end.wrapping_sub(profile.down.lengths().iter().sum());
-        if let Some(cruise) = cruise {
-            let v = profile.peak().to_bits();
+        let back = end.wrapping_sub(profile.down.length());
+        let v = profile.peak().to_bits();
+        if let Some(cruise) = self.parts.get_mut(3) {
             *cruise = Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v };
         }
-        fill(down, &profile.down, &mut back);
-        self.parts = parts;
+        fill(&mut self.parts, 4, &profile.down, back);
         self.part = 0;
-        self.ready = false;
     }
 
-    /// The next piece, `None` if there is nothing to hand over yet (call again until [`Self::is_done`]).
-    /// Bounded work: at most one piece or one part.
+    /// The next piece, `None` when the block is handed out. Bounded work: one piece.
     pub fn step(&mut self) -> Option<Phase> {
-        let part = *self.parts.get(self.part)?;
-        if self.next >= part.time {
+        while let Some(part) = self.parts.get(self.part) {
+            if self.next < part.time {
+                let part = *part;
+                let longest = match part.kind {
+                    Kind::Hold if part.v0 == part.v1 => LONGEST[2],
+                    Kind::Hold => LONGEST[1],
+                    _ => LONGEST[0],
+                };
+                let ticks = ((part.time - self.next - 1) / TICK + 1).min(longest);
+                let phase = self.piece(&part, self.next, ticks as u16);
+                self.next += ticks * TICK;
+                return Some(phase);
+            }
             self.next -= part.time;
             self.part += 1;
-            self.ready = false;
-            return None;
         }
-        let longest = match part.kind {
-            Kind::Hold if part.v0 == part.v1 => LONGEST[2],
-            Kind::Hold => LONGEST[1],
-            _ => LONGEST[0],
-        };
-        let ticks = ((part.time - self.next - 1) / TICK + 1).min(longest);
-        let phase = self.piece(&part, self.next, ticks as u16);
-        self.next += ticks * TICK;
-        Some(phase)
+        None
     }
 
     /// Waits for the next tick, where the axes stand still: a motion that follows starts there.
@@ -145,13 +138,17 @@ impl Emitter {
                 ticks,
             };
         }
-        if !self.ready {
+        if self.reciprocal_of != part.time {
             self.zeros = part.time.leading_zeros();
             self.reciprocal = div_wide(1 << 62, 0, part.time << self.zeros).min(i64::MAX as u64);
-            self.ready = true;
+            self.reciprocal_of = part.time;
         }
         // per_tick: x / time; fraction: t / time, LSB 2^-62
-        let per_tick = |x: i64| mul_shift(x, self.reciprocal as i64, 90 - self.zeros);
+        let per_tick = |x: i64| {
+            let x = mul_hi(x, self.reciprocal as i64);
+            // A part below two ticks has so few of them that the bits missing on the right do not add up.
+            if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
+        };
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
         let by = |x: i64, u: i64| mul_shift(x, u, 62);
         let slope = per_tick(delta);
@@ -190,14 +187,15 @@ fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
 }
 
-/// The three parts of a change of speed, from path distance `at` on, which moves on to their end.
-fn fill(parts: &mut [Part], change: &Change, at: &mut i64) {
+/// Puts the three parts of a change of speed in place `first` on, from path distance `from`; gives their end.
+fn fill(parts: &mut [Part; PARTS], first: usize, change: &Change, from: i64) -> i64 {
     let kinds = [Kind::Rise, Kind::Hold, Kind::Fall];
-    let speeds = change.speeds.iter().zip(change.speeds.iter().skip(1));
-    let rows = parts.iter_mut().zip(kinds).zip(change.times).zip(change.lengths()).zip(speeds);
-    for ((((part, kind), time), length), (v0, v1)) in rows {
-        let to = at.wrapping_add(length);
-        *part = Part { kind, time, from: *at, to, v0: *v0, v1: *v1 };
-        *at = to;
+    let mut at = from;
+    for (k, part) in parts.iter_mut().skip(first).take(3).enumerate() {
+        let to = at.wrapping_add(change.lengths[k]);
+        let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
+        *part = Part { kind: kinds[k], time: change.times[k], from: at, to, v0, v1 };
+        at = to;
     }
+    at
 }

@@ -5,10 +5,9 @@
 //! computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a slope that fills the
 //! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
 //! that, and [`Profile::plan`] verifies it.
-use super::ramp::Ramp;
-use crate::lookahead::{Limits, min};
+use super::ramp::{Ramp, root_of_cubic};
+use crate::lookahead::{Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
-use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
 
@@ -19,6 +18,8 @@ pub struct Change {
     pub times: [u64; 3],
     /// Speed before the first, between them and after the last, LSB 2^-58 mm/tick.
     pub speeds: [i64; 4],
+    /// Their path lengths, LSB 2^-44 mm.
+    pub lengths: [i64; 3],
 }
 
 /// Speed over time in one block.
@@ -59,21 +60,31 @@ impl Change {
     /// dv = ap (t1/2 + t2 + t3/2).
     fn new(v0: i64, v1: i64, times: [u64; 3]) -> Self {
         let dv = v1 - v0;
-        let whole = times[0] + 2 * times[1] + times[2];
+        if dv == 0 {
+            return Self { times: [0; 3], speeds: [v0; 4], lengths: [0; 3] };
+        }
+        let [t1, t2, t3] = times;
+        let whole = t1 + 2 * t2 + t3;
         let part = |time: u64| {
             let (hi, lo) = mul_wide(dv.unsigned_abs(), time);
             let size = div_wide(hi, lo, whole.max(1)) as i64;
             if dv < 0 { -size } else { size }
         };
-        Self { times, speeds: [v0, v0 + part(times[0]), v1 - part(times[2]), v1] }
+        let [first, last] = match (t1 == t3, t2 == 0) {
+            (true, true) => [dv >> 1, dv - (dv >> 1)],
+            (true, false) => [part(t1); 2],
+            _ => [part(t1), part(t3)],
+        };
+        let [a, b] = [v0 + first, v1 - last];
+        // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
+        let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
+        let lengths = [area(v0 + third(first), t1), hold, area(v1 - third(last), t3)];
+        Self { times, speeds: [v0, a, b, v1], lengths }
     }
 
-    /// Path length of the three parts, LSB 2^-44 mm.
-    pub fn lengths(&self) -> [i64; 3] {
-        let [t1, t2, t3] = self.times;
-        let [v0, v1, v2, v3] = self.speeds;
-        // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
-        [area(v0 + (v1 - v0) / 3, t1), area(v1 + (v2 - v1) / 2, t2), area(v3 - (v3 - v2) / 3, t3)]
+    /// Path length of all three parts, LSB 2^-44 mm.
+    pub fn length(&self) -> i64 {
+        self.lengths.iter().sum()
     }
 
     /// Time of all three parts.
@@ -81,20 +92,42 @@ impl Change {
         self.times.iter().sum()
     }
 
-    /// Peak acceleration and the jerks of both ramps as `f32`, for verification.
-    fn peak(&self) -> [f32; 3] {
-        let dv = speed_f32((self.speeds[3] - self.speeds[0]).abs());
-        let [t1, t2, t3] = self.times.map(|t| t as f32 * (1.0 / TIME_ONE));
-        let whole = 0.5 * (t1 + t3) + t2;
-        let a = if whole > 0.0 { dv / whole } else { 0.0 };
-        let over = |t: f32| if t > 0.0 { a / t } else { 0.0 };
-        [a, over(t1), over(t3)]
+    /// The same change in `factor`·2^-62 of the time.
+    fn shrunk(&self, factor: u64) -> Self {
+        let times =
+            self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
+        Self::new(self.speeds[0], self.speeds[3], times)
+    }
+
+    /// Whether peak acceleration and jerks are permitted, without a division: dv ≤ a·whole/2 and
+    /// dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3.
+    fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
+        let dv = (self.speeds[3] - self.speeds[0]).abs();
+        let [t1, t2, t3] = self.times;
+        let whole = t1 + 2 * t2 + t3;
+        let within = |a: i64| dv <= mul_shift(a, whole as i64, 37) + ROUNDING;
+        let jerk = |j: f32, t: u64| t == 0 || within(mul_shift(speed_bits(j * JERK_SLACK), t as i64, 36));
+        let jerks = || {
+            if t1 == t3 { jerk(min(j_first, j_last), t1) } else { jerk(j_first, t1) && jerk(j_last, t3) }
+        };
+        dv == 0 || (within(speed_bits(a * ACCEL_SLACK)) && jerks())
     }
 }
+
+/// Limits carry margins of 2^-20 (speed, acceleration) and 2^-13 (jerk); the plan may use up half of them.
+const ACCEL_SLACK: f32 = 1.0 + 1.0 / 2_097_152.0;
+const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
+/// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
+const ROUNDING: i64 = 64;
 
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
 fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
+}
+
+/// A third, rounded to nearest.
+fn third(x: i64) -> i64 {
+    mul_shift(x, 0x1555_5555_5555_5555, 62)
 }
 
 impl Profile {
@@ -121,24 +154,21 @@ impl Profile {
             cruise: 0,
             down: Change::new(peak, v_out, [begin, hold, end]),
         };
-        let slopes = profile.slopes_length();
+        let slopes = profile.up.length() + profile.down.length();
         let rest = length - slopes;
         if rest >= 0 {
             // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel
             profile.cruise = div_shift(rest as u64, 50, peak.max(1) as u64);
         } else {
-            let shrink = |time: u64| {
-                let (hi, lo) = mul_wide(time, length.unsigned_abs());
-                div_wide(hi, lo, slopes.max(1).unsigned_abs()) + u64::from(time > 0)
-            };
-            profile.up = Change::new(v_in, peak, profile.up.times.map(shrink));
-            profile.down = Change::new(peak, v_out, profile.down.times.map(shrink));
+            let factor = div_shift(length as u64, 62, slopes as u64);
+            profile.up = profile.up.shrunk(factor);
+            profile.down = profile.down.shrunk(factor);
         }
-        profile.verify(limits)
-    }
-
-    fn slopes_length(&self) -> i64 {
-        self.up.lengths().iter().sum::<i64>() + self.down.lengths().iter().sum::<i64>()
+        let inside = profile.up.is_inside(limits.a_up, limits.j[0], limits.j[1])
+            && profile.down.is_inside(limits.a_down, limits.j[2], limits.j[3])
+            && peak <= speed_bits(limits.v * ACCEL_SLACK)
+            && profile.cruise < LONGEST;
+        if inside { Ok(profile) } else { Err(Unplannable) }
     }
 
     /// Duration of the block.
@@ -150,66 +180,46 @@ impl Profile {
     pub fn peak(&self) -> Speed {
         Speed::from_bits(self.up.speeds[3])
     }
-
-    /// Limits carry margins of 2^-20 (acceleration) and 2^-13 (jerk); half of them may be used up here.
-    fn verify(self, limits: &Limits) -> Result<Self, Unplannable> {
-        let [a, j0, j1] = self.up.peak();
-        let [d, j2, j3] = self.down.peak();
-        const A: f32 = 1.0 + 1.0 / 2_097_152.0;
-        const J: f32 = 1.0 + 1.0 / 16_384.0;
-        let inside = a <= limits.a_up * A
-            && d <= limits.a_down * A
-            && [j0, j1, j2, j3].iter().zip(&limits.j).all(|(j, limit)| *j <= limit * J)
-            && speed_f32(self.up.speeds[3]) <= limits.v * A;
-        if inside && self.cruise < LONGEST { Ok(self) } else { Err(Unplannable) }
-    }
 }
 
 /// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length allows.
 ///
-/// The distance of both slopes grows with the peak; the root is bracketed and found by the Illinois form of the
-/// secant method in a bounded number of steps.
+/// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
+/// halves where a step leaves it; the first guess is exact from rest to rest.
 fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
         return 0;
     }
     let [from_in, from_out] = [v_in, v_out].map(speed_f32);
-    let [above_in, above_out] = [v_in, v_out].map(|v| speed_f32(low - v));
+    let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { speed_f32(low - v) });
     let target = length as f32 * (1.0 / (1u64 << 44) as f32);
-    let excess =
-        |x: f32| up.distance(from_in, above_in + x) + down.distance(from_out, above_out + x) - target;
-    let [mut x0, mut x1] = [0.0, speed_f32(limit)];
-    let mut over = excess(x1);
-    if over <= 0.0 {
+    let excess = |x: f32| {
+        let [s0, d0] = up.distance(from_in, above_in + x);
+        let [s1, d1] = down.distance(from_out, above_out + x);
+        [s0 + s1 - target, d0 + d1]
+    };
+    let [mut below, mut above] = [0.0, speed_f32(limit)];
+    if excess(above)[0] <= 0.0 {
         return limit;
     }
-    let mut under = excess(x0);
-    if under >= 0.0 {
+    if v_in != v_out && excess(below)[0] >= 0.0 {
         return 0;
     }
-    // The distance grows with a power of the peak between 1.5 and 2.
-    let mut x = x1 * sqrt_f32(min(under / (under - over), 1.0));
-    let mut last_over = false;
-    for step in 0..PEAK_STEPS {
-        let value = excess(x);
-        let same = step > 0 && last_over == (value > 0.0);
-        last_over = value > 0.0;
-        if last_over {
-            (x1, over) = (x, value);
-            if same {
-                under *= 0.5;
-            }
-        } else {
-            (x0, under) = (x, value);
-            if same {
-                over *= 0.5;
-            }
+    let mut x = triangular(up, down, max(from_in, from_out), target);
+    for _ in 0..PEAK_STEPS {
+        if !(x > below && x < above) {
+            x = 0.5 * (below + above);
         }
-        let next = x0 + (x1 - x0) * (under / (under - over));
-        let step = next - x;
-        x = next;
-        if value == 0.0 || step * step <= x * x * CLOSE {
+        let [over, slope] = excess(x);
+        if over > 0.0 {
+            above = x;
+        } else {
+            below = x;
+        }
+        let step = over / slope;
+        x -= step;
+        if step * step <= x * x * CLOSE {
             break;
         }
     }
@@ -219,8 +229,17 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
     if gain < low >> 22 { 0 } else { gain }
 }
 
-/// Square of 2^-23: the next step would not move the root.
-const CLOSE: f32 = 1.0 / (1u64 << 46) as f32;
+/// Square of 2^-12: Newton's next step would be about the square of that.
+const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
+
+/// The peak above `low` if both speeds were `low` and no plateau were reached: with u = √x both slopes together take
+/// c1·u + c3·u³. Exact from rest to rest, a good guess elsewhere.
+fn triangular(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
+    let [a1, a3] = up.triangle(low);
+    let [b1, b3] = down.triangle(low);
+    let u = root_of_cubic(a3 + b3, a1 + b1, length);
+    u * u
+}
 
 /// Steps of the search for the peak.
 const PEAK_STEPS: usize = 20;

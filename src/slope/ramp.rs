@@ -10,7 +10,7 @@
 //!
 //! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in ticks: it
 //! decides times, which the integers of [`super::profile`] then take as given.
-use crate::lookahead::{max, min};
+use crate::lookahead::max;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 
 /// A slope between two speeds, seen from the lower one. Times in ticks.
@@ -52,17 +52,24 @@ impl Ramp {
         }
     }
 
-    /// Path length of the change by `dv` from `low` on.
-    pub fn distance(&self, low: f32, dv: f32) -> f32 {
+    /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
+    pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;
-            low * (self.rise + hold + self.fall)
-                + self.cubic
-                + self.a * hold * (0.5 * (self.rise + hold) + self.fall)
+            let length = linear + low * hold + self.cubic + self.a * hold * (0.5 * (self.rise + hold) + self.fall);
+            [length, low / self.a + 0.5 * self.rise + hold + self.fall]
         } else {
-            let k = sqrt_f32(max(dv, 0.0) / self.full);
-            k * (low * (self.rise + self.fall) + self.cubic * k * k)
+            let k = sqrt_f32(max(dv, f32::MIN_POSITIVE) / self.full);
+            let square = self.cubic * k * k;
+            [k * (linear + square), (linear + 3.0 * square) / (2.0 * k * self.full)]
         }
+    }
+
+    /// Coefficients of the distance of a change x without plateau from `low` on, as c1·√x + c3·√x³.
+    pub fn triangle(&self, low: f32) -> [f32; 2] {
+        let root = 1.0 / sqrt_f32(self.full);
+        [low * (self.rise + self.fall) * root, self.cubic * root * root * root]
     }
 
     /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
@@ -77,20 +84,24 @@ impl Ramp {
             let b = low + self.a * (0.5 * self.rise + self.fall);
             self.full + self.a * (2.0 * rest) / (b + sqrt_f32(b * b + 2.0 * self.a * rest))
         } else {
-            let mut k = min(1.0, cbrt_f32(length / self.cubic));
-            if length < linear * k {
-                k = length / linear;
-            }
-            for _ in 0..REACH_STEPS {
-                let square = self.cubic * k * k;
-                k = (2.0 * square * k + length) / (3.0 * square + linear);
-            }
+            let k = root_of_cubic(self.cubic, linear, length);
             k * k * self.full
         };
         dv * (1.0 - 1.0 / 2_097_152.0)
     }
 }
 
-/// From min(length/linear, cbrt(length/cubic)), at most 1.47 times the root, Newton's error falls to
+/// The root u > 0 of c3·u³ + c1·u = length. The left side grows and is convex: Newton's method falls onto the root
+/// from min(length/c1, cbrt(length/c3)), which is at most 1.47 times the root; its error falls to
 /// 9 %, 0.7 %, 5e-5, 2e-9.
-const REACH_STEPS: usize = 4;
+pub fn root_of_cubic(c3: f32, c1: f32, length: f32) -> f32 {
+    let mut u = cbrt_f32(length / c3);
+    if length < c1 * u {
+        u = length / c1;
+    }
+    for _ in 0..4 {
+        let square = c3 * u * u;
+        u = (2.0 * square * u + length) / (3.0 * square + c1);
+    }
+    u
+}

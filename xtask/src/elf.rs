@@ -1,4 +1,4 @@
-//! The symbol names of a 32-bit little-endian ELF file.
+//! What the panic proof wants to know of a 32-bit little-endian ELF file.
 
 /// Names in `.symtab`, mangled; `None` where the file is not what it should be.
 pub fn symbols(file: &[u8]) -> Option<Vec<String>> {
@@ -23,6 +23,50 @@ pub fn symbols(file: &[u8]) -> Option<Vec<String>> {
             let name = names.get(word(symbol, 0)? as usize..)?;
             let name = name.split(|&byte| byte == 0).next()?;
             Some(String::from_utf8_lossy(name).into_owned())
+        })
+        .collect()
+}
+
+/// `core::panic::Location`s in a file that holds them: pointer and length of a source path, line, column.
+pub fn panic_locations(file: &[u8]) -> Vec<String> {
+    let segments = segments(file).unwrap_or_default();
+    let text = |address: u32, length: u32| {
+        let (start, bytes) = segments.iter().find(|(start, bytes)| {
+            address >= *start
+                && u64::from(address) + u64::from(length) <= u64::from(*start) + bytes.len() as u64
+        })?;
+        let at = (address - start) as usize;
+        std::str::from_utf8(bytes.get(at..at + length as usize)?).ok().filter(|path| path.ends_with(".rs"))
+    };
+    let mut found = Vec::new();
+    for (_, bytes) in &segments {
+        for at in (0..bytes.len()).step_by(4) {
+            let words = (word(bytes, at), word(bytes, at + 4), word(bytes, at + 8), word(bytes, at + 12));
+            let (Some(address), Some(length), Some(line), Some(column)) = words else { break };
+            if let Some(path) = text(address, length).filter(|_| line < 100_000 && column < 1000) {
+                let path = path.rsplit_once("/src/").map_or(path, |(before, _)| {
+                    let name = before.rfind('/').map_or(0, |slash| slash + 1);
+                    path.get(name..).unwrap_or(path)
+                });
+                found.push(format!("{path}:{line}:{column}"));
+            }
+        }
+    }
+    found.sort();
+    found.dedup();
+    found
+}
+
+/// Address and bytes of everything that is loaded.
+fn segments(file: &[u8]) -> Option<Vec<(u32, &[u8])>> {
+    const LOAD: u32 = 1;
+    let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);
+    let headers = (0..u32::from(count)).map(|i| (table + i * u32::from(size)) as usize);
+    let loaded = headers.filter(|&header| word(file, header) == Some(LOAD));
+    loaded
+        .map(|header| {
+            let (start, length) = (word(file, header + 4)? as usize, word(file, header + 16)? as usize);
+            Some((word(file, header + 8)?, file.get(start..start + length)?))
         })
         .collect()
 }

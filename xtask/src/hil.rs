@@ -18,7 +18,11 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    firmware.build(TESTS, &[&["--bin", "same", "--bin", "sizes", "--bin", "interrupt"], features].concat(), &[])?;
+    firmware.build(
+        TESTS,
+        &[&["--bin", "same", "--bin", "sizes", "--bin", "interrupt"], features].concat(),
+        &[],
+    )?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
     let runs = measure(&firmware, &host)?;
@@ -50,6 +54,12 @@ pub fn bench(accept: bool) -> Result<(), String> {
     step("figures");
     eprint!("{}", measured.table());
     if accept { figures::accept(&measured) } else { figures::compare(&measured) }
+}
+
+/// The panic proof only: `cargo xtask hil --panic`.
+pub fn panic_proof() -> Result<(), String> {
+    step("no panicking path");
+    no_panic(&Firmware::prepare(Place::Emulator)?)
 }
 
 fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, String> {
@@ -181,7 +191,11 @@ fn no_panic(firmware: &Firmware) -> Result<(), String> {
         ));
     }
     eprintln!("   an unchecked index is refused by the linker");
-    firmware.build(TESTS, &["--bin", "nopanic"], &[])?;
+    if let Err(error) = firmware.build(TESTS, &["--bin", "nopanic"], &[]) {
+        firmware.build(TESTS, &["--bin", "nopanic", "--features", "locate"], &[])?;
+        let places = elf::panic_locations(&binary("nopanic")?).join("\n   ");
+        return Err(format!("{error}\nplaces that can panic, standard library's own included:\n   {places}"));
+    }
     panic_symbols("nopanic")?;
     for features in ["", "hardware"] {
         firmware.build(BOARD, &["--features", features], &[])?;
@@ -190,9 +204,14 @@ fn no_panic(firmware: &Firmware) -> Result<(), String> {
     Ok(())
 }
 
+fn binary(name: &str) -> Result<Vec<u8>, String> {
+    let file = artifact(name);
+    std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))
+}
+
 fn panic_symbols(name: &str) -> Result<(), String> {
     let file = artifact(name);
-    let bytes = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let bytes = binary(name)?;
     let symbols = elf::symbols(&bytes).ok_or_else(|| format!("{}: no symbol table", file.display()))?;
     let panics = |symbol: &&String| {
         symbol.contains("9panicking") || symbol.contains("rust_begin_unwind") || symbol.contains("panic_fmt")
@@ -204,4 +223,71 @@ fn panic_symbols(name: &str) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("{} holds {found:?}", relative.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glidepath::digest::Digest;
+    use hil_cases::Outcome;
+
+    fn pair() -> (HostRun, TargetRun) {
+        let mut digest = Digest::new();
+        digest.add(&[]);
+        let outcome = Outcome { ticks: 3, starved: 0, blocks: 1, digest };
+        let host = HostRun { name: "a", axes: 2, set_points: vec![1, 2, 3, -4, 5, 6], outcome };
+        let report = format!(
+            "unit instructions\ncase a axes 2\ns {:016x}{:016x}\ns {:016x}{:016x}\ns {:016x}{:016x}\n\
+             cost tick calls 3 sum 30 max 11\nend ticks 3 starved 0 blocks 1 digest {:016x}\n",
+            1,
+            2,
+            3,
+            -4i64,
+            5,
+            6,
+            digest.value()
+        );
+        let mut runs = target::read_runs(&report).unwrap_or_default();
+        (host, runs.pop().unwrap_or_default())
+    }
+
+    #[test]
+    fn equal_runs_are_equal() {
+        let (host, target) = pair();
+        assert_eq!(target.set_points, host.set_points);
+        assert_eq!(difference(&host, &target), None);
+    }
+
+    #[test]
+    fn the_first_differing_tick_is_named_with_both_sides() {
+        let (host, mut target) = pair();
+        target.set_points[3] += 1;
+        target.set_points[4] += 1;
+        let text = difference(&host, &target).unwrap_or_default();
+        assert!(text.starts_with("first at tick 1\n"), "{text}");
+        assert!(text.contains("0xfffffffffffffffc") && text.contains("0xfffffffffffffffd"), "{text}");
+    }
+
+    #[test]
+    fn a_run_that_ends_early_or_has_another_digest_differs() {
+        let (host, mut target) = pair();
+        target.set_points.truncate(4);
+        assert!(difference(&host, &target).is_some_and(|text| text.starts_with("2 equal ticks")));
+        let (host, mut target) = pair();
+        target.digest ^= 1;
+        assert!(difference(&host, &target).is_some());
+    }
+
+    #[test]
+    fn an_interrupt_test_without_preemption_shows_nothing() {
+        let (host, target) = pair();
+        let line = |preempted| {
+            let digest = target.digest;
+            format!(
+                "interrupt a period_us 9 ticks 3 starved 0 missed 0 preempted {preempted} digest {digest:016x}"
+            )
+        };
+        assert_eq!(interrupt(&line(1), &[pair().0]), Ok(()));
+        assert!(interrupt(&line(0), &[host]).is_err());
+    }
 }

@@ -27,6 +27,8 @@ pub struct TargetRun {
     pub plan: Cost,
     /// The planner's calls that found the queue full.
     pub wait: Cost,
+    /// The decoder alone.
+    pub decode: Cost,
     /// Ticks with motion or dwell.
     pub ticks: u64,
     /// Ticks in between that found nothing planned.
@@ -70,6 +72,7 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
                     "tick" => run.tick = cost,
                     "plan" => run.plan = cost,
                     "wait" => run.wait = cost,
+                    "decode" => run.decode = cost,
                     _ => return Err(unreadable(line)),
                 }
             }

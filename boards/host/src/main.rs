@@ -19,6 +19,7 @@ use clap::{Parser, Subcommand};
 use diagnose::{Diagnostic, Source};
 use machine::Machine;
 use output::Outputs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -101,7 +102,14 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         None => None,
     };
 
-    let program = program::decode(&source, &machine)?;
+    let program = match program::decode(&source, &machine) {
+        Ok(program) => program,
+        // An earlier command may be refused by the planner: the first one counts.
+        Err(refusal) => {
+            let empty = program::Program::empty(&machine);
+            return Err(run::simulate(&source, &machine, &empty, None, false).err().unwrap_or(refusal));
+        }
+    };
     let (result, picture) = run::simulate(&source, &machine, &program, trace, arguments.plot.is_some())?;
 
     let summary = summary::Summary::new(&source, &machine, &program, &result);
@@ -121,7 +129,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     for warning in &program.warnings {
         warning.print();
     }
-    anstream::print!("{}", summary.to_text());
+    say(&summary.to_text());
     Ok(())
 }
 
@@ -132,6 +140,11 @@ fn check(program: &std::path::Path, machine: Option<&std::path::Path>) -> Result
     for warning in &program.warnings {
         warning.print();
     }
-    anstream::println!("{}: {}", source.name, program.describe());
+    say(&format!("{}: {}\n", source.name, program.describe()));
     Ok(())
+}
+
+/// On the standard output; a reader that has gone away is no failure of the run.
+fn say(text: &str) {
+    let _ = anstream::stdout().write_all(text.as_bytes());
 }

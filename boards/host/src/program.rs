@@ -149,6 +149,11 @@ pub fn refusal(source: &Source, error: &Error) -> Diagnostic {
 }
 
 impl Program {
+    /// One without blocks.
+    pub fn empty(machine: &Machine) -> Self {
+        Self { start: vec![0.0; machine.axes.len()], segments: Vec::new(), motions: 0, warnings: Vec::new() }
+    }
+
     fn add<const AXES: usize>(
         &mut self,
         motion: &Motion<AXES>,
@@ -231,12 +236,23 @@ impl Program {
         speeds
     }
 
-    /// The contour in the main axes as connected lines, arcs in small chords.
-    pub fn polylines(&self, machine: &Machine) -> Vec<Vec<[f64; 3]>> {
+    /// Up to three axes that show best what moves: the main axes, or others where no main axis moves.
+    pub fn shown_axes(&self, machine: &Machine) -> Vec<usize> {
         let main = machine.main_axes();
+        let moves = |axis: &usize| self.motions().any(|segment| segment.end[*axis] != self.start[*axis]);
+        let circles = self.motions().any(|segment| matches!(segment.kind, Kind::Arc { .. }));
+        if circles || main.iter().any(moves) {
+            return main;
+        }
+        let others: Vec<usize> = (0..machine.axes.len()).filter(moves).take(3).collect();
+        if others.is_empty() { main } else { others }
+    }
+
+    /// The contour in up to three axes as connected lines, arcs in small chords.
+    pub fn polyline(&self, axes: &[usize]) -> Vec<[f64; 3]> {
         let pick = |point: &[f64]| {
             let mut at = [0.0; 3];
-            for (value, &index) in at.iter_mut().zip(&main) {
+            for (value, &index) in at.iter_mut().zip(axes) {
                 *value = point[index];
             }
             at
@@ -250,7 +266,7 @@ impl Program {
             line.push(pick(&segment.end));
             start = &segment.end;
         }
-        vec![line]
+        line
     }
 }
 

@@ -53,7 +53,7 @@ fn simulate_axes<const AXES: usize>(
     let recorder = Recorder {
         statistics: Statistics::new(&start),
         trace,
-        picture: picture.then(|| Picture::new(machine)),
+        picture: picture.then(|| Picture::new(machine, program.shown_axes(machine))),
         cycle_s: machine.cycle_s(),
     };
     drive(planner, interpolator, recorder, Bar::new(program.motions)).map_err(|stop| match stop {
@@ -66,7 +66,7 @@ fn simulate_axes<const AXES: usize>(
 }
 
 enum Stop {
-    Refused(glidepath::channel::Error),
+    Refused(Box<glidepath::channel::Error>),
     Unwritable(io::Error),
     Starved,
 }
@@ -83,7 +83,7 @@ fn drive<const AXES: usize>(
     let mut idle = 0;
     loop {
         while !done {
-            match planner.poll().map_err(Stop::Refused)? {
+            match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
                 // The decode pass has collected the warnings.
                 Progress::Working | Progress::Warning(_) => {}
                 Progress::Planned(block) => {
@@ -165,7 +165,7 @@ impl Bar {
     fn at(&mut self, block: usize) {
         match &self.shown {
             Some(bar) => bar.set_position(block as u64),
-            None if block % 64 == 0 && self.start.elapsed() > Duration::from_secs(1) => {
+            None if block.is_multiple_of(64) && self.start.elapsed() > Duration::from_secs(1) => {
                 let bar = ProgressBar::with_draw_target(
                     Some(self.motions as u64),
                     ProgressDrawTarget::stderr_with_hz(10),

@@ -113,7 +113,7 @@ impl Summary {
                 j_max,
                 v_limit: allowed.speed,
                 a_limit: allowed.accel,
-                j_limit: allowed.jerk_feed.max(allowed.jerk_rapid),
+                j_limit: allowed.jerk,
                 travel: seen.travel(),
                 lowest,
                 highest,

@@ -295,13 +295,19 @@ fn pictures_have_their_format() {
 }
 
 #[test]
-fn what_is_not_available_is_refused_where_it_stands() {
-    let text = "%n\nN10 G01 X1 F600\nN20 #HSC ON [SURFACE PATH_DEV=0.02]\nN30 X2\nM30\n";
-    let program = written("not-available", text);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
-    let output = command.args(["run", &program]).output().expect("the simulator starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{text}");
-    assert!(text.contains("known, not available in this version"), "{text}");
-    assert!(text.contains("not-available.nc:3:5") && text.contains("N20 #HSC ON"), "{text}");
+fn the_first_refusal_counts() {
+    let cases = [
+        ("alone", "%n\nN10 G01 X1 F600\nN20 #HSC ON [SURFACE PATH_DEV=0.02]\nN30 X2\nM30\n"),
+        // A later line is not even NC.
+        ("before-another", "%n\nN10 G01 X1 F600\nN20 #HSC ON [SURFACE PATH_DEV=0.02]\nN30 X[\nM30\n"),
+    ];
+    for (name, text) in cases {
+        let program = written(name, text);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+        let output = command.args(["run", &program]).output().expect("the simulator starts");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert!(text.contains("known, not available in this version"), "{text}");
+        assert!(text.contains(&format!("{name}.nc:3:5")) && text.contains("N20 #HSC ON"), "{text}");
+    }
 }

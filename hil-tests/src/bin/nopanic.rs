@@ -10,7 +10,10 @@ use glidepath::channel::{Channel, Progress};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{AXES_3, BLOCKS, CASES_3};
+#[cfg(not(feature = "locate"))]
 use panic_never as _;
+#[cfg(feature = "locate")]
+use panic_semihosting as _;
 use static_cell::ConstStaticCell;
 
 static CHANNEL: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Channel::new());

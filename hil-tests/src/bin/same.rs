@@ -5,6 +5,7 @@ use core::fmt::Write;
 use cortex_m_rt::entry;
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
+use glidepath::nc::{Decoder, NcError, Setup, Step};
 use glidepath::quantity::Position;
 use hil_cases::{AXES_3, AXES_4, BLOCKS, CASES_3, CASES_4, Case, Watch, run};
 use hil_tests::{Counter, Report, UNIT, exit};
@@ -70,7 +71,8 @@ fn record<const AXES: usize>(
     let mut recorder = Recorder { counter, report, tick, plan, wait };
     let result = run(channel, machine, case.text, &mut recorder);
     let Recorder { report, tick, plan, wait, .. } = recorder;
-    for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait)] {
+    let decode = decode(machine, case, counter);
+    for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
         let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
     }
     let _ = match &result {
@@ -86,6 +88,25 @@ fn record<const AXES: usize>(
     };
     report.flush();
     result.is_ok()
+}
+
+/// The decoder alone, to tell its share of the planner's work.
+fn decode<const AXES: usize>(machine: &MachineData<AXES>, case: &Case, counter: &Counter) -> Cost {
+    let mut decoder = Decoder::new(Setup::new(machine, [Position::ZERO; AXES]), case.text);
+    let mut cost = Cost::default();
+    loop {
+        let before = counter.now();
+        let step = step(&mut decoder);
+        cost.add(counter.net(counter.now().wrapping_sub(before)));
+        if matches!(step, Ok(Step::End) | Err(_)) {
+            return cost;
+        }
+    }
+}
+
+#[inline(never)]
+fn step<const AXES: usize>(decoder: &mut Decoder<&'static [u8], AXES>) -> Result<Step<AXES>, NcError> {
+    decoder.step()
 }
 
 #[entry]

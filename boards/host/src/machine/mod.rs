@@ -80,18 +80,22 @@ pub struct Limits {
     pub brake_feed: f64,
     /// P-AXIS-00004.
     pub accel_rapid: f64,
-    /// The steepest ramp at feed; contour included (P-AXIS-00199).
-    pub jerk_feed: f64,
-    /// The steepest ramp in rapid motion.
-    pub jerk_rapid: f64,
+    /// The steepest ramp of the slope at feed.
+    pub ramp_feed: f64,
+    /// The steepest ramp of the slope in rapid motion.
+    pub ramp_rapid: f64,
+    /// All jerk together: with the geometric ramp time (P-AXIS-00199) where that is shorter.
+    pub jerk: f64,
 }
 
-/// The limits of an axis: jerk is acceleration over the shorter one of ramp time and geometric ramp time.
+/// The limits of an axis: jerk is acceleration over ramp time.
 pub fn limits(axis: &AxisData) -> Limits {
-    let geometric = if axis.tr_geom == 0 { u32::MAX } else { axis.tr_geom };
-    let jerk = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.min(geometric));
+    let jerk = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.max(1));
     let accel = jerk(axis.a_beschl, axis.tr_beschl_ab.min(axis.tr_beschl_zu));
     let brake = jerk(axis.a_brems, axis.tr_brems_ab.min(axis.tr_brems_zu));
+    let rapid = jerk(axis.a_grenz, axis.tr_grenz);
+    let fastest = axis.a_beschl.max(axis.a_brems).max(axis.a_grenz);
+    let contour = if axis.tr_geom == 0 { 0.0 } else { jerk(fastest, axis.tr_geom) };
     Limits {
         speed: f64::from(axis.vb_max) / 1e3,
         speed_rapid: f64::from(axis.vb_eilgang) / 1e3,
@@ -99,8 +103,9 @@ pub fn limits(axis: &AxisData) -> Limits {
         accel_feed: f64::from(axis.a_beschl),
         brake_feed: f64::from(axis.a_brems),
         accel_rapid: f64::from(axis.a_grenz),
-        jerk_feed: accel.max(brake),
-        jerk_rapid: jerk(axis.a_grenz, axis.tr_grenz),
+        ramp_feed: accel.max(brake),
+        ramp_rapid: rapid,
+        jerk: accel.max(brake).max(rapid).max(contour),
     }
 }
 

@@ -14,28 +14,32 @@ struct Panel<'a> {
     /// Which series of the envelope is the path's, and which are the axes'.
     path: usize,
     axes: Vec<usize>,
-    /// Limits with their names; upper and, where it counts, lower.
-    limits: Vec<(f64, &'a str)>,
+    /// What the slope may use of an axis, up and down, then the same with what the contour needs.
+    limits: Vec<f64>,
     feed: bool,
     signed: bool,
 }
 
 /// Draws the three charts into `area`.
 pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
-    let main = scene.machine.main_axes();
+    let main = &scene.picture.axes;
     let rapid = scene.program.motions().any(|segment| segment.feed.is_none());
-    let [mut up, mut down, mut jerk] = [0.0_f64; 3];
-    for &index in &main {
+    let [mut up, mut down, mut most, mut ramp, mut jerk] = [0.0_f64; 5];
+    for &index in main {
         let limits = limits(&scene.machine.axes[index]);
-        up = up.max(limits.accel_feed).max(if rapid { limits.accel_rapid } else { 0.0 });
-        down = down.max(limits.brake_feed).max(if rapid { limits.accel_rapid } else { 0.0 });
-        jerk = jerk.max(limits.jerk_feed).max(if rapid { limits.jerk_rapid } else { 0.0 });
+        let [rapid_accel, rapid_ramp] =
+            if rapid { [limits.accel_rapid, limits.ramp_rapid] } else { [0.0; 2] };
+        up = up.max(limits.accel_feed).max(rapid_accel);
+        down = down.max(limits.brake_feed).max(rapid_accel);
+        most = most.max(limits.accel);
+        ramp = ramp.max(limits.ramp_feed).max(rapid_ramp);
+        jerk = jerk.max(limits.jerk);
     }
     let axes = |offset: usize| (0..main.len()).map(|axis| 3 + 2 * axis + offset).collect();
     let panels = [
         Panel {
             title: "Path speed",
-            unit: "mm/s",
+            unit: "/s",
             path: 0,
             axes: Vec::new(),
             limits: Vec::new(),
@@ -44,24 +48,24 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
         },
         Panel {
             title: "Acceleration",
-            unit: "mm/s²",
+            unit: "/s²",
             path: 1,
             axes: axes(0),
-            limits: vec![(up, "axis limit"), (-down, "")],
+            limits: vec![up, -down, most, -most],
             feed: false,
             signed: true,
         },
         Panel {
             title: "Jerk",
-            unit: "mm/s³",
+            unit: "/s³",
             path: 2,
             axes: axes(1),
-            limits: vec![(jerk, "axis limit"), (-jerk, "")],
+            limits: vec![ramp, -ramp, jerk, -jerk],
             feed: false,
             signed: true,
         },
     ];
-    let gap = 46.0;
+    let gap = 52.0;
     let height = (area.height - 2.0 * gap - 34.0) / 3.0;
     for (index, panel) in panels.iter().enumerate() {
         let frame = Rect {
@@ -80,14 +84,16 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Scene<'
     let end = ((scene.picture.ticks().max(2) - 1) as f64) * cycle;
     let steps = if panel.feed { feeds(scene, end) } else { Vec::new() };
 
-    let mut reach = panel.limits.iter().map(|(value, _)| value.abs()).fold(0.0, f64::max);
+    let mut reach: f64 = 0.0;
     for series in std::iter::once(panel.path).chain(panel.axes.iter().copied()) {
         reach = envelope.series(series).map(|[low, high]| high.abs().max(low.abs())).fold(reach, f64::max);
     }
-    // What rapid motion could reach must not flatten what was reached.
-    let seen = reach * 1.5;
-    reach = steps.iter().map(|step| step.value).filter(|&value| value <= seen).fold(reach, f64::max);
     reach = steps.iter().filter(|step| !step.rapid).map(|step| step.value).fold(reach, f64::max);
+    // A limit far above must not flatten what was reached.
+    let seen = reach * 1.7;
+    let limits = panel.limits.iter().map(|value| value.abs());
+    let limits = limits.chain(steps.iter().map(|step| step.value));
+    reach = limits.filter(|&value| value <= seen).fold(reach, f64::max);
     let top = round_up(reach * 1.06);
     let x = Scale::new(0.0, end, frame.x, frame.right());
     let y = Scale::new(if panel.signed { -top } else { 0.0 }, top, frame.bottom(), frame.y);
@@ -119,8 +125,8 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Scene<'
     }
     curve(canvas, scene, panel.path, &x, &y, cycle, &Stroke::new(INK, 1.5));
     let dashed = Stroke { dash: Some((6.0, 4.0)), ..Stroke::new(LIMIT, 1.1) };
-    for (value, _) in &panel.limits {
-        let at = y.at(*value);
+    for &value in panel.limits.iter().filter(|value| value.abs() <= top) {
+        let at = y.at(value);
         canvas.polyline(&[Point(frame.x, at), Point(frame.right(), at)], &dashed);
     }
     let mut line: Vec<Point> = Vec::new();
@@ -141,17 +147,21 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, panel: &Panel<'_>, scene: &Sce
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     canvas.text(Point(frame.x, above), panel.title, &title);
     let unit = Point(frame.x + Font::new(title.size, true).width(panel.title) + 8.0, above);
-    canvas.text(unit, panel.unit, &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
+    canvas.text(
+        unit,
+        &format!("{}{}", scene.picture.unit, panel.unit),
+        &TextStyle { size: 12.0, ..TextStyle::new(SOFT) },
+    );
 
     let mut names: Vec<(String, Colour, bool)> = Vec::new();
     names.push(("path".into(), INK, false));
-    for (&index, colour) in scene.machine.main_axes().iter().zip(AXES) {
+    for (&index, colour) in scene.picture.axes.iter().zip(AXES) {
         if !panel.axes.is_empty() {
             names.push((scene.machine.axes[index].name.as_str().to_owned(), colour, false));
         }
     }
-    let limit = if panel.feed { Some("programmed") } else { panel.limits.first().map(|(_, name)| *name) };
-    names.extend(limit.map(|name| (name.to_owned(), LIMIT, true)));
+    let limit = if panel.feed { "programmed" } else { "axis limit: slope, contour" };
+    names.push((limit.to_owned(), LIMIT, true));
     let mut right = frame.right();
     for (name, colour, dashed) in names.iter().rev() {
         canvas.text(

@@ -88,10 +88,11 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
     let title = file.unwrap_or_else(|| source.name.as_str().into());
     canvas.text(Point(MARGIN, 40.0), &title, &TextStyle { size: 22.0, bold: true, ..TextStyle::new(INK) });
     let facts = format!(
-        "{:.3} s  ·  {} blocks  ·  {:.1} mm of path  ·  {}  ·  cycle {} ms",
+        "{:.3} s  ·  {} blocks  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms",
         statistics.time_s(scene.machine),
         statistics.blocks.len(),
         statistics.distance_mm(),
+        scene.picture.unit,
         scene.machine.name,
         f64::from(scene.machine.channel.cycle_us) / 1e3,
     );
@@ -133,7 +134,7 @@ mod tests {
         ];
         let program = Program { start: vec![0.0; 3], segments, motions: 4, warnings: Vec::new() };
         let mut statistics = Statistics::new(&[Position::ZERO; 3]);
-        let mut picture = Picture::new(&machine);
+        let mut picture = Picture::new(&machine, vec![0, 1, 2]);
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
             let at = match s {

@@ -29,7 +29,7 @@ impl View {
 /// Draws the path into `area`.
 pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     let moved: Vec<([f64; 3], f64)> = scene.picture.path().map(|place| (place.at, place.speed)).collect();
-    let programmed = scene.program.polylines(scene.machine);
+    let programmed = scene.program.polyline(&scene.picture.axes);
     let top_speed = round_up(moved.iter().map(|(_, speed)| *speed).fold(0.0, f64::max));
     let deep = {
         let heights = moved.iter().map(|(at, _)| at[2]);
@@ -47,7 +47,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     for (view, frame) in &frames {
         one(canvas, frame, *view, scene, &programmed, &moved, top_speed);
     }
-    speed_scale(canvas, area, top_speed);
+    speed_scale(canvas, area, top_speed, scene.picture.unit);
 }
 
 fn one(
@@ -55,16 +55,17 @@ fn one(
     frame: &Rect,
     view: View,
     scene: &Scene<'_>,
-    programmed: &[Vec<[f64; 3]>],
+    programmed: &[[f64; 3]],
     moved: &[([f64; 3], f64)],
     top_speed: f64,
 ) {
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     let names: Vec<&str> =
-        scene.machine.main_axes().iter().map(|&index| scene.machine.axes[index].name.as_str()).collect();
+        scene.picture.axes.iter().map(|&index| scene.machine.axes[index].name.as_str()).collect();
+    let mm = scene.picture.unit;
     let (heading, unit) = match view {
-        View::Plan => ("Path".to_owned(), format!("{}  mm", names.get(..2).unwrap_or(&names).join(" "))),
-        View::Isometric => ("Path in space".to_owned(), "mm".to_owned()),
+        View::Plan => ("Path".to_owned(), format!("{}  {mm}", names.get(..2).unwrap_or(&names).join(" "))),
+        View::Isometric => ("Path in space".to_owned(), mm.to_owned()),
     };
     canvas.text(Point(frame.x, frame.y), &heading, &title);
     let beside = Point(frame.x + Font::new(title.size, true).width(&heading) + 8.0, frame.y);
@@ -79,7 +80,7 @@ fn one(
         View::Isometric => Rect { y: frame.y + 12.0, height: frame.height - 16.0, ..*frame },
     };
 
-    let all = programmed.iter().flatten().copied().chain(moved.iter().map(|(at, _)| *at));
+    let all = programmed.iter().copied().chain(moved.iter().map(|(at, _)| *at));
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     for at in all {
@@ -88,11 +89,14 @@ fn one(
             high[i] = high[i].max(value);
         }
     }
-    if low[0] > high[0] {
+    let span = [high[0] - low[0], high[1] - low[1]];
+    if span[0].max(span[1]) <= 0.0 {
+        let middle = Point(inner.x + inner.width / 2.0, inner.y + inner.height / 2.0);
+        let style = TextStyle { anchor: Anchor::Middle, ..TextStyle::new(SOFT) };
+        canvas.text(middle, "nothing moves here", &style);
         return;
     }
-    let span = [high[0] - low[0], high[1] - low[1]];
-    let room = span[0].max(span[1]).max(1e-6) * 0.06;
+    let room = span[0].max(span[1]) * 0.06;
     // Equal scales: the tighter direction decides, the other one is centred.
     let scale = (inner.width / (span[0] + 2.0 * room)).min(inner.height / (span[1] + 2.0 * room));
     let centre = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
@@ -109,16 +113,24 @@ fn one(
         View::Isometric => tripod(canvas, &inner, &names),
     }
     canvas.clip(Some(&inner));
-    for line in programmed {
-        let points: Vec<Point> = line.iter().map(|&at| place(at)).collect();
-        canvas.polyline(&points, &Stroke::new(PROGRAMMED, 1.0));
+    let mut points: Vec<Point> = Vec::new();
+    for (index, &at) in programmed.iter().enumerate() {
+        let point = place(at);
+        if index + 1 == programmed.len() || points.last().is_none_or(|&last| apart(last, point)) {
+            points.push(point);
+        }
     }
+    canvas.polyline(&points, &Stroke::new(PROGRAMMED, 1.0));
     // One line for each stretch of one shade.
     let mut points: Vec<Point> = Vec::new();
     let mut current = None;
     for &(at, speed) in moved {
         let shade = ((speed / top_speed * SHADES as f64) as usize).min(SHADES - 1);
-        points.push(place(at));
+        let point = place(at);
+        if current == Some(shade) && points.last().is_some_and(|&last| !apart(last, point)) {
+            continue;
+        }
+        points.push(point);
         if current != Some(shade) {
             if let Some(shade) = current {
                 canvas.polyline(&points, &Stroke::new(colour(shade), 2.4));
@@ -135,6 +147,11 @@ fn one(
         canvas.dot(place(*first), 5.0, Colour(0x3a, 0x9d, 0x5d));
     }
     canvas.clip(None);
+}
+
+/// Far enough from one another to be seen as two.
+fn apart(a: Point, b: Point) -> bool {
+    (a.0 - b.0).hypot(a.1 - b.1) > 0.3
 }
 
 fn grid(canvas: &mut dyn Canvas, inner: &Rect, scale: f64, centre: [f64; 2]) {
@@ -165,7 +182,7 @@ fn tripod(canvas: &mut dyn Canvas, inner: &Rect, names: &[&str]) {
     }
 }
 
-fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, top_speed: f64) {
+fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, top_speed: f64, unit: &str) {
     let bar = Rect { x: area.x + 46.0, y: area.bottom() - 22.0, width: 220.0, height: 8.0 };
     let step = bar.width / SHADES as f64;
     for shade in 0..SHADES {
@@ -174,7 +191,7 @@ fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, top_speed: f64) {
     }
     let small = |anchor| TextStyle { size: 11.0, anchor, ..TextStyle::new(SOFT) };
     canvas.text(Point(bar.x, bar.bottom() + 14.0), "0", &small(Anchor::Middle));
-    let end = format!("{} mm/s", label(top_speed));
+    let end = format!("{} {unit}/s", label(top_speed));
     canvas.text(Point(bar.right(), bar.bottom() + 14.0), &end, &small(Anchor::Middle));
     let right = bar.right() + 70.0;
     let line = [Point(right, bar.y + 4.0), Point(right + 22.0, bar.y + 4.0)];

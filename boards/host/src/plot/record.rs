@@ -1,6 +1,7 @@
 //! Keeps what a picture needs of a run, in bounded memory however long it takes.
 use crate::machine::Machine;
 use crate::statistics::AxisStatistics;
+use glidepath::machine::AxisKind;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 
@@ -11,15 +12,18 @@ const STRETCHES: usize = 1800;
 /// A place of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// Main axes, mm; those that the machine lacks are 0.
+    /// The axes shown; those that the machine lacks are 0.
     pub at: [f64; 3],
-    /// Path speed, mm/s.
+    /// Path speed per second.
     pub speed: f64,
 }
 
 /// A recorded run.
 pub struct Picture {
-    main: Vec<usize>,
+    /// The axes shown: the main axes, where these move.
+    pub axes: Vec<usize>,
+    /// Their unit.
+    pub unit: &'static str,
     /// The path, as fine as it can be seen.
     pub places: Vec<Place>,
     /// Places nearer than this to the last one are left out.
@@ -27,7 +31,7 @@ pub struct Picture {
     low: [f64; 3],
     high: [f64; 3],
     pending: Option<Place>,
-    /// Speed, acceleration and jerk of the path, then acceleration and jerk of each main axis.
+    /// Speed, acceleration and jerk of the path, then acceleration and jerk of each axis shown.
     pub envelope: Envelope,
     /// Ticks at which a block is entered.
     pub entries: Vec<u64>,
@@ -38,11 +42,12 @@ pub struct Picture {
 
 impl Picture {
     /// Nothing recorded yet.
-    pub fn new(machine: &Machine) -> Self {
-        let main = machine.main_axes();
-        let envelope = Envelope::new(3 + 2 * main.len());
+    pub fn new(machine: &Machine, axes: Vec<usize>) -> Self {
+        let envelope = Envelope::new(3 + 2 * axes.len());
+        let linear = axes.iter().all(|&index| machine.axes[index].kind == AxisKind::Linear);
         Self {
-            main,
+            axes,
+            unit: if linear { "mm" } else { "°" },
             places: Vec::new(),
             spacing: 0.0,
             low: [f64::INFINITY; 3],
@@ -61,7 +66,7 @@ impl Picture {
         &mut self,
         telemetry: &Telemetry,
         set_points: &[Position],
-        axes: &[AxisStatistics],
+        seen: &[AxisStatistics],
         cycle_s: f64,
     ) {
         const LSB: f64 = (1_u64 << 58) as f64;
@@ -70,7 +75,7 @@ impl Picture {
         let jerk = (accel - self.accel) / cycle_s;
         self.accel = accel;
         let mut values = vec![speed as f32, accel as f32, jerk as f32];
-        for axis in self.main.iter().filter_map(|&index| axes.get(index)) {
+        for axis in self.axes.iter().filter_map(|&index| seen.get(index)) {
             let [_, accel, jerk] = axis.latest(cycle_s);
             values.extend([accel as f32, jerk as f32]);
         }
@@ -83,7 +88,7 @@ impl Picture {
         self.ticks += 1;
 
         let mut at = [0.0; 3];
-        for (value, &index) in at.iter_mut().zip(&self.main) {
+        for (value, &index) in at.iter_mut().zip(&self.axes) {
             *value = set_points.get(index).map_or(0.0, |position| position.to_num());
         }
         self.place(Place { at, speed });

@@ -1,8 +1,11 @@
 //! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
 //! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
+mod ring;
+
+pub use ring::{Consumer, Producer, Ring};
+
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
-use heapless::spsc::{Consumer, Producer, Queue};
 
 /// Elements handed over.
 pub const SEGMENTS: usize = 32;
@@ -69,40 +72,40 @@ pub struct Phase {
     pub ticks: u16,
 }
 
-/// Static memory of the rings; a ring of `N` holds `N` − 1.
+/// Static memory of the rings.
 pub struct Rings<const AXES: usize> {
-    segments: Queue<Segment<AXES>, SEGMENTS>,
-    phases: Queue<Phase, PHASES>,
-    events: Queue<Event, EVENTS>,
+    segments: Ring<Segment<AXES>, SEGMENTS>,
+    phases: Ring<Phase, PHASES>,
+    events: Ring<Event, EVENTS>,
 }
 
 /// The planner's end.
 pub struct Sender<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Producer<'a, Segment<AXES>>,
+    pub segments: Producer<'a, Segment<AXES>, SEGMENTS>,
     /// Pieces of time.
-    pub phases: Producer<'a, Phase>,
+    pub phases: Producer<'a, Phase, PHASES>,
     /// Events.
-    pub events: Producer<'a, Event>,
+    pub events: Producer<'a, Event, EVENTS>,
 }
 
 /// The interrupt's end.
 pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Consumer<'a, Segment<AXES>>,
+    pub segments: Consumer<'a, Segment<AXES>, SEGMENTS>,
     /// Pieces of time.
-    pub phases: Consumer<'a, Phase>,
+    pub phases: Consumer<'a, Phase, PHASES>,
     /// Events.
-    pub events: Consumer<'a, Event>,
+    pub events: Consumer<'a, Event, EVENTS>,
 }
 
 impl<const AXES: usize> Rings<AXES> {
     /// Empty rings.
     pub const fn new() -> Self {
-        Self { segments: Queue::new(), phases: Queue::new(), events: Queue::new() }
+        Self { segments: Ring::new(), phases: Ring::new(), events: Ring::new() }
     }
 
-    /// Both ends of every ring.
+    /// Both ends of every ring, emptied.
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>) {
         let (to_segments, segments) = self.segments.split();
         let (to_phases, phases) = self.phases.split();

@@ -1,0 +1,209 @@
+//! The README: its example compiles and runs, its figures are those of the accepted tables.
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The example, word for word.
+mod example {
+    // <example>
+    use glidepath::channel::{Channel, Planner, Progress};
+    use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+    use glidepath::quantity::Position;
+    use glidepath::tick::State;
+
+    const fn axis(name: &str) -> AxisData {
+        match AxisName::new(name) {
+            Some(name) => AxisData { a_max: 3000, ..AxisData::new(name, AxisKind::Linear) },
+            None => panic!("not a name"),
+        }
+    }
+
+    const MACHINE: MachineData<3> = MachineData {
+        axes: [axis("X"), axis("Y"), axis("Z")],
+        channel: ChannelData { slope_profile: 1, ..ChannelData::new() },
+    };
+
+    pub fn last_set_point(program: &[u8]) -> Result<[Position; 3], String> {
+        let mut memory = Channel::<3, 120>::new();
+        let start = [Position::ZERO; 3];
+        let halves = memory.split(&MACHINE, start, program).map_err(|e| e.to_string())?;
+        let (mut planner, mut interpolator): (Planner<'_, &[u8], 3, 120>, _) = halves;
+        loop {
+            // In a task or the main loop:
+            match planner.poll().map_err(|e| format!("line {}: {e}", e.place().line))? {
+                Progress::Done => break,
+                // In the timer interrupt, here when the queue is full:
+                Progress::Waiting => _ = interpolator.tick(),
+                _ => {}
+            }
+        }
+        while interpolator.tick() == State::Active {}
+        Ok(*interpolator.set_points())
+    }
+    // </example>
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
+}
+
+/// What stands between two marks, the only ones of their kind.
+fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
+    let (_, rest) = text.split_once(begin).unwrap_or_else(|| panic!("{begin} is missing"));
+    rest.split_once(end).unwrap_or_else(|| panic!("{end} is missing")).0
+}
+
+#[test]
+fn the_example_runs() {
+    let end = example::last_set_point(b"N10 G01 X10 Y-5 F1000\nN20 G02 X20 I5\nM30\n");
+    assert_eq!(end.map(|end| end.map(|axis| axis.to_num::<f64>())), Ok([20.0, -5.0, 0.0]));
+    let refused = example::last_set_point(b"N10 G01 X10 F1000\nN20 #HSC ON [SURFACE]\n");
+    assert_eq!(refused, Err("line 2: #HSC is known, not available in this version".into()));
+}
+
+#[test]
+fn the_example_is_the_one_tested() {
+    let readme = read("README.md");
+    let shown = between(between(&readme, "<!-- example -->", "<!-- /example -->"), "```rust\n", "```");
+    let tested = read("host-tests/tests/readme.rs");
+    let tested = between(&tested, "// <example>\n", "// </example>");
+    let words = |text: &str| text.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n");
+    assert_eq!(words(shown).trim(), words(tested).trim());
+}
+
+/// Times of the named programs, from the accepted table.
+fn times(text: &mut String) {
+    let table = read("host-tests/tables/times.csv");
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().expect("a header");
+    let column =
+        |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let columns =
+        ["program", "blocks", "length_mm", "time_s", "straight_line_s", "path_error_nm"].map(column);
+    text.push_str(
+        "Program times at F 20 m/min beside the ideal, the time of one straight line of the same length. Machine: 2000 mm/s², ramps\n\
+         50 ms, 200 mm/s, cycle 1 ms. All of [times.csv](host-tests/tables/times.csv), asserted by `host-tests/tests/chords.rs`.\n\n\
+         | program | blocks | length mm | time s | straight line s | path error nm |\n|---|---:|---:|---:|---:|---:|\n",
+    );
+    for row in lines {
+        let _ = writeln!(text, "| {} |", columns.map(|c| row[c]).join(" | "));
+    }
+}
+
+/// Instructions and bytes, from the accepted table.
+fn target(text: &mut String) {
+    let table = read("hil-tests/tables/accepted.toml");
+    let mut values = BTreeMap::new();
+    let mut section = "";
+    for line in table.lines() {
+        if let Some(name) = line.strip_prefix('[') {
+            section = name.trim_end_matches(']');
+        } else if let Some((key, value)) = line.split_once(" = ") {
+            values.insert(format!("{section}.{key}"), value.trim_matches('"'));
+        }
+    }
+    let get = |key: &str| *values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet"));
+    let _ = write!(
+        text,
+        "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3`, look-ahead 120. Program by program:\n\
+         [docs/figures.md](docs/figures.md). Repeat with `cargo xtask bench`, asserted by `cargo xtask hil`.\n\n\
+         | | 3 axes | 4 axes |\n|---|---:|---:|\n",
+        get(".compiler")
+    );
+    for (label, key) in [
+        ("one tick, worst", "tick_max"),
+        ("one tick, mean", "tick_mean"),
+        ("planner per motion block, mean", "block_mean"),
+        ("decoder per motion block, mean", "decode_mean"),
+        ("one planner call, worst", "poll_max"),
+    ] {
+        let value = |axes| get(&format!("total.{key}_{axes}_axes"));
+        let _ = writeln!(text, "| {label} | {} | {} |", value(3), value(4));
+    }
+    text.push_str(
+        "\nBytes of RAM, all that a channel needs:\n\n| look-ahead | 3 axes | 6 axes |\n|---|---:|---:|\n",
+    );
+    for blocks in [30, 120, 190] {
+        let value = |axes| get(&format!("size.axes_{axes}_blocks_{blocks}.total"));
+        let _ = writeln!(text, "| {blocks} blocks | {} | {} |", value(3), value(6));
+    }
+    let per_block = |axes| get(&format!("size.bytes_per_block_{axes}_axes"));
+    let _ = writeln!(text, "| per block | {} | {} |", per_block(3), per_block(6));
+}
+
+#[test]
+fn figures_are_those_of_the_accepted_tables() {
+    const BEGIN: &str = "<!-- figures -->\n";
+    const END: &str = "<!-- /figures -->";
+    let mut figures = String::new();
+    times(&mut figures);
+    target(&mut figures);
+    let readme = read("README.md");
+    let (head, rest) = readme.split_once(BEGIN).expect("the begin mark");
+    let (shown, tail) = rest.split_once(END).expect("the end mark");
+    if std::env::var_os("ACCEPT_TABLES").is_some() {
+        let text = format!("{head}{BEGIN}{figures}{END}{tail}");
+        std::fs::write(root().join("README.md"), text).expect("README.md can be written");
+        return;
+    }
+    let hint = "accept with ACCEPT_TABLES=1 cargo test -p host-tests --test readme";
+    for (now, before) in figures.lines().zip(shown.lines().chain(std::iter::repeat(""))) {
+        assert_eq!(now, before, "{hint}");
+    }
+    assert_eq!(figures.lines().count(), shown.lines().count(), "{hint}");
+}
+
+#[test]
+fn files_that_papers_link_to_exist() {
+    for paper in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/overview.md", "boards/README.md"] {
+        let folder = root().join(paper).parent().expect("a folder").to_owned();
+        for link in read(paper).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap_or(link);
+            if !file.is_empty() && !file.contains("://") {
+                assert!(folder.join(file).exists(), "{paper}: {link}");
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_in_the_text_are_those_of_the_code() {
+    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let pieces = glidepath::queue::PHASES;
+    assert!(readme.contains(&format!("A full queue holds {pieces} pieces")), "{pieces} pieces");
+    let lengths = glidepath::tick::SKIP_PER_TICK - 1;
+    assert!(readme.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
+}
+
+/// Source files of the crate, one after the other.
+fn sources(folder: &Path, text: &mut String) {
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        match entry.path() {
+            path if path.is_dir() => sources(&path, text),
+            path => text.push_str(&std::fs::read_to_string(path).expect("text")),
+        }
+    }
+}
+
+#[test]
+fn functions_that_the_overview_names_exist() {
+    let mut source = String::new();
+    sources(&root().join("src"), &mut source);
+    let overview = read("docs/overview.md");
+    let named: Vec<&str> =
+        overview.split('`').skip(1).step_by(2).filter(|word| word.contains("::")).collect();
+    assert!(named.len() > 20, "{named:?}");
+    for word in named {
+        let (of, name) = word.rsplit_once("::").expect("filtered");
+        let known =
+            [format!("fn {name}("), format!("fn {name}<"), format!("    {name}"), format!("struct {name}")];
+        assert!(known.iter().any(|declaration| source.contains(declaration)), "{word}");
+        let of = of.rsplit("::").next().unwrap_or(of);
+        let known = ["struct", "enum", "trait", "mod"].map(|kind| format!("{kind} {of}"));
+        assert!(known.iter().any(|declaration| source.contains(declaration)), "{of} of {word}");
+    }
+}

@@ -1,0 +1,293 @@
+//! What the words of a block make together: offsets, dwell, weights, and the motion.
+use super::block::{Ending, Given, Item, ItemKind, Use, Words, push, weight};
+use super::interpreter::{Interpreter, Next, Phase};
+use super::line::Line;
+use super::modal::{COORDINATE_MAX, Mode};
+use super::number::Factor;
+use super::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span};
+use crate::machine::AxisKind;
+use crate::quantity::{Feed, Position};
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H.
+    pub fn finish(&mut self, mut w: Words<AXES>, line: &Line) -> Result<Next, Fault> {
+        if let Some(given) = w.spindle.take() {
+            if w.consumer == Use::Dwell {
+                let turns = self.time(given, "revolutions")?;
+                push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Revolutions(turns)))?;
+            } else {
+                let Some(speed) = given.number.fixed(Factor::ONE).filter(|s| *s >= Position::ZERO) else {
+                    return given.span.fault(NcErrorKind::Range {
+                        what: "S",
+                        min: 0,
+                        max: 2_147_483_647,
+                        unit: "1/min",
+                        above: false,
+                    });
+                };
+                push(&mut w.before, given.span, ItemKind::Spindle(speed))?;
+                move_into_order(&mut w.before);
+            }
+        }
+        if let Some(given) = w.radius {
+            let radius = given.number.fixed(self.length_factor());
+            let radius = radius.filter(|r| *r != Position::ZERO && in_range(*r));
+            let Some(radius) = radius else { return given.span.fault(coordinate("R", "mm")) };
+            self.modal.radius = Some(radius);
+        }
+        match w.consumer {
+            Use::Motion => self.motion_of(&mut w, line)?,
+            Use::Dwell => self.dwell_of(&mut w, line)?,
+            Use::Shift => self.shift_of(&w)?,
+            Use::Weight(_) => self.weights_of(&w)?,
+        }
+        if w.consumer != Use::Motion
+            && let Some(given) = w.centre.iter().flatten().next()
+        {
+            return given.span.fault(NcErrorKind::ArcWordAlone);
+        }
+        if let (Some(span), false) = (w.exact_stop, self.moves) {
+            return span.fault(NcErrorKind::ExactStopAlone);
+        }
+        for item in w.before.iter().chain(&w.after) {
+            let full = self.queue.push_back(*item).is_err();
+            if full {
+                return item.span.fault(NcErrorKind::BlockTooFull);
+            }
+        }
+        Ok(match w.ends {
+            Some(Ending::Program) => {
+                if !self.flow.frames.is_empty() {
+                    let span = w.after.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
+                    self.warn(line, span.map_or(Span::default(), |i| i.span), NcWarningKind::EndInSubroutine);
+                }
+                self.phase = Phase::Ended;
+                Next::Line
+            }
+            Some(Ending::Subroutine) => self.finish_program(),
+            None => Next::Line,
+        })
+    }
+
+    /// Inch or millimetre.
+    pub fn length_factor(&self) -> Factor {
+        if self.modal.inch { Factor::INCH } else { Factor::ONE }
+    }
+
+    /// Unit of an axis: inch concerns linear axes only.
+    pub fn axis_factor(&self, axis: usize) -> Factor {
+        match self.setup.kinds.get(axis) {
+            Some(AxisKind::Linear) => self.length_factor(),
+            _ => Factor::ONE,
+        }
+    }
+
+    /// Zero offset and G92 of an axis.
+    pub fn offset(&self, axis: usize) -> Position {
+        let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
+        let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
+        zero.saturating_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))
+    }
+
+    /// The value of an axis word in the axis' unit.
+    fn axis_value(&self, axis: usize, given: Given) -> Result<Position, Fault> {
+        let value = given.number.fixed(self.axis_factor(axis)).filter(|v| in_range(*v));
+        value.ok_or(Fault { span: given.span, kind: self.coordinate_of(axis) })
+    }
+
+    fn coordinate_of(&self, axis: usize) -> NcErrorKind {
+        let linear = self.setup.kinds.get(axis) == Some(&AxisKind::Linear);
+        coordinate("coordinate", if linear { "mm" } else { "deg" })
+    }
+
+    /// G04.
+    fn dwell_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
+        let mut time = w.time.map(|given| (given, None));
+        for (axis, given) in w.axes.iter().enumerate() {
+            let Some(given) = *given else { continue };
+            match time {
+                None => time = Some((given, Some(axis))),
+                Some((_, None)) => return given.span.fault(NcErrorKind::Twice("time of G04")),
+                Some((first, Some(_))) => {
+                    let extra = if first.span.at < given.span.at { given } else { first };
+                    if first.span.at > given.span.at {
+                        time = Some((given, Some(axis)));
+                    }
+                    self.warn(line, extra.span, NcWarningKind::DwellExtraAxis);
+                }
+            }
+        }
+        let dwell = w.before.iter().any(|item| matches!(item.kind, ItemKind::Dwell(_)));
+        match time {
+            Some((given, _)) if !dwell => {
+                let seconds = self.time(given, "time of G04")?;
+                push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Seconds(seconds)))
+            }
+            Some((given, _)) => given.span.fault(NcErrorKind::Twice("time of G04")),
+            None if dwell => Ok(()),
+            None => w.consumer_span.fault(NcErrorKind::Missing("a time in seconds")),
+        }
+    }
+
+    fn time(&self, given: Given, what: &'static str) -> Result<Position, Fault> {
+        let value = given.number.fixed(Factor::ONE).filter(|t| *t >= Position::ZERO && in_range(*t));
+        let max = COORDINATE_MAX.unsigned_abs();
+        let kind = NcErrorKind::Range { what, min: 0, max, unit: "", above: false };
+        value.ok_or(Fault { span: given.span, kind })
+    }
+
+    /// G92: the additional offset of the axes named, absolute with G90, added with G91; no motion.
+    fn shift_of(&mut self, w: &Words<AXES>) -> Result<(), Fault> {
+        if w.first.is_none() {
+            return w.consumer_span.fault(NcErrorKind::Missing("axis offsets"));
+        }
+        for (axis, given) in w.axes.iter().enumerate() {
+            let Some(given) = *given else { continue };
+            let value = self.axis_value(axis, given)?;
+            let kind = self.coordinate_of(axis);
+            let relative = self.modal.relative;
+            if let Some(shift) = self.modal.shift.get_mut(axis) {
+                *shift = if relative { shift.saturating_add(value) } else { value };
+                if !in_range(*shift) {
+                    return given.span.fault(kind);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// G130, G132, G232.
+    fn weights_of(&mut self, w: &Words<AXES>) -> Result<(), Fault> {
+        if w.first.is_none() {
+            return w.consumer_span.fault(NcErrorKind::Missing("axis weights in percent"));
+        }
+        for (slot, given) in self.values.iter_mut().zip(&w.axes) {
+            *slot = match given {
+                Some(given) => Some(weight(*given)?),
+                None => None,
+            };
+        }
+        Ok(())
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// G00…G03 with the axis words of the block.
+    fn motion_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
+        let mode = self.modal.mode;
+        let arc = matches!(mode, Mode::Clockwise | Mode::Counterclockwise);
+        let centre = w.centre.iter().flatten().next().copied();
+        if let (Some(given), false) = (centre, arc) {
+            return given.span.fault(NcErrorKind::ArcWordAlone);
+        }
+        let Some(first) = w.first else { return Ok(()) };
+        let span = w.mode_span.filter(|mode| mode.at < first.at).unwrap_or(first);
+        let mut target = self.position;
+        for (axis, given) in w.axes.iter().enumerate() {
+            let Some(given) = *given else { continue };
+            let value = self.axis_value(axis, given)?;
+            let offset = self.offset(axis);
+            let kind = self.coordinate_of(axis);
+            if let Some(slot) = target.get_mut(axis) {
+                *slot = if self.modal.relative {
+                    slot.saturating_add(value)
+                } else {
+                    value.saturating_add(offset)
+                };
+                if !in_range(*slot) {
+                    return given.span.fault(kind);
+                }
+            }
+        }
+        let kind = match mode {
+            Mode::Rapid => MotionKind::Rapid,
+            Mode::Line => MotionKind::Line,
+            Mode::Clockwise | Mode::Counterclockwise => MotionKind::Arc {
+                plane: self.modal.plane,
+                clockwise: mode == Mode::Clockwise,
+                by: self.arc(w, &target, span)?,
+            },
+        };
+        let still = !arc && target == self.position;
+        if mode != Mode::Rapid && self.modal.feed.is_none() && !still {
+            return span.fault(NcErrorKind::NoFeed);
+        }
+        self.motion = Some(Motion {
+            n: self.n,
+            place: line.place(span),
+            kind,
+            target,
+            feed: self.modal.feed.unwrap_or(Feed::ZERO),
+            exact_stop: self.modal.exact_stop || w.exact_stop.is_some(),
+        });
+        self.moves = true;
+        self.position = target;
+        push(&mut w.before, span, ItemKind::Motion)
+    }
+
+    /// Centre or radius of an arc to `target`. Coordinates of the centre that are not programmed are the start's.
+    fn arc(&self, w: &Words<AXES>, target: &[Position; AXES], span: Span) -> Result<ArcBy, Fault> {
+        let plane = self.modal.plane.main_axes();
+        let mut axes = [0; 2];
+        for (slot, main) in axes.iter_mut().zip(plane) {
+            match self.setup.main.get(main).copied().flatten() {
+                Some(axis) => *slot = axis,
+                None => return span.fault(NcErrorKind::NoMainAxis),
+            }
+        }
+        let of = |positions: &[Position; AXES], axis: usize| {
+            positions.get(axis).copied().unwrap_or(Position::ZERO)
+        };
+        for (i, given) in w.centre.iter().enumerate() {
+            if let (Some(given), false) = (given, plane.contains(&i)) {
+                return given.span.fault(NcErrorKind::OutsidePlane);
+            }
+        }
+        if let Some(given) = w.centre.iter().flatten().next() {
+            if w.radius.is_some() {
+                return given.span.fault(NcErrorKind::ArcTwice);
+            }
+            let mut centre = [Position::ZERO; 2];
+            for ((slot, main), axis) in centre.iter_mut().zip(plane).zip(axes) {
+                let start = of(&self.position, axis);
+                *slot = match w.centre.get(main).copied().flatten() {
+                    None => start,
+                    Some(given) => {
+                        let value = self.axis_value(axis, given)?;
+                        let base = if self.modal.centre_absolute { self.offset(axis) } else { start };
+                        value.saturating_add(base)
+                    }
+                };
+            }
+            return Ok(ArcBy::Centre(centre));
+        }
+        let Some(radius) = self.modal.radius else { return span.fault(NcErrorKind::ArcUndefined) };
+        if axes.iter().all(|axis| of(target, *axis) == of(&self.position, *axis)) {
+            return span.fault(NcErrorKind::FullCircleByRadius);
+        }
+        Ok(ArcBy::Radius(radius))
+    }
+}
+
+/// Moves the last item to its place in the order of the text.
+fn move_into_order(items: &mut [Item]) {
+    let Some(mut last) = items.last().copied() else { return };
+    for item in items.iter_mut() {
+        if item.span.at > last.span.at {
+            core::mem::swap(item, &mut last);
+        }
+    }
+    if let Some(slot) = items.last_mut() {
+        *slot = last;
+    }
+}
+
+/// Inside ±[`COORDINATE_MAX`].
+pub(super) fn in_range(value: Position) -> bool {
+    let max = Position::const_from_int(COORDINATE_MAX as i64);
+    value >= -max && value <= max
+}
+
+fn coordinate(what: &'static str, unit: &'static str) -> NcErrorKind {
+    NcErrorKind::Range { what, min: -COORDINATE_MAX, max: COORDINATE_MAX.unsigned_abs(), unit, above: false }
+}

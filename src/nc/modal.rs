@@ -1,0 +1,49 @@
+//! What stays in force from block to block.
+use super::Plane;
+use crate::quantity::{Feed, Position};
+
+/// Largest coordinate, mm or degrees.
+pub const COORDINATE_MAX: i32 = 100_000;
+
+/// G00…G03.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    Rapid,
+    Line,
+    Clockwise,
+    Counterclockwise,
+}
+
+/// What stays in force from block to block.
+pub(super) struct Modal<const AXES: usize> {
+    pub mode: Mode,
+    pub plane: Plane,
+    pub relative: bool,
+    pub centre_absolute: bool,
+    pub inch: bool,
+    pub feed: Option<Feed>,
+    pub exact_stop: bool,
+    /// 0…5 for G54…G59, `None` for G53.
+    pub zero_set: Option<usize>,
+    /// G92.
+    pub shift: [Position; AXES],
+    pub radius: Option<Position>,
+}
+
+impl<const AXES: usize> Modal<AXES> {
+    /// At program start: G01, G17, G53, G71, G90, G94, G162, G260, G150, G359.
+    pub const fn new() -> Self {
+        Self {
+            mode: Mode::Line,
+            plane: Plane::G17,
+            relative: false,
+            centre_absolute: false,
+            inch: false,
+            feed: None,
+            exact_stop: false,
+            zero_set: None,
+            shift: [Position::ZERO; AXES],
+            radius: None,
+        }
+    }
+}

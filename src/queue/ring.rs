@@ -1,0 +1,137 @@
+//! A ring for one producer and one consumer that may interrupt one another, without lock and without waiting.
+//!
+//! Producer and consumer each own one counter that only they write; a slot belongs to the producer until its counter
+//! passes it, then to the consumer until the other counter does. Counters run freely and are masked, so that all `N`
+//! slots are used and no index needs a division (the queues of `heapless` forget `N` when they are split, which
+//! leaves one in the interrupt and a panic in its place if `N` were 0).
+//!
+//! This module is the only one with `unsafe` code.
+#![allow(unsafe_code)]
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// `N` slots, a power of two.
+pub struct Ring<T: Copy, const N: usize> {
+    slots: [UnsafeCell<MaybeUninit<T>>; N],
+    /// Items taken out since the split.
+    taken: AtomicU32,
+    /// Items put in since the split.
+    put: AtomicU32,
+}
+
+// SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own it, and
+// read only by the one consumer, while it does; the counters pass ownership with release and acquire.
+unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
+
+/// Puts items in.
+pub struct Producer<'a, T: Copy, const N: usize> {
+    ring: &'a Ring<T, N>,
+}
+
+/// Takes items out.
+pub struct Consumer<'a, T: Copy, const N: usize> {
+    ring: &'a Ring<T, N>,
+}
+
+impl<T: Copy, const N: usize> Ring<T, N> {
+    const MASK: u32 = {
+        assert!(N.is_power_of_two() && N <= 1 << 16, "the number of slots is a power of two");
+        N as u32 - 1
+    };
+
+    /// An empty ring.
+    pub const fn new() -> Self {
+        Self {
+            slots: [const { UnsafeCell::new(MaybeUninit::uninit()) }; N],
+            taken: AtomicU32::new(0),
+            put: AtomicU32::new(0),
+        }
+    }
+
+    /// Both ends of the ring, emptied. There is one of each: they borrow it exclusively.
+    pub fn split(&mut self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
+        *self.taken.get_mut() = 0;
+        *self.put.get_mut() = 0;
+        (Producer { ring: self }, Consumer { ring: self })
+    }
+
+    #[inline(always)]
+    fn slot(&self, count: u32) -> *mut MaybeUninit<T> {
+        // The mask is below N: the optimiser removes the check.
+        self.slots[(count & Self::MASK) as usize].get()
+    }
+}
+
+impl<T: Copy, const N: usize> Default for Ring<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Copy, const N: usize> Producer<'_, T, N> {
+    /// Whether there is no room.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        let put = self.ring.put.load(Ordering::Relaxed);
+        put.wrapping_sub(self.ring.taken.load(Ordering::Acquire)) >= N as u32
+    }
+
+    /// Puts an item in.
+    ///
+    /// # Errors
+    /// The item back if the ring is full.
+    #[inline]
+    pub fn push(&mut self, item: T) -> Result<(), T> {
+        if self.is_full() {
+            return Err(item);
+        }
+        let put = self.ring.put.load(Ordering::Relaxed);
+        // SAFETY: not full, so the slot is the producer's, of which there is one; it is handed over below.
+        unsafe { (*self.ring.slot(put)).write(item) };
+        self.ring.put.store(put.wrapping_add(1), Ordering::Release);
+        Ok(())
+    }
+}
+
+impl<T: Copy, const N: usize> Consumer<'_, T, N> {
+    /// Items in the ring.
+    #[inline(always)]
+    pub fn len(&self) -> u32 {
+        let taken = self.ring.taken.load(Ordering::Relaxed);
+        self.ring.put.load(Ordering::Acquire).wrapping_sub(taken)
+    }
+
+    /// Whether there is no item.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The oldest item, in place.
+    #[inline(always)]
+    pub fn peek(&self) -> Option<&T> {
+        if self.is_empty() {
+            return None;
+        }
+        // SAFETY: not empty, so the slot was written and is the consumer's until `skip`, which needs `&mut self`.
+        Some(unsafe { (*self.ring.slot(self.ring.taken.load(Ordering::Relaxed))).assume_init_ref() })
+    }
+
+    /// Gives the oldest item's slot back; nothing if there is none.
+    #[inline(always)]
+    pub fn skip(&mut self) {
+        if !self.is_empty() {
+            let taken = self.ring.taken.load(Ordering::Relaxed);
+            self.ring.taken.store(taken.wrapping_add(1), Ordering::Release);
+        }
+    }
+
+    /// Takes the oldest item out.
+    #[inline]
+    pub fn pop(&mut self) -> Option<T> {
+        let item = *self.peek()?;
+        self.skip();
+        Some(item)
+    }
+}
