@@ -72,6 +72,18 @@ fn edges_of_three_axes() {
 }
 
 #[test]
+fn path_distance_goes_round() {
+    // 600 m of path: its distance, ±2^19 mm, passes its end.
+    let mut program = Program::new("to and fro", 3);
+    for i in 1..=6 {
+        let x = 50_000.0 - 100_000.0 * f64::from(i % 2);
+        program = program.line(&[x, f64::from(i)], 60_000.0);
+    }
+    let verdict = good::<3, 120>(&program, &machines::examples(1000));
+    assert!(verdict.course.s.last().is_some_and(|s| *s > 524_288.0), "{:?}", verdict.course.s.last());
+}
+
+#[test]
 fn edges_of_rotary_axes() {
     for program in edges::rotary() {
         for machine in &machines_of::<4>(1000) {
