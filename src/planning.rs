@@ -208,7 +208,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn begin_pass(&mut self, batch: usize) -> Work {
-        self.lookahead.begin_pass();
+        self.lookahead.begin_pass(!self.flush);
         self.stage = Stage::Passing(batch);
         Work::Working
     }

@@ -66,6 +66,11 @@ pub fn peaks(column: &[i64], cycle: f64) -> Peaks {
     peaks
 }
 
+/// What rounded set points may add to the difference of an order (1: speed, 2: acceleration, 3: jerk).
+pub fn allowance(order: i32, cycle: f64) -> f64 {
+    2f64.powi(order) * ROUNDING / cycle.powi(order)
+}
+
 /// Checks every axis against its limits.
 ///
 /// # Errors
@@ -75,8 +80,7 @@ pub fn limits(trace: &Trace, limits: &[Limits]) -> Result<Vec<Peaks>, String> {
     for (axis, (column, limit)) in trace.columns.iter().zip(limits).enumerate() {
         let peaks = peaks(column, trace.cycle);
         for (order, bound) in [limit.v, limit.a, limit.jerk].into_iter().enumerate() {
-            let n = order as i32 + 1;
-            let allowance = 2f64.powi(n) * ROUNDING / trace.cycle.powi(n);
+            let allowance = allowance(order as i32 + 1, trace.cycle);
             let value = peaks.values[order];
             // 1e-12: the division by T^n in f64.
             if value > bound * (1.0 + 1e-12) + allowance {

@@ -5,6 +5,7 @@ use crate::reference::geometry::{Contour, Shape};
 use crate::tolerance;
 use crate::trace::{Run, run};
 use glidepath::machine::{AxisData, MachineData};
+use glidepath::quantity::Speed;
 
 /// What was measured on the way.
 #[derive(Clone, Debug)]
@@ -71,7 +72,34 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     if run.blocks.len() != contour.elements.len() {
         return Err(fault(format!("{} blocks planned, {} move", run.blocks.len(), contour.elements.len())));
     }
+    plan_is_consistent(&run).map_err(fault)?;
     Ok(Verdict { run, contour, peaks, course })
+}
+
+/// Blocks follow each other in order, each starts at the speed at which the last one ended, and their durations and
+/// waits add up to the ticks of the motion.
+fn plan_is_consistent(run: &Run) -> Result<(), String> {
+    let mut v = Speed::ZERO;
+    let mut n = 0;
+    let mut time = 0;
+    for (i, block) in run.blocks.iter().enumerate() {
+        if block.block as usize != i || block.n <= n {
+            return Err(format!("block {i} says it is {} with N{} after N{n}", block.block, block.n));
+        }
+        if block.v_in != v || block.v_peak < block.v_in.max(block.v_out) {
+            return Err(format!(
+                "block {i}: speeds {:?}, {:?}, {:?} after {v:?}",
+                block.v_in, block.v_peak, block.v_out
+            ));
+        }
+        (v, n) = (block.v_out, block.n);
+        time += block.time.to_bits() + block.wait.to_bits();
+    }
+    // LSB of a time: 2^-36 tick.
+    if v != Speed::ZERO || time != (run.trace.ticks() as u64) << 36 {
+        return Err(format!("ends with {v:?} after {} ticks, planned {time} / 2^36", run.trace.ticks()));
+    }
+    Ok(())
 }
 
 /// The first lines of a long text.

@@ -2,18 +2,22 @@
 //!
 //! | name | value | derivation |
 //! |---|---|---|
-//! | [`PATH`] | 2 nm | set point 0.12 nm · √3; direction Q1.31: 2^-31 of 1 m is 0.5 nm; circle table and radius, 1.4 nm at R 1 m |
-//! | [`REFERENCE`] | 10 nm | [`PATH`], and along the path what the time law's rounding leaves: 2^-44 mm per phase, at most 10^5 blocks |
-//! | [`PLAN`] | 10^-6 | limits enter rounded to 24 bits or better (6·10^-8), speeds depend on at most two of them to the power 1 |
-//! | [`SPEED_MARGIN`] | 2^-20 | the library plans with this part less speed and acceleration: roundings of `f32` |
-//! | [`JERK_MARGIN`] | 2^-13 | the library plans with this part less jerk, so that rounding to set points stays below the limit |
+//! | [`PATH`] | 0.01 nm | set points, end points and centres are rounded to 2^-32 mm: 0.12 pm per axis and each; the centre of an arc by radius moves by more where the chord is nearly the diameter; measured: 1.2 pm. Required: 2 nm |
+//! | [`REFERENCE`] | 10 nm | required; the motion itself is off by less than [`PATH`] |
+//! | [`RAMP`] | 2^-23 | ramp times are `f32` in the plan and f64 in the reference: two roundings; a point on a ramp is off by this part of the ramp's length |
+//! | [`PLAN`] | 10^-6 | required; speeds follow from about ten roundings of 2^-24, and from searches that end 2^-21 below the root |
+//! | [`SPEED_MARGIN`] | 2^-20 | the library plans with this part less speed and acceleration: sixteen roundings of `f32` |
+//! | [`JERK_MARGIN`] | 2^-13 | the library plans with this part less jerk: the same, and third differences of rounded path distances |
 //! | [`MIRROR`] | 1 LSB | a set point is rounded once, ties upward; mirrored, ties fall the other way |
 
 /// Distance of a set point from the programmed contour, mm.
-pub const PATH: f64 = 2e-6;
+pub const PATH: f64 = 1e-8;
 
 /// Distance of a set point from that of the reference with the same plan, mm.
 pub const REFERENCE: f64 = 10e-6;
+
+/// What is not known of a plan's ramps, relative.
+pub const RAMP: f64 = 1.0 / 8_388_608.0;
 
 /// Speeds at transitions and durations against the reference planner, relative.
 pub const PLAN: f64 = 1e-6;

@@ -105,10 +105,10 @@ fn catches_jumps_at_the_ends() {
 fn catches_a_set_point_beside_the_path() {
     let program = zigzag();
     let (contour, trace) = motion(&program, 1000, [1.0; 3]);
-    for (axis, nm, caught) in [(1, 1.0, false), (1, 3.0, true), (2, -3.0, true)] {
+    for (axis, part, caught) in [(1, 0.8, false), (1, 1.2, true), (2, -1.2, true)] {
         let mut bent = trace.clone();
-        bent.columns[axis][100] += (nm * 1e-6 * 4_294_967_296.0) as i64;
-        assert_eq!(check::path(&bent, &contour, tolerance::PATH, 200.0).is_err(), caught, "{axis} {nm}");
+        bent.columns[axis][100] += (part * tolerance::PATH * 4_294_967_296.0) as i64;
+        assert_eq!(check::path(&bent, &contour, tolerance::PATH, 200.0).is_err(), caught, "{axis} {part}");
     }
 }
 

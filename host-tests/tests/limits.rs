@@ -54,12 +54,33 @@ fn other_cycles() {
 }
 
 #[test]
+fn arbitrary_machines() {
+    // `cargo run --release -p host-tests --example soak -- 0 5000` goes on with it.
+    for seed in 0..80 {
+        good::<1, 120>(&program(seed, Mix::arbitrary(1, seed)), &machines::arbitrary(seed));
+        good::<3, 120>(&program(seed, Mix::arbitrary(3, seed)), &machines::arbitrary(seed));
+    }
+}
+
+#[test]
 fn edges_of_three_axes() {
     for program in edges::three_axes() {
         for machine in &machines_of::<3>(1000) {
             good::<3, 120>(&program, machine);
         }
     }
+}
+
+#[test]
+fn path_distance_goes_round() {
+    // 600 m of path: its distance, ±2^19 mm, passes its end.
+    let mut program = Program::new("to and fro", 3);
+    for i in 1..=6 {
+        let x = 50_000.0 - 100_000.0 * f64::from(i % 2);
+        program = program.line(&[x, f64::from(i)], 60_000.0);
+    }
+    let verdict = good::<3, 120>(&program, &machines::examples(1000));
+    assert!(verdict.course.s.last().is_some_and(|s| *s > 524_288.0), "{:?}", verdict.course.s.last());
 }
 
 #[test]

@@ -77,3 +77,17 @@ fn same_bits_again_and_whenever_the_planner_gets_its_turn() {
         }
     }
 }
+
+#[test]
+fn the_digest_is_fnv_1a_over_all_set_points() {
+    let run = of(&named::slot(6000.0, 3));
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for tick in 0..run.trace.len() {
+        for x in run.trace.row(tick) {
+            for half in [x as u32, (x >> 32) as u32] {
+                hash = (hash ^ u64::from(half)).wrapping_mul(0x100_0000_01b3);
+            }
+        }
+    }
+    assert_eq!(run.digest, hash);
+}

@@ -15,6 +15,7 @@ use crate::machine::{AxisData, MachineData};
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::{Element, End};
+use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
 
 /// Factor on speeds and accelerations.
@@ -141,22 +142,30 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
     /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
-    /// transition is smooth. `shorter` is the length of the shorter neighbour, mm.
+    /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
     /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
-    pub fn transition(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, shorter: f32) -> Option<f32> {
+    pub fn transition(
+        &self,
+        from: &End<AXES>,
+        to: &End<AXES>,
+        rapid: bool,
+        shorter: f32,
+        fastest: f32,
+    ) -> Option<f32> {
         let mut v = f32::MAX;
-        let mut smooth = true;
         for (k, axis) in self.axes.iter().enumerate() {
             let set = if rapid { &axis.rapid } else { &axis.feed };
             let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
             let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
             let knee = magnitude(to_f32(t1.wrapping_sub(*t0)) * LSB_40);
             let bend = magnitude(c1 - c0);
+            let unseen = SMOOTH * set.budget;
+            let knee = if fastest * knee <= unseen { 0.0 } else { knee };
+            let bend = if fastest * fastest * bend <= unseen { 0.0 } else { bend };
             let part = TRANSITION_PART * set.budget;
             if knee > 0.0 {
-                smooth = smooth && knee <= SMOOTH;
                 let part = if bend > 0.0 { 0.5 * part } else { part };
                 let alone = min(part, set.knee) / knee;
                 if 3.0 * alone > shorter {
@@ -167,17 +176,17 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
             }
             if bend > 0.0 {
-                smooth = false;
                 let part = if knee > 0.0 { 0.5 * part } else { part };
                 v = min(v, sqrt_f32(part / bend));
             }
         }
-        if smooth && v == f32::MAX { None } else { Some(v * MARGIN) }
+        if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 }
 
-/// A knee below this is rounding of coordinates: it leaves all of the jerk to the slope.
-const SMOOTH: f32 = 1e-7;
+/// A step below this part of the jerk budget is rounding of coordinates: half the margin of the jerk covers it, and
+/// all of the budget is left to the slope.
+const SMOOTH: f32 = 1.0 / 16_384.0;
 
 impl Axis {
     fn new(data: &AxisData, cycle_s: f32) -> Self {
@@ -215,6 +224,16 @@ impl Axis {
 }
 
 impl Limits {
+    /// The slope that gains speed.
+    pub fn speed_up(&self) -> Ramp {
+        Ramp::new(self.a_up, self.j[0], self.j[1])
+    }
+
+    /// The slope that loses speed, seen backward from the lower one.
+    pub fn brake(&self) -> Ramp {
+        Ramp::new(self.a_down, self.j[3], self.j[2])
+    }
+
     /// Leaves a transition its part.
     pub(super) fn share(&mut self) {
         for j in &mut self.j {

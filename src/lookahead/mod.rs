@@ -66,7 +66,12 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     stop: bool,
     /// Blocks still to pass, and the speed at the end of the last of them.
     pass: Option<(usize, Speed)>,
+    /// More blocks may come.
+    open: bool,
 }
+
+/// Steps of the search for an end speed.
+const LEAVE_STEPS: usize = 24;
 
 /// Blocks per call of the backward pass.
 const PASS_STEPS: usize = 4;
@@ -75,7 +80,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
     pub const fn new(depth: usize) -> Self {
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
-        Self { blocks: Deque::new(), depth, last: None, stop: false, pass: None }
+        Self { blocks: Deque::new(), depth, last: None, stop: false, pass: None, open: false }
     }
 
     /// Whether there is no room for another block.
@@ -120,7 +125,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
-            if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter) {
+            if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap) {
                 cap = min(cap, v);
                 limits.share();
                 before.limits.share();
@@ -133,8 +138,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let _ = self.blocks.push_back(block);
     }
 
-    /// Begins a pass over the whole ring.
-    pub fn begin_pass(&mut self) {
+    /// Begins a pass over the whole ring. `open`: blocks may follow the last one, and their transition may need its
+    /// part of the limits, which must not lower what is planned now.
+    pub fn begin_pass(&mut self, open: bool) {
+        self.open = open;
         self.pass = Some((self.blocks.len(), Speed::ZERO));
     }
 
@@ -148,8 +155,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return true;
             }
             left -= 1;
+            let last = left + 1 == self.blocks.len();
             let Some(block) = self.blocks.get_mut(left) else { continue };
-            let v = block.enter(v_out);
+            let mut limits = block.limits;
+            if last && self.open {
+                limits.share();
+            }
+            let v = block.faster(&limits.brake(), v_out, block.cap);
+            // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
+            // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
+            // What was planned with a lower end speed stays possible, and is not taken back.
+            let v = v.max(block.v_in);
             if v == block.v_in && v != Speed::ZERO {
                 self.pass = None;
                 return true;
@@ -165,13 +181,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn release(&mut self) -> Option<Release<'_, AXES>> {
         let block = self.blocks.front()?;
         let v_in = block.v_in;
-        let reach = block.leave(v_in);
-        let mut v_out = Speed::ZERO;
+        let planned = self.blocks.get(1).map(|next| next.v_in);
+        let v_out = planned.map_or(Speed::ZERO, |planned| block.leave(v_in, planned));
         if let Some(next) = self.blocks.get_mut(1) {
-            if reach < next.v_in {
-                next.v_in = reach;
-            }
-            v_out = next.v_in;
+            next.v_in = v_out;
         }
         Some(Release { block: self.blocks.front()?, v_in, v_out })
     }
@@ -187,16 +200,24 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 }
 
 impl<const AXES: usize> Block<AXES> {
-    /// Highest speed at its start that can still come down to `v_out`.
-    fn enter(&self, v_out: Speed) -> Speed {
-        let ramp = Ramp::new(self.limits.a_down, self.limits.j[3], self.limits.j[2]);
-        self.faster(&ramp, v_out, self.cap)
-    }
-
-    /// Highest speed at its end that can be reached from `v_in`.
-    fn leave(&self, v_in: Speed) -> Speed {
-        let ramp = Ramp::new(self.limits.a_up, self.limits.j[0], self.limits.j[1]);
-        self.faster(&ramp, v_in, self.limits.v)
+    /// Highest speed at its end, at most `next`, that can be reached from `v_in`.
+    fn leave(&self, v_in: Speed, next: Speed) -> Speed {
+        let highest = self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next);
+        let brake = self.limits.brake();
+        if highest >= v_in || self.faster(&brake, highest, self.limits.v) >= v_in {
+            return highest;
+        }
+        // The speed was planned with a lower one here, where slowing down is quicker.
+        let (mut low, mut high) = (0, highest.to_bits());
+        for _ in 0..LEAVE_STEPS {
+            let middle = low + (high - low) / 2;
+            if self.faster(&brake, Speed::from_bits(middle), self.limits.v) >= v_in {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Speed::from_bits(low)
     }
 
     /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB

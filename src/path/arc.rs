@@ -195,7 +195,7 @@ pub fn centre_of_radius<const AXES: usize>(
         if (x < 0) != left { size } else { -size }
     };
     Ok([
-        Position::from_bits(from[0] + (chord[0] >> 1) - offset(chord[1])),
-        Position::from_bits(from[1] + (chord[1] >> 1) + offset(chord[0])),
+        Position::from_bits(from[0] + chord[0] / 2 - offset(chord[1])),
+        Position::from_bits(from[1] + chord[1] / 2 + offset(chord[0])),
     ])
 }

@@ -145,8 +145,8 @@ impl Profile {
         limits: &Limits,
     ) -> Result<(), Unplannable> {
         let (v_in, v_out, length) = (v_in.to_bits(), v_out.to_bits(), length.to_bits());
-        let up = Ramp::new(limits.a_up, limits.j[0], limits.j[1]);
-        let down = Ramp::new(limits.a_down, limits.j[3], limits.j[2]);
+        let up = limits.speed_up();
+        let down = limits.brake();
         let low = v_in.max(v_out);
         let peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
 

@@ -1,4 +1,5 @@
 //! Machines of the tests.
+use super::random::Random;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 
 /// Names in the order of the axes.
@@ -42,6 +43,16 @@ pub fn even<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     })
 }
 
+/// The machine of the published examples: acceleration 2000 of 6000 mm/s², v 1000 mm/s, ramps 150 ms.
+pub fn examples<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
+    machine(cycle_us, |_, axis| {
+        axis.vb_max = 1_000_000;
+        axis.vb_eilgang = 1_000_000;
+        accelerations(axis, 2000, 6000);
+        ramps(axis, 150_000);
+    })
+}
+
 /// Four different ramp times, other deceleration than acceleration.
 pub fn uneven<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     machine(cycle_us, |_, axis| {
@@ -69,4 +80,35 @@ pub fn mill<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
         axis.tr_grenz = 45_000;
         axis.tr_geom = 10_000 + 3_000 * k as u32;
     })
+}
+
+/// A machine that nobody would build: every axis has its own random limits, within what the parameters allow.
+pub fn arbitrary<const AXES: usize>(seed: u64) -> MachineData<AXES> {
+    let mut r = Random::new(seed);
+    let cycle_us = [100, 250, 500, 1000, 2000, 4000, 10_000][(r.bits() % 7) as usize];
+    let mut machine = machine(cycle_us, |k, axis| {
+        let mut r = Random::new(seed.wrapping_mul(64) + k as u64 + 1);
+        let mut magnitude = |low: f64, high: f64| r.magnitude(low, high) as u32;
+        // At most 16 mm per tick.
+        axis.vb_max = magnitude(1e4, 2e6).min(16_000_000_000_u64.div_euclid(cycle_us.into()) as u32);
+        axis.a_max = magnitude(200.0, 30_000.0);
+        for ramp in [
+            &mut axis.tr_beschl_zu,
+            &mut axis.tr_beschl_ab,
+            &mut axis.tr_brems_zu,
+            &mut axis.tr_brems_ab,
+            &mut axis.tr_grenz,
+        ] {
+            *ramp = magnitude(1e4, 3e5);
+        }
+        axis.tr_geom = magnitude(1e3, 3e5);
+        let mut part = |of: u32| (f64::from(of) * r.between(0.2, 1.0)) as u32;
+        (axis.a_beschl, axis.a_brems, axis.a_grenz) = (part(axis.a_max), part(axis.a_max), part(axis.a_max));
+        axis.vb_eilgang = part(axis.vb_max);
+        if r.once_in(3) {
+            axis.a_trans_weight = r.between(1.0, 1000.0) as u32;
+        }
+    });
+    machine.channel.look_ahead = [10, 30, 120][(r.bits() % 3) as usize];
+    machine
 }

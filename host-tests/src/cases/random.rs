@@ -93,6 +93,22 @@ impl Mix {
     }
 }
 
+impl Mix {
+    /// Anything, to go with [`super::machines::arbitrary`].
+    pub fn arbitrary(axes: usize, seed: u64) -> Self {
+        let mut r = Random::new(!seed);
+        let mut mix = if r.once_in(3) { Self::surface(axes, 300) } else { Self::general(axes, 60) };
+        if r.once_in(3) {
+            mix.length = [0.000_01, 0.5];
+        }
+        if r.once_in(4) {
+            mix.knee = 0.001;
+        }
+        mix.feed[0] = mix.feed[0].max(1000.0);
+        mix
+    }
+}
+
 /// The random program of a seed. Two seeds differ in everything, a seed is the same program for ever.
 pub fn program(seed: u64, mix: Mix) -> Program {
     let mut r = Random::new(seed);

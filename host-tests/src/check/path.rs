@@ -121,8 +121,10 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
         let candidate = row[at];
         course.s.push(candidate.s);
         course.element.push(candidate.element);
-        course.error = course.error.max(candidate.main);
-        course.tracking_error = course.tracking_error.max(candidate.tracking);
+        // Near a joint both elements are candidates; the distance from the contour is that from the nearer one.
+        let least = |off: fn(&Candidate) -> f64| row.iter().map(off).fold(f64::INFINITY, f64::min);
+        course.error = course.error.max(least(|c| c.main));
+        course.tracking_error = course.tracking_error.max(least(|c| c.tracking));
         at = candidate.before;
     }
     course.s.reverse();

@@ -15,12 +15,19 @@ const JOINT: f64 = 0.4;
 /// Parts of B inside an arc: for the slope, for v³κ².
 const ARC_SLOPE: f64 = 0.25;
 const ARC_TURN: f64 = 0.5;
+/// Speeds tried for an arc, and the step between them.
+const ARC_SPEEDS: i32 = 5;
+const ARC_SPEED_STEP: f64 = 0.8;
+/// Part of the largest acceleration that a knee may show, and a ramp in ticks from which on the slope is small
+/// beside it.
+const KNEE: f64 = 0.25;
+const LONG_RAMP: f64 = 4.0;
 /// Part of the largest acceleration that may act across the path.
 const ACROSS: f64 = 0.8;
 /// Blocks that may pass within a tick.
 const BLOCKS_PER_TICK: f64 = 7.0;
 /// A knee below this is rounding of coordinates.
-const SMOOTH: f64 = 1e-7;
+const SMOOTH: f64 = 1.0 / 16384.0;
 
 /// Path limits of one block, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +42,8 @@ pub struct BlockLimits {
     pub j: [f64; 4],
     /// Jerk that a block beside a joint may use.
     pub j_beside: f64,
+    /// Acceleration that it may use.
+    pub a_beside: f64,
 }
 
 impl BlockLimits {
@@ -51,6 +60,8 @@ impl BlockLimits {
     /// Leaves the joint its part of the jerk.
     pub fn share(&mut self) {
         self.j = self.j.map(|j| j.min(self.j_beside));
+        self.a_up = self.a_up.min(self.a_beside);
+        self.a_down = self.a_down.min(self.a_beside);
     }
 }
 
@@ -65,6 +76,7 @@ pub struct AxisLimits {
     jerk: f64,
     /// Step of speed at a knee.
     knee: f64,
+    a_beside: f64,
     a_max: f64,
 }
 
@@ -92,14 +104,17 @@ impl AxisLimits {
         let longest = ramps.into_iter().map(ticks).fold(0.0, f64::max);
         let weight =
             if axis.a_trans_weight == 0 { 1.0 / longest } else { f64::from(axis.a_trans_weight) * 1e-3 };
+        let shortest = ramps.into_iter().map(ticks).fold(f64::INFINITY, f64::min);
+        let a_max = acceleration(axis.a_max);
         Self {
             v: f64::from(v) * 1e-3 * cycle * keep,
             a_up,
             a_down,
             j,
             jerk: shared.into_iter().fold(f64::INFINITY, f64::min),
-            knee: a_up.min(a_down) * weight,
-            a_max: acceleration(axis.a_max),
+            knee: (a_up.min(a_down) * weight).min(KNEE * a_max),
+            a_beside: if shortest < LONG_RAMP { (1.0 - KNEE) * a_max } else { f64::INFINITY },
+            a_max,
         }
     }
 }
@@ -139,6 +154,7 @@ impl Machine {
             a_down: least(&|a| a.a_down),
             j: std::array::from_fn(|k| least(&|a| a.j[k])),
             j_beside: JOINT * least(&|a| a.jerk),
+            a_beside: least(&|a| a.a_beside),
         };
         if let Shape::Arc { axes: plane, radius, .. } = &element.shape {
             let share = shares[plane[0]];
@@ -151,44 +167,54 @@ impl Machine {
             limits.v = limits.v.min((across / curvature).sqrt());
             limits.v = limits.v.min((ARC_TURN * jerk / (curvature * curvature)).cbrt());
             limits.j = limits.j.map(|j| j.min(ARC_SLOPE * jerk / share));
-            // What is left of a_max along the path, and of B for the change 3vκ·a across it.
-            let across = limits.v * limits.v * curvature;
-            let along = (a_max * a_max - across * across).max(0.0).sqrt() / share;
-            let left = (1.0 - ARC_SLOPE) * jerk - across * limits.v * curvature;
-            let a = along.min(left / (3.0 * limits.v * curvature));
-            limits.a_up = limits.a_up.min(a);
-            limits.a_down = limits.a_down.min(a);
+            // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the less. The
+            // speed that is best for the arc alone, from rest to rest with constant acceleration.
+            let slope = limits.a_up.min(limits.a_down);
+            let length = path_length(element);
+            let choices = (0..ARC_SPEEDS).map(|i| {
+                let v = limits.v * ARC_SPEED_STEP.powi(i);
+                let across = v * v * curvature;
+                let along = (a_max * a_max - across * across).max(0.0).sqrt() / share;
+                let left = (1.0 - ARC_SLOPE) * jerk - across * v * curvature;
+                let a = slope.min(along).min(left / (3.0 * v * curvature));
+                let time = if length >= v * v / a { length / v + v / a } else { 2.0 * (length / a).sqrt() };
+                (time, v, a)
+            });
+            if let Some((_, v, a)) = choices.min_by(|x, y| x.0.total_cmp(&y.0)) {
+                limits.v = v;
+                limits.a_up = limits.a_up.min(a);
+                limits.a_down = limits.a_down.min(a);
+            }
         }
         limits
     }
 
-    /// Highest speed of a joint; `None` if it is smooth.
-    pub fn joint(&self, before: &Element, after: &Element) -> Option<f64> {
+    /// Highest speed of a joint that neither neighbour passes faster than `fastest`; `None` if it is smooth.
+    pub fn joint(&self, before: &Element, after: &Element, fastest: f64) -> Option<f64> {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let shorter = path_length(before).min(path_length(after));
         let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
         let mut v = f64::INFINITY;
-        let mut smooth = true;
         for (k, axis) in axes.iter().enumerate() {
             let knee = (begin.tangent[k] - end.tangent[k]).abs();
             let bend = (begin.curvature[k] - end.curvature[k]).abs();
-            // Integers of 2^-40 do not see less.
-            let (knee, bend) = (if knee < 1e-12 { 0.0 } else { knee }, if bend < 1e-12 { 0.0 } else { bend });
+            // Steps too small to be seen, at any speed the joint can be passed.
+            let unseen = |step: f64| step <= SMOOTH * axis.jerk;
+            let knee = if unseen(fastest * knee) { 0.0 } else { knee };
+            let bend = if unseen(fastest * fastest * bend) { 0.0 } else { bend };
             let both = if knee > 0.0 && bend > 0.0 { 0.5 } else { 1.0 };
             let part = both * JOINT * axis.jerk;
             if knee > 0.0 {
-                smooth &= knee <= SMOOTH;
                 // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks apart.
                 let alone = part.min(axis.knee) / knee;
                 let close = (0.25 * part / knee).min((0.25 * part * shorter / knee).sqrt());
                 v = v.min(alone.min(shorter / 3.0).max(alone.min(close)));
             }
             if bend > 0.0 {
-                smooth = false;
                 v = v.min((part / bend).sqrt());
             }
         }
-        if smooth && v == f64::INFINITY { None } else { Some(v * (1.0 - tolerance::SPEED_MARGIN)) }
+        if v == f64::INFINITY { None } else { Some(v * (1.0 - tolerance::SPEED_MARGIN)) }
     }
 }
 

@@ -30,7 +30,7 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
             && !before.stop
         {
             v_start = last.limits.v.min(limits.v);
-            if let Some(v) = machine.joint(before, element) {
+            if let Some(v) = machine.joint(before, element, v_start) {
                 v_start = v_start.min(v);
                 last.limits.share();
                 limits.share();
@@ -49,7 +49,7 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
 pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     let batch = (depth / 4).max(1);
     let mut profiles = Vec::with_capacity(blocks.len());
-    let mut v_in = 0.0;
+    let mut entries = vec![0.0; blocks.len() + 1];
     for start in (0..blocks.len()).step_by(batch) {
         let known = blocks.len().min(start + depth);
         let mut ring = blocks[start..known].to_vec();
@@ -59,42 +59,31 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
             // Whatever comes next may need its part of the jerk.
             last.limits.share();
         }
-        let entries = entries(&ring);
-        for (i, block) in ring.iter().enumerate().take(batch) {
+        raise(&mut entries[start..=known], &ring);
+        for (i, block) in (start..).zip(&ring).take(batch) {
+            let v_in = entries[i];
+            let v_out = leave(block, v_in, entries[i + 1]);
+            entries[i + 1] = v_out;
             let Block { length, limits, .. } = block;
-            let next = entries.get(i + 1).copied().unwrap_or(0.0);
-            let v_out = leave(block, v_in, next);
             let profile =
                 Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
-            profiles.push(
-                profile.unwrap_or_else(|| panic!("block {}: {v_in} to {v_out} in {block:?}", start + i)),
-            );
-            v_in = v_out;
+            profiles.push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {block:?}")));
         }
     }
     profiles
 }
 
-/// Speeds at the start of each block up to which all of them can come to a standstill at the end of the last.
+/// Raises the speeds at the starts of blocks as far as the motion can still come to a standstill at the end of the last.
+/// The first one is decided.
 ///
 /// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
 /// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to v/3. So a
-/// block may be entered faster if it is left at zero than if it is left at what the next one would take. In between it is
-/// never best.
-fn entries(blocks: &[Block]) -> Vec<f64> {
-    let mut v = 0.0;
-    let mut entries: Vec<f64> = blocks
-        .iter()
-        .rev()
-        .map(|block| {
-            let from =
-                |v_out: f64| reach(block.length, v_out, block.v_start, block.limits.brake().reversed());
-            v = from(v).max(from(0.0));
-            v
-        })
-        .collect();
-    entries.reverse();
-    entries
+/// speed that was possible with a lower one behind it may not follow from the higher one. It stays possible.
+fn raise(entries: &mut [f64], blocks: &[Block]) {
+    for (i, block) in blocks.iter().enumerate().skip(1).rev() {
+        let highest = reach(block.length, entries[i + 1], block.v_start, block.limits.brake().reversed());
+        entries[i] = highest.max(entries[i]);
+    }
 }
 
 /// The highest speed at the end of a block, at most `next`, that can be reached from `v_in`.
