@@ -57,7 +57,8 @@ impl Ramp {
         let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;
-            let length = linear + low * hold + self.cubic + self.a * hold * (0.5 * (self.rise + hold) + self.fall);
+            let length =
+                linear + low * hold + self.cubic + self.a * hold * (0.5 * (self.rise + hold) + self.fall);
             [length, low / self.a + 0.5 * self.rise + hold + self.fall]
         } else {
             let k = sqrt_f32(max(dv, f32::MIN_POSITIVE) / self.full);

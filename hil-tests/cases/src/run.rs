@@ -64,7 +64,6 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     text: &'static [u8],
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
-
     let (mut planner, mut interpolator) =
         channel.split(machine, [Position::ZERO; AXES], text).map_err(Failure::Machine)?;
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
