@@ -184,9 +184,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// A step below this part of the jerk budget is rounding of coordinates: half the margin of the jerk covers it, and
+/// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it, and
 /// all of the budget is left to the slope.
-const SMOOTH: f32 = 1.0 / 16_384.0;
+const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl Axis {
     fn new(data: &AxisData, cycle_s: f32) -> Self {

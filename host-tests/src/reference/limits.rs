@@ -27,7 +27,7 @@ const ACROSS: f64 = 0.8;
 /// Blocks that may pass within a tick.
 const BLOCKS_PER_TICK: f64 = 7.0;
 /// A knee below this is rounding of coordinates.
-const SMOOTH: f64 = 1.0 / 16384.0;
+const SMOOTH: f64 = 1.0 / 20_000.0;
 
 /// Path limits of one block, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -53,7 +53,8 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     for start in (0..blocks.len()).step_by(batch) {
         let known = blocks.len().min(start + depth);
         let mut ring = blocks[start..known].to_vec();
-        if known < blocks.len()
+        // A full ring is planned before the end of the program is known.
+        if start + depth <= blocks.len()
             && let Some(last) = ring.last_mut()
         {
             // Whatever comes next may need its part of the jerk.
