@@ -66,9 +66,8 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
     pub fn tick(&mut self) -> State {
         if self.done >= self.phase.ticks {
-            match self.queue.phases.pop() {
-                Some(phase) => self.phase = phase,
-                None => return State::Idle,
+            if !self.queue.phases.pop_into(&mut self.phase) {
+                return State::Idle;
             }
             self.done = 0;
         }

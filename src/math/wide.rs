@@ -76,3 +76,48 @@ pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     let high = (a >> 32).wrapping_mul(n as i64).wrapping_add((first >> 32) as i64);
     (high << (32 - shift)) | (low(first) >> shift) as i64
 }
+
+/// A 64-bit number cut into its upper word and the upper 31 bits of its lower one, for products that need not be
+/// exact in their last bit: `upper·2^32 + 2·lower`, at most 1 below the number.
+#[derive(Clone, Copy)]
+pub struct Halves {
+    upper: i32,
+    lower: i32,
+}
+
+impl Halves {
+    /// Cuts.
+    #[inline(always)]
+    pub const fn of(x: i64) -> Self {
+        Self { upper: (x >> 32) as i32, lower: (x as u32 >> 1) as i32 }
+    }
+
+    /// Minus the number, for one whose upper word is not −2^31.
+    #[inline(always)]
+    pub const fn negated(self) -> Self {
+        Self { upper: -self.upper, lower: -self.lower }
+    }
+
+    /// (self·a + other·b) / 2^64, to within 4; each product within ±2^124. Nine instructions on a Cortex-M4.
+    #[inline(always)]
+    pub const fn turn(self, a: Self, other: Self, b: Self) -> i64 {
+        let cross = product(self.upper, a.lower)
+            .wrapping_add(product(self.lower, a.upper))
+            .wrapping_add(product(other.upper, b.lower))
+            .wrapping_add(product(other.lower, b.upper));
+        (cross >> 31).wrapping_add(product(self.upper, a.upper)).wrapping_add(product(other.upper, b.upper))
+    }
+}
+
+/// a·b / 2^64 to within 3, for |a| and |b| up to 2^63: [`mul_hi`] without the product of the lower words.
+#[inline(always)]
+pub const fn mul_near(a: i64, b: i64) -> i64 {
+    let (a, b) = (Halves::of(a), Halves::of(b));
+    let cross = product(a.upper, b.lower).wrapping_add(product(a.lower, b.upper));
+    (cross >> 31).wrapping_add(product(a.upper, b.upper))
+}
+
+#[inline(always)]
+const fn product(a: i32, b: i32) -> i64 {
+    (a as i64).wrapping_mul(b as i64)
+}

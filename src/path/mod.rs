@@ -21,7 +21,7 @@ pub use line::line;
 
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
-use crate::math::wide::{mul_hi, mul_wide};
+use crate::math::wide::{Halves, mul_near, mul_wide};
 use crate::nc::Plane;
 use crate::quantity::{Distance, Position};
 
@@ -178,19 +178,22 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// Position of every axis at `distance` from the start of the block. Runs in the tick: no branch but line or arc.
+    /// Position of every axis at `distance` from the start of the block. Runs in the tick.
     /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = distance << (self.shift & 63);
-        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
-            *x = if *gain == 0 { *base } else { add(*base, mul_hi(w, *gain)) };
-        }
+        *out = *base;
         if self.plane[0] != NO_PLANE {
-            for (axis, part) in self.plane.iter().zip(self.circle(w)) {
-                if let (Some(x), Some(base)) = (out.get_mut(*axis as usize), base.get(*axis as usize)) {
-                    *x = add(*base, part);
-                }
+            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+            let [p, q] = self.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
+            let [x, y] = self.circle(w);
+            out[p] = add(base[p], x);
+            out[q] = add(base[q], y);
+        }
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
+            if *gain != 0 {
+                *x = add(*base, mul_near(w, *gain));
             }
         }
     }
@@ -198,14 +201,12 @@ impl<const AXES: usize> Shape<AXES> {
     /// Both coordinates of the radius vector at `w`, 2^-42 mm.
     #[inline(always)]
     fn circle(&self, w: i64) -> [i64; 2] {
-        let (sin, cos) = sin_cos((mul_hi(w, self.turn) << 4) as u64);
+        let (sin, cos) = sin_cos((mul_near(w, self.turn) << 4) as u64);
         let upper = w >> 32;
         let [p, q] = [0, 1].map(|i| self.a[i].wrapping_add((upper * i64::from(self.grow[i])) >> 19));
         let [x, y] = [0, 1].map(|i| (upper * i64::from(self.miss[i])) >> 30);
-        [
-            x.wrapping_add(mul_hi(p, cos)).wrapping_sub(mul_hi(q, sin)),
-            y.wrapping_add(mul_hi(q, cos)).wrapping_add(mul_hi(p, sin)),
-        ]
+        let (p, q, cos, sin) = (Halves::of(p), Halves::of(q), Halves::of(cos), Halves::of(sin));
+        [x.wrapping_add(p.turn(cos, q, sin.negated())), y.wrapping_add(q.turn(cos, p, sin))]
     }
 }
 

@@ -122,9 +122,15 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     #[inline(always)]
     pub fn skip(&mut self) {
         if !self.is_empty() {
-            let taken = self.ring.taken.load(Ordering::Relaxed);
-            self.ring.taken.store(taken.wrapping_add(1), Ordering::Release);
+            self.advance();
         }
+    }
+
+    /// The counter moves on; the caller knows that there is an item.
+    #[inline(always)]
+    fn advance(&mut self) {
+        let taken = self.ring.taken.load(Ordering::Relaxed);
+        self.ring.taken.store(taken.wrapping_add(1), Ordering::Release);
     }
 
     /// Takes the oldest item out.
@@ -133,5 +139,14 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
         let item = *self.peek()?;
         self.skip();
         Some(item)
+    }
+
+    /// Takes the oldest item out into `item`, copied once; `false` if there is none.
+    #[inline(always)]
+    pub fn pop_into(&mut self, item: &mut T) -> bool {
+        let Some(oldest) = self.peek() else { return false };
+        *item = *oldest;
+        self.advance();
+        true
     }
 }
