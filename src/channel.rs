@@ -262,15 +262,21 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
     }
 
     fn decode(&mut self) -> Result<Progress, Error> {
-        let result = match self.decoder.step() {
+        let mut step = self.decoder.step();
+        if matches!(step, Ok(Step::Working)) {
+            // Reading a line and understanding it are two steps.
+            step = self.decoder.step();
+        }
+        // By reference: a command is large.
+        let result = match &step {
             Ok(Step::Working) => Ok(Progress::Working),
-            Ok(Step::Warning(warning)) => Ok(Progress::Warning(warning)),
-            Ok(Step::Command(command)) => self.execute(&command),
+            Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
+            Ok(Step::Command(command)) => self.execute(command),
             Ok(Step::End) => {
                 self.end();
                 Ok(Progress::Working)
             }
-            Err(error) => Err(Error::Nc(error)),
+            Err(error) => Err(Error::Nc(error.clone())),
         };
         if result.is_err() {
             self.end();

@@ -60,8 +60,6 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     emitter: Emitter,
     /// The last block handed to the emitter ends in a standstill.
     stops: bool,
-    /// A piece the queue did not take.
-    held: Option<Phase>,
     /// Ticks to rest after the standstill.
     rest: u64,
     /// End of the last block handed on, and its path distance.
@@ -76,6 +74,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
+
+/// Pieces of time per call.
+const PIECES: usize = 4;
 
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
@@ -93,7 +94,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             profile: Profile::default(),
             emitter: Emitter::new(),
             stops: false,
-            held: None,
             rest: 0,
             position: start,
             distance: Distance::ZERO,
@@ -177,17 +177,25 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
-        if let Some(phase) = self.held.take() {
-            return Ok(self.hand_over(phase));
-        }
-        if !self.emitter.is_done() {
-            if let Some(phase) = self.emitter.step() {
-                return Ok(self.hand_over(phase));
+        for _ in 0..PIECES {
+            // Asked first: a piece the queue has no room for is not made.
+            if self.queue.phases.is_full() {
+                return Ok(Work::Waiting);
             }
-            if self.stops {
-                self.emitter.settle();
-            }
+            let Some(phase) = self.emitter.step() else {
+                if self.stops {
+                    self.emitter.settle();
+                    self.stops = false;
+                }
+                return self.go_on();
+            };
+            let _ = self.queue.phases.push(phase);
         }
+        Ok(Work::Working)
+    }
+
+    /// The next step once the last block is handed out.
+    fn go_on(&mut self) -> Result<Work, Unplannable> {
         match self.stage {
             Stage::Passing(batch) => {
                 if self.lookahead.step_pass() {
@@ -213,16 +221,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    fn hand_over(&mut self, phase: Phase) -> Work {
-        match self.queue.phases.push(phase) {
-            Ok(()) => Work::Working,
-            Err(phase) => {
-                self.held = Some(phase);
-                Work::Waiting
-            }
-        }
-    }
-
     /// Plans the first block of the ring for good.
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
         if self.queue.segments.is_full() {
@@ -240,13 +238,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let base = block.shape.base(&self.position);
         // There is room: asked above.
-        let _ = self.queue.segments.push(Segment {
-            shape: block.shape,
-            base,
-            start: self.distance,
-            n: block.n,
-            block: self.blocks,
-        });
+        let (start, number) = (self.distance, self.blocks);
+        let segment = || Segment { shape: block.shape, base, start, n: block.n, block: number };
+        let _ = self.queue.segments.push_with(segment);
         self.emitter.begin(&self.profile, self.distance, length);
         self.stops = v_out == Speed::ZERO;
         self.planned = PlannedBlock {
@@ -276,15 +270,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let ticks = self.rest.min(LONGEST_REST);
         self.rest -= ticks;
         self.flush = self.rest > 0;
-        if ticks == 0 {
-            return Work::Working;
+        if ticks > 0 {
+            // There is room: asked at the beginning of the call.
+            let _ = self.queue.phases.push(Phase {
+                distance: self.distance,
+                speed: Speed::ZERO,
+                half_accel: Accel::ZERO,
+                sixth_jerk: Jerk::ZERO,
+                ticks: ticks as u16,
+            });
         }
-        self.hand_over(Phase {
-            distance: self.distance,
-            speed: Speed::ZERO,
-            half_accel: Accel::ZERO,
-            sixth_jerk: Jerk::ZERO,
-            ticks: ticks as u16,
-        })
+        Work::Working
     }
 }

@@ -83,14 +83,20 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
     /// The item back if the ring is full.
     #[inline(always)]
     pub fn push(&mut self, item: T) -> Result<(), T> {
+        if self.push_with(|| item) { Ok(()) } else { Err(item) }
+    }
+
+    /// Puts in what `make` makes, in its place; `false` if the ring is full.
+    #[inline(always)]
+    pub fn push_with(&mut self, make: impl FnOnce() -> T) -> bool {
         if self.is_full() {
-            return Err(item);
+            return false;
         }
         let put = self.ring.put.load(Ordering::Relaxed);
         // SAFETY: not full, so the slot is the producer's, of which there is one; it is handed over below.
-        unsafe { (*self.ring.slot(put)).write(item) };
+        unsafe { (*self.ring.slot(put)).write(make()) };
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
-        Ok(())
+        true
     }
 }
 

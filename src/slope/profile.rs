@@ -9,7 +9,8 @@ use super::ramp::{Ramp, root_of_cubic};
 use crate::lookahead::{Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{to_bits, to_f32};
-use crate::math::wide::{mul_shift, mul_wide};
+use crate::math::root::sqrt_f32;
+use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
 
 /// Three parts of a change of speed: acceleration rises, holds, falls.
@@ -127,9 +128,9 @@ fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
 }
 
-/// A third, rounded to nearest.
+/// A third, good to 2^-54 mm/tick.
 fn third(x: i64) -> i64 {
-    mul_shift(x, 0x1555_5555_5555_5555, 62)
+    mul_near(x, 0x1555_5555_5555_5555) << 2
 }
 
 impl Profile {
@@ -206,20 +207,30 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
         [s0 + s1 - target, d0 + d1]
     };
     let [mut below, mut above] = [0.0, speed_f32(limit)];
-    if excess(above)[0] <= 0.0 {
-        return limit;
-    }
-    if v_in != v_out && excess(below)[0] >= 0.0 {
-        return 0;
-    }
-    let mut x = triangular(up, down, max(from_in, from_out), target);
+    let mut limit_checked = false;
+    let mut x = if v_in == v_out {
+        triangular(up, down, from_in, target)
+    } else {
+        let (near, far) = if v_in == low { (up, down) } else { (down, up) };
+        let [length, slope] = far.distance(min(from_in, from_out), max(above_in, above_out));
+        if length >= target {
+            return 0;
+        }
+        lopsided(near, max(from_in, from_out), slope, target - length)
+    };
     for _ in 0..PEAK_STEPS {
+        if x >= above {
+            if !limit_checked && excess(above)[0] <= 0.0 {
+                return limit;
+            }
+            limit_checked = true;
+        }
         if !(x > below && x < above) {
             x = 0.5 * (below + above);
         }
         let [over, slope] = excess(x);
         if over > 0.0 {
-            above = x;
+            (above, limit_checked) = (x, true);
         } else {
             below = x;
         }
@@ -238,14 +249,23 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
 /// Square of 2^-12: Newton's next step would be about the square of that.
 const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
 
-/// The peak above `low` if both speeds were `low` and no plateau were reached: with u = √x both slopes together take
-/// c1·u + c3·u³. Exact from rest to rest, a good guess elsewhere.
+/// Steps of the search.
+const PEAK_STEPS: usize = 24;
+
+/// The peak above `low` if both speeds were `low` and no plateau were reached: with k² = x/full of the one slope and
+/// (r·k)² of the other, both together take c1·k + c3·k³. Exact from rest to rest, a good guess elsewhere.
 fn triangular(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
-    let [a1, a3] = up.triangle(low);
-    let [b1, b3] = down.triangle(low);
-    let u = root_of_cubic(a3 + b3, a1 + b1, length);
-    u * u
+    let ratio = up.full / down.full;
+    let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
+    let c1 = low * (up.time() + ratio * down.time());
+    let c3 = up.cubic + ratio * ratio * ratio * down.cubic;
+    let k = root_of_cubic([c1, 0.0, c3], length);
+    k * k * up.full
 }
 
-/// Steps of the search for the peak.
-const PEAK_STEPS: usize = 20;
+/// The peak above the higher speed `low` if the slope on its side reaches no plateau and the other one, already long,
+/// grows by `slope` per speed: with k² = x/full the two take c1·k + c2·k² + c3·k³ more.
+fn lopsided(near: &Ramp, low: f32, slope: f32, length: f32) -> f32 {
+    let k = root_of_cubic([low * near.time(), slope * near.full, near.cubic], length);
+    k * k * near.full
+}
