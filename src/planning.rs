@@ -46,6 +46,12 @@ pub enum MotionError {
     TooSlow,
 }
 
+impl From<PathError> for MotionError {
+    fn from(error: PathError) -> Self {
+        Self::Path(error)
+    }
+}
+
 /// Path, look-ahead, slope and the planner's end of the queue.
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     main: [Option<usize>; 3],
@@ -114,22 +120,22 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
         };
         let (from, to) = (&self.programmed, &motion.target);
-        let result = match motion.kind {
-            MotionKind::Rapid | MotionKind::Line => path::line(from, to, &self.main),
+        match motion.kind {
+            MotionKind::Rapid | MotionKind::Line => {
+                if let Some(element) = path::line(from, to, &self.main)? {
+                    self.append(&element, motion, feed)?;
+                }
+            }
             MotionKind::Arc { plane, clockwise, by } => {
                 let centre = match by {
-                    ArcBy::Centre(centre) => Ok(centre),
+                    ArcBy::Centre(centre) => centre,
                     ArcBy::Radius(radius) => {
-                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.main)
+                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.main)?
                     }
                 };
-                centre.and_then(|c| path::arc(from, to, c, plane, clockwise, &self.main)).map(Some)
+                let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
+                self.append(&element, motion, feed)?;
             }
-        };
-        match result {
-            Ok(Some(element)) => self.append(&element, motion, feed)?,
-            Ok(None) => {}
-            Err(error) => return Err(MotionError::Path(error)),
         }
         if motion.exact_stop {
             self.lookahead.stop_here();

@@ -33,6 +33,8 @@ pub struct Block<const AXES: usize> {
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
+    /// That speed was planned for a lower end speed than the one that is planned now.
+    kept: bool,
     /// Programmed N number.
     pub n: u32,
     /// Where it stands in the text.
@@ -133,7 +135,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         self.stop = false;
         self.last = Some(Last { exit: element.exit, length, rapid });
-        let block = Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, n, place };
+        let block = Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, n, place };
         // There is room: the caller asked.
         let _ = self.blocks.push_back(block);
     }
@@ -165,6 +167,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
             // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
             // What was planned with a lower end speed stays possible, and is not taken back.
+            block.kept = v < block.v_in;
             let v = v.max(block.v_in);
             if v == block.v_in && v != Speed::ZERO {
                 self.pass = None;
@@ -202,9 +205,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 impl<const AXES: usize> Block<AXES> {
     /// Highest speed at its end, at most `next`, that can be reached from `v_in`.
     fn leave(&self, v_in: Speed, next: Speed) -> Speed {
-        let highest = self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next);
+        if next >= v_in {
+            return self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next);
+        }
+        let highest = next;
         let brake = self.limits.brake();
-        if highest >= v_in || self.faster(&brake, highest, self.limits.v) >= v_in {
+        if !self.kept || self.faster(&brake, highest, self.limits.v) >= v_in {
             return highest;
         }
         // The speed was planned with a lower one here, where slowing down is quicker.
