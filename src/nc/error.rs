@@ -130,7 +130,7 @@ pub enum NcErrorKind {
     NoLabel,
     /// No program head but those of local subroutines.
     NoMainProgram,
-    /// LL of a name that no %L declares.
+    /// LL of a name that no %L of this file or its callers declares.
     NoSubroutine,
     /// L of a name that the text source has no file for.
     NoFile,
