@@ -483,7 +483,6 @@ fn oscillation_refused_a8_039_and_043() {
         "X[OSC ON OFF]",
         "X[OSC OFF FREQ=1]",
         "X[OSC OFF INSTANT FEED=1]",
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 SHORT]",
         "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=0]",
         "X[OSC ON 1ST_POS=100001 2ND_POS=2 FREQ=1]",
         "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1] Y5",

@@ -5,7 +5,7 @@ use glidepath::nc::{NcErrorKind, Setup, Text, TextError};
 use glidepath::quantity::Position;
 use nc_decode::{decode, decode_with, error, setup};
 
-const TABLE: &[(&str, u32, u32, u32, &str)] = &[
+const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("X1 Q5", 1, 4, 1, "axis Q is known, not available on this machine (axes X, Y, Z, A, C)"),
     ("B10", 1, 1, 1, "axis B is known, not available on this machine (axes X, Y, Z, A, C)"),
     ("X1\nY2 C5 V3", 1, 1, 2, "motion without feed: expected F before G01, G02 or G03"),
@@ -69,7 +69,12 @@ const TABLE: &[(&str, u32, u32, u32, &str)] = &[
     ("P1=\"A\"", 1, 4, 3, "macro \"\"A\"\" is known, not available in this version"),
     ("P5[2]=1", 1, 1, 2, "array of P parameters \"P5\" is known, not available in this version"),
     ("/N10 X1", 1, 1, 1, "block skip \"/\" is known, not available in this version"),
-    ("L sub.nc", 1, 1, 1, "global subroutine \"L\" is known, not available in this version"),
+    ("L sub.nc", 1, 3, 6, "no file \"sub.nc\" to call: expected the name of a program file"),
+    ("L \"my sub\"", 1, 4, 6, "no file \"my sub\" to call: expected the name of a program file"),
+    ("L", 1, 2, 0, "end of line: expected a blank and a file name after L"),
+    ("L \"\"", 1, 4, 1, "unexpected \"\"\": expected a file name after L"),
+    ("L \"sub", 1, 7, 0, "end of line: expected \" behind the file name"),
+    ("L sub X1", 1, 7, 2, "unexpected \"X1\": expected L alone in its block"),
     ("LL sub", 1, 4, 3, "subroutine \"sub\" is not in this file: expected %L sub"),
     ("LLsub", 1, 3, 3, "unexpected \"sub\": expected a blank and a name after LL"),
     ("LL", 1, 3, 0, "end of line: expected a blank and a name after LL"),
@@ -317,7 +322,7 @@ fn limits_are_named() {
 struct Broken;
 
 impl Text for Broken {
-    fn read(&mut self, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+    fn read(&mut self, _: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
         if offset > 0 {
             return Err(TextError);
         }

@@ -203,9 +203,9 @@ fn damaged_programs() {
 struct Counting<'a>(&'a [u8], &'a std::cell::Cell<usize>);
 
 impl glidepath::nc::Text for Counting<'_> {
-    fn read(&mut self, offset: u32, buffer: &mut [u8]) -> Result<usize, glidepath::nc::TextError> {
+    fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, glidepath::nc::TextError> {
         let mut source = self.0;
-        let count = source.read(offset, buffer)?;
+        let count = source.read(file, offset, buffer)?;
         self.1.set(self.1.get() + count);
         Ok(count)
     }

@@ -198,10 +198,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         if first == second {
             return span.fault(NcErrorKind::Missing("two different positions"));
         }
-        if w.short {
-            if self.setup.kinds.get(axis) != Some(&AxisKind::Rotary) {
-                return span.fault(NcErrorKind::KeywordMismatch { with: "SHORT on a linear axis" });
-            }
+        // Whether an axis is modulo is not known here; only that a linear one does not count in turns.
+        if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Rotary) {
             let turn = Position::const_from_int(360);
             if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {
                 return span.fault(NcErrorKind::OscillationModulo);

@@ -11,10 +11,17 @@ pub struct Place {
     pub line: u32,
     /// Column in bytes, counted from 1.
     pub column: u32,
-    /// Bytes of the word meant.
-    pub length: u32,
-    /// Offset of the word in the text, bytes.
+    /// Offset of the word in its file, bytes.
     pub offset: u32,
+    /// Bytes of the word meant.
+    pub length: u16,
+    /// File: 0 is the main program, others are what [`super::Text::open`] answered.
+    pub file: u16,
+}
+
+impl Place {
+    /// No place at all: line 0.
+    pub const NONE: Self = Self { line: 0, column: 0, offset: 0, length: 0, file: 0 };
 }
 
 /// What the decoder knows of the machine: names, kinds, main axes. Nothing of its dynamics.
@@ -216,12 +223,26 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
+    /// Whether it switches a function off, with no other effect: nothing to do where the function is not on.
+    pub const fn switches_off(&self) -> bool {
+        match self {
+            Self::ExactStop(_, switch) => matches!(switch, ExactStop::Off),
+            Self::Contour(_, contour) => matches!(contour.switch, Some(ContourSwitch::Off)),
+            Self::Hsc(_, hsc) => matches!(hsc.switch, Some(false)),
+            Self::Filter(_, filter) => matches!(filter.switch, Some(false)),
+            Self::VectorLimit(_, limits) => !limits.on,
+            Self::Spline(_, spline) => matches!(spline, Spline::Off),
+            Self::Kinematics(_, kinematics) => matches!(kinematics, Kinematics::Off),
+            _ => false,
+        }
+    }
+
     /// Where it stands in the text.
     pub const fn place(&self) -> Place {
         match (self, self.head()) {
             (Self::Motion(motion), _) => motion.place,
             (_, Some(head)) => head.place,
-            _ => Place { line: 0, column: 0, length: 0, offset: 0 },
+            _ => Place::NONE,
         }
     }
 

@@ -82,10 +82,12 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
                 Phase::Heads => Err(Refusal::At(self.reader.here(), NcErrorKind::NoMainProgram)),
-                Phase::Start | Phase::Ended => {
-                    self.interpreter.phase = Phase::Ended;
-                    Ok(Next::Line)
+                Phase::Start => {
+                    // A file without a block.
+                    self.interpreter.phase = Phase::Running;
+                    Ok(self.interpreter.finish_program())
                 }
+                Phase::Ended => Ok(Next::Line),
             },
         };
         match next {
@@ -94,8 +96,25 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
                 self.reader.seek(mark);
                 Ok(())
             }
+            Ok(Next::File(name)) => self.enter_file(name),
             Err(refusal) => Err(self.error(refusal)),
         }
+    }
+
+    /// Goes on in the file with the name in the line at hand.
+    fn enter_file(&mut self, name: Span) -> Result<(), NcError> {
+        let from = usize::from(name.at);
+        let bytes = self.line.bytes().get(from..from + usize::from(name.len)).unwrap_or(&[]);
+        let kind = match core::str::from_utf8(bytes).map(|name| self.reader.open(name)) {
+            Ok(Ok(Some(file))) => {
+                let start = self.interpreter.enter_file(file);
+                self.reader.seek(start);
+                return Ok(());
+            }
+            Ok(Ok(None)) | Err(_) => NcErrorKind::NoFile,
+            Ok(Err(TextError)) => NcErrorKind::Unreadable,
+        };
+        Err(self.error(Refusal::Here(Fault { span: name, kind })))
     }
 
     /// Adds place and text to a refusal.

@@ -130,8 +130,10 @@ pub enum NcErrorKind {
     NoLabel,
     /// No program head but those of local subroutines.
     NoMainProgram,
-    /// LL of a name that no %L declares.
+    /// LL of a name that no %L of this file or its callers declares.
     NoSubroutine,
+    /// L of a name that the text source has no file for.
+    NoFile,
     /// Name declared twice.
     SubroutineTwice,
     /// More local subroutines than [`super::SUBROUTINES`].
@@ -251,6 +253,7 @@ impl fmt::Display for NcError {
             K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
             K::NoSubroutine => write!(f, "subroutine \"{found}\" is not in this file: expected %L {found}"),
+            K::NoFile => write!(f, "no file \"{found}\" to call: expected the name of a program file"),
             K::SubroutineTwice => write!(f, "subroutine \"{found}\" is declared twice"),
             K::TooManySubroutines => {
                 write!(f, "too many local subroutines: expected at most {}", super::SUBROUTINES)

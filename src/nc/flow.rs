@@ -7,7 +7,7 @@ use heapless::Vec;
 pub const NESTING: usize = 20;
 /// Subroutine calls that may be open at the same time.
 pub const CALL_DEPTH: usize = 10;
-/// Local subroutines in one file.
+/// Local subroutines in all files of a program.
 pub const SUBROUTINES: usize = 64;
 
 /// Kinds of control blocks, with what is needed to go on.
@@ -122,12 +122,21 @@ impl Flow {
             blocks: Vec::new(),
             frames: Vec::new(),
             subroutines: Vec::new(),
-            program: Mark { offset: 0, line: 1 },
+            program: Mark::start_of(0),
             passing: None,
             depth: 0,
             passed: Vec::new(),
-            origin: Place { line: 0, column: 0, length: 0, offset: 0 },
+            origin: Place::NONE,
         }
+    }
+
+    /// The local subroutine of that name: of the file that runs, else of the nearest caller that has it.
+    pub fn subroutine(&self, name: u64) -> Option<Subroutine> {
+        let callers = self.frames.iter().rev().map(|frame| frame.program.file);
+        core::iter::once(self.program.file)
+            .chain(callers)
+            .find_map(|file| self.subroutines.iter().find(|s| s.name == name && s.body.file == file))
+            .copied()
     }
 
     /// Control blocks open before the running program was called.

@@ -40,7 +40,7 @@ pub enum FeedMode {
     Percent,
 }
 
-/// G60, G360, G359; also folded into [`super::Motion::exact_stop`].
+/// G60, G360, G359 ([`ExactStop::Off`] switches off); also folded into [`super::Motion::exact_stop`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ExactStop {
@@ -119,7 +119,7 @@ pub enum ContourSwitch {
     Off,
 }
 
-/// #CONTOUR MODE, G61, G261, G260.
+/// #CONTOUR MODE, G61, G261, G260. It switches off with `switch: Some(ContourSwitch::Off)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contour {
     /// On or off.
@@ -180,7 +180,7 @@ pub enum HscMethod {
     Op(u8),
 }
 
-/// #HSC.
+/// #HSC. It switches off with `switch: Some(false)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hsc {
     /// ON, OFF.
@@ -223,7 +223,7 @@ pub struct Hsc {
     pub conterror: Option<Position>,
 }
 
-/// #FILTER.
+/// #FILTER. It switches off with `switch: Some(false)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {
     /// ON, OFF.
@@ -255,7 +255,7 @@ pub enum Limit {
     Is(Value),
 }
 
-/// #VECTOR LIMIT ON or OFF, with the limits named.
+/// #VECTOR LIMIT ON or OFF, with the limits named. It switches off with `on: false`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VectorLimit {
     /// ON (true) or OFF.
@@ -304,7 +304,7 @@ pub enum Tangent {
     User,
 }
 
-/// Direct splines.
+/// Direct splines. [`Spline::Off`] switches off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spline<const AXES: usize> {
     /// G151, #SPLINE ON, #SET SPLINE ON.
@@ -401,7 +401,7 @@ pub struct Weight<const AXES: usize> {
     pub percent: [Option<Value>; AXES],
 }
 
-/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\].
+/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\]. [`Kinematics::Off`] switches off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kinematics {

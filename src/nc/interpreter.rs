@@ -30,6 +30,8 @@ pub(super) enum Phase {
 pub(super) enum Next {
     Line,
     At(Mark),
+    /// The start of the file with the name in the line at hand; the call is open already.
+    File(Span),
 }
 
 /// A refusal of a part of the line at hand, or of an earlier place.
@@ -157,8 +159,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         self.phase = Phase::Heads;
         let entry = Subroutine { name: hash(c.part(name)), body: bounds.next };
-        if self.flow.subroutines.iter().any(|s| s.name == entry.name) {
-            return name.fault(NcErrorKind::SubroutineTwice);
+        let same = |s: &&Subroutine| s.name == entry.name && s.body.file == entry.body.file;
+        match self.flow.subroutines.iter().find(same) {
+            // A file called again.
+            Some(known) if known.body == entry.body => return Ok(Next::Line),
+            Some(_) => return name.fault(NcErrorKind::SubroutineTwice),
+            None => {}
         }
         if self.flow.subroutines.push(entry).is_err() {
             return name.fault(NcErrorKind::TooManySubroutines);
@@ -232,13 +238,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `LL name`.
+    /// `LL name`, `L file`, `L "file"`.
     fn call(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
-        let mark = c.mark();
         c.bump();
-        if !c.raw().eq_ignore_ascii_case(&b'L') {
-            let _ = c.rest_of_word();
-            return c.since(mark).fault(NcErrorKind::NotAvailable("global subroutine"));
+        let local = c.raw().eq_ignore_ascii_case(&b'L');
+        if !local {
+            return self.call_file(c, bounds);
         }
         c.bump();
         if c.raw() != b' ' {
@@ -248,19 +253,59 @@ impl<const AXES: usize> Interpreter<AXES> {
         if name.len == 0 {
             return c.expected("a name after LL");
         }
-        let wanted = hash(c.part(name));
-        let Some(found) = self.flow.subroutines.iter().find(|s| s.name == wanted).copied() else {
+        let Some(found) = self.flow.subroutine(hash(c.part(name))) else {
             return name.fault(NcErrorKind::NoSubroutine);
         };
         c.step_over(name);
         c.require_end("LL")?;
-        let blocks = self.flow.blocks.len() as u8;
-        let frame = Frame { back: bounds.next, program: self.flow.program, blocks };
-        if self.flow.frames.push(frame).is_err() {
-            return name.fault(NcErrorKind::CallTooDeep);
-        }
+        self.open_call(name, bounds)?;
         self.flow.program = found.body;
         Ok(Next::At(found.body))
+    }
+
+    /// The file behind `L`.
+    fn call_file(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
+        if !matches!(c.raw(), b' ' | b'"') {
+            return c.expected("a blank and a file name after L");
+        }
+        let quoted = c.eat(b'"');
+        let name = if quoted {
+            let mark = c.mark();
+            while !matches!(c.raw(), b'"' | 0) {
+                c.bump();
+            }
+            c.since(mark)
+        } else {
+            let name = c.rest_of_word();
+            c.step_over(name);
+            name
+        };
+        if name.len == 0 {
+            return c.expected("a file name after L");
+        }
+        if name.len > 83 {
+            return name.fault(NcErrorKind::NameTooLong);
+        }
+        if quoted {
+            c.require(b'"', "\" behind the file name")?;
+        }
+        c.require_end("L")?;
+        self.open_call(name, bounds)?;
+        Ok(Next::File(name))
+    }
+
+    fn open_call(&mut self, name: Span, bounds: Bounds) -> Result<(), Fault> {
+        let blocks = self.flow.blocks.len() as u8;
+        let frame = Frame { back: bounds.next, program: self.flow.program, blocks };
+        self.flow.frames.push(frame).map_err(|_| Fault { span: name, kind: NcErrorKind::CallTooDeep })
+    }
+
+    /// The called file begins: its heads, or its first block.
+    pub fn enter_file(&mut self, file: u16) -> Mark {
+        let start = Mark::start_of(file);
+        self.phase = Phase::Start;
+        self.flow.program = start;
+        start
     }
 
     /// Passes over lines until something ends it; true if this line is to be carried out.

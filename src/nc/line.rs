@@ -1,5 +1,5 @@
 //! Bytes to logical lines: comments dropped, continuations joined, the place of every byte kept.
-use super::{NcError, NcErrorKind, Place, Span, Text};
+use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use heapless::{String, Vec};
 
 /// Longest logical line in bytes, comments and blanks at its ends not counted.
@@ -8,6 +8,8 @@ pub const LINE_BYTES: usize = 512;
 pub const CONTINUATIONS: usize = 12;
 /// Bytes looked at in one call.
 const SLICE: usize = 256;
+/// U+FEFF in UTF-8.
+const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 /// Gaps up to this many bytes are kept as blanks; longer ones become one blank and an anchor.
 const GAP: u32 = 16;
 
@@ -18,6 +20,7 @@ struct Anchor {
     line: u32,
     column: u32,
     offset: u32,
+    file: u16,
 }
 
 /// One logical line.
@@ -31,6 +34,14 @@ pub(super) struct Line {
 pub(super) struct Mark {
     pub offset: u32,
     pub line: u32,
+    pub file: u16,
+}
+
+impl Mark {
+    /// The first line of a file.
+    pub const fn start_of(file: u16) -> Self {
+        Self { offset: 0, line: 1, file }
+    }
 }
 
 /// What one call of [`LineReader::fill`] achieved.
@@ -62,8 +73,9 @@ impl Line {
         Place {
             line: found.line,
             column: found.column + delta,
-            length: u32::from(span.len),
             offset: found.offset + delta,
+            length: span.len,
+            file: found.file,
         }
     }
 
@@ -89,6 +101,7 @@ pub(super) struct LineReader<T> {
     chunk: [u8; 64],
     used: u8,
     filled: u8,
+    file: u16,
     /// Next byte.
     offset: u32,
     line: u32,
@@ -114,10 +127,11 @@ impl<T: Text> LineReader<T> {
             chunk: [0; 64],
             used: 0,
             filled: 0,
+            file: 0,
             offset: 0,
             line: 1,
             line_offset: 0,
-            start: Mark { offset: 0, line: 1 },
+            start: Mark::start_of(0),
             fresh: true,
             comment: 0,
             remark: false,
@@ -132,6 +146,7 @@ impl<T: Text> LineReader<T> {
     pub fn seek(&mut self, mark: Mark) {
         self.used = 0;
         self.filled = 0;
+        self.file = mark.file;
         self.offset = mark.offset;
         self.line = mark.line;
         self.line_offset = mark.offset;
@@ -145,13 +160,13 @@ impl<T: Text> LineReader<T> {
 
     /// Start of the line to be read next.
     pub const fn next_start(&self) -> Mark {
-        Mark { offset: self.offset, line: self.line }
+        Mark { offset: self.offset, line: self.line, file: self.file }
     }
 
     /// Where the next byte stands.
     pub const fn here(&self) -> Place {
         let column = self.offset.wrapping_sub(self.line_offset).wrapping_add(1);
-        Place { line: self.line, column, length: 0, offset: self.offset }
+        Place { line: self.line, column, offset: self.offset, length: 0, file: self.file }
     }
 
     /// Reads on until a logical line is complete, at most a slice.
@@ -194,6 +209,12 @@ impl<T: Text> LineReader<T> {
                 self.continued = false;
                 self.gap = self.gap.saturating_add(1);
                 self.broken = true;
+                continue;
+            }
+            if byte == BYTE_ORDER_MARK[0] && here.offset == 0 && self.is_marked() {
+                self.offset = BYTE_ORDER_MARK.len() as u32;
+                self.used = 0;
+                self.filled = 0;
                 continue;
             }
             if byte < b' ' && byte != b'\t' && byte != b'\r' || byte == 0x7f {
@@ -271,12 +292,25 @@ impl<T: Text> LineReader<T> {
     pub fn error_at(&mut self, place: Place, kind: NcErrorKind) -> NcError {
         let mut error = refusal(place, kind);
         let mut buffer = [0; 24];
-        let wanted = (place.length as usize).min(buffer.len());
-        let count = buffer.get_mut(..wanted).and_then(|b| self.text.read(place.offset, b).ok()).unwrap_or(0);
+        let wanted = usize::from(place.length).min(buffer.len());
+        let part = buffer.get_mut(..wanted);
+        let count = part.and_then(|b| self.text.read(place.file, place.offset, b).ok()).unwrap_or(0);
         for byte in buffer.iter().take(count) {
             let _ = error.found.push(char::from(*byte));
         }
         error
+    }
+
+    /// The file with this name, if there is one.
+    pub fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
+        self.text.open(name)
+    }
+
+    /// Whether the file begins with the mark that some editors put before UTF-8.
+    fn is_marked(&mut self) -> bool {
+        let mut single = [0];
+        let mut byte = |at| self.text.read(self.file, at, &mut single).ok().map(|_| single[0]);
+        BYTE_ORDER_MARK.iter().zip(0..).all(|(expected, at)| byte(at) == Some(*expected))
     }
 
     fn next_byte(&mut self) -> Result<Option<u8>, NcError> {
@@ -284,7 +318,7 @@ impl<T: Text> LineReader<T> {
             let place = self.here();
             let count = self
                 .text
-                .read(self.offset, &mut self.chunk)
+                .read(self.file, self.offset, &mut self.chunk)
                 .map_err(|_| refusal(place, NcErrorKind::Unreadable))?;
             self.used = 0;
             self.filled = count.min(64) as u8;
@@ -304,7 +338,8 @@ fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Resul
             line.bytes.push(b' ').map_err(|_| long())?;
         }
         let index = line.bytes.len() as u16;
-        let anchor = Anchor { index, line: here.line, column: here.column, offset: here.offset };
+        let Place { line: number, column, offset, file, .. } = here;
+        let anchor = Anchor { index, line: number, column, offset, file };
         line.anchors.push(anchor).map_err(|_| refusal(here, NcErrorKind::TooManyContinuations))?;
     } else {
         for _ in 0..gap {

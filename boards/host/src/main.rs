@@ -6,6 +6,7 @@
 mod contour;
 mod decimal;
 mod diagnose;
+mod files;
 mod machine;
 mod output;
 mod plot;
@@ -16,7 +17,8 @@ mod summary;
 mod trace;
 
 use clap::{Parser, Subcommand};
-use diagnose::{Diagnostic, Source};
+use diagnose::Diagnostic;
+use files::Files;
 use machine::Machine;
 use output::Outputs;
 use std::io::Write;
@@ -93,7 +95,7 @@ fn load(machine: Option<&std::path::Path>) -> Result<Machine, Refusal> {
 }
 
 fn run(arguments: &Run) -> Result<(), Refusal> {
-    let source = Source::read(&arguments.program)?;
+    let files = Files::read(&arguments.program)?;
     let machine = load(arguments.machine.as_deref())?;
     let mut outputs =
         Outputs::new([&arguments.program].into_iter().chain(&arguments.machine).map(PathBuf::as_path));
@@ -102,17 +104,17 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         None => None,
     };
 
-    let program = match program::decode(&source, &machine) {
+    let program = match program::decode(&files, &machine) {
         Ok(program) => program,
         // An earlier command may be refused by the planner: the first one counts.
         Err(refusal) => {
             let empty = program::Program::empty(&machine);
-            return Err(run::simulate(&source, &machine, &empty, None, false).err().unwrap_or(refusal));
+            return Err(run::simulate(&files, &machine, &empty, None, false).err().unwrap_or(refusal));
         }
     };
-    let (result, picture) = run::simulate(&source, &machine, &program, trace, arguments.plot.is_some())?;
+    let (result, picture) = run::simulate(&files, &machine, &program, trace, arguments.plot.is_some())?;
 
-    let summary = summary::Summary::new(&source, &machine, &program, &result);
+    let summary = summary::Summary::new(&files.main, &machine, &program, &result);
     if let Some(path) = &arguments.contour {
         outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
     }
@@ -122,7 +124,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     if let (Some(target), Some(picture)) = (&arguments.plot, picture) {
         let scene =
             plot::Scene { machine: &machine, program: &program, statistics: &result, picture: &picture };
-        outputs.write(&target.path, &plot::draw(target.format, &source, &scene))?;
+        outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
     outputs.commit()?;
 
@@ -134,13 +136,13 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
 }
 
 fn check(program: &std::path::Path, machine: Option<&std::path::Path>) -> Result<(), Refusal> {
-    let source = Source::read(program)?;
+    let files = Files::read(program)?;
     let machine = load(machine)?;
-    let program = program::decode(&source, &machine)?;
+    let program = program::decode(&files, &machine)?;
     for warning in &program.warnings {
         warning.print();
     }
-    say(&format!("{}: {}\n", source.name, program.describe()));
+    say(&format!("{}: {}\n", files.main.name, program.describe()));
     Ok(())
 }
 

@@ -1,7 +1,8 @@
 //! The program as decoded, before anything is planned: for the contour, the picture, warnings, and `check`.
 //!
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
-use crate::diagnose::{Diagnostic, Source};
+use crate::diagnose::Diagnostic;
+use crate::files::Files;
 use crate::machine::{Machine, limits, with_axes};
 use glidepath::channel::Error;
 use glidepath::nc::{
@@ -56,22 +57,22 @@ pub struct Program {
 ///
 /// # Errors
 /// The first refusal, with its place.
-pub fn decode(source: &Source, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
-    with_axes!(machine, decode_axes(source, machine))
+pub fn decode(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
+    with_axes!(machine, decode_axes(files, machine))
 }
 
-fn decode_axes<const AXES: usize>(source: &Source, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
+fn decode_axes<const AXES: usize>(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
     let main = data.main_axes();
-    let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), source.text.as_slice()));
+    let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
     let mut at = start;
     let mut program =
         Program { start: numbers(&start), segments: Vec::new(), motions: 0, warnings: Vec::new() };
     loop {
-        match decoder.step().map_err(|error| vec![refused(source, &error)])? {
+        match decoder.step().map_err(|error| vec![refused(files, &error)])? {
             Step::Working => {}
-            Step::Warning(warning) => program.warnings.push(remark(source, &warning)),
+            Step::Warning(warning) => program.warnings.push(remark(files, &warning)),
             Step::Command(Command::Motion(motion)) => {
                 program.add(&motion, &at, &main);
                 at = motion.target;
@@ -107,24 +108,26 @@ fn centre(start: [Position; 2], end: [Position; 2], radius: Position, clockwise:
     [(middle(0) - share * dy as f64) * lsb, (middle(1) + share * dx as f64) * lsb]
 }
 
-fn place(diagnostic: Diagnostic, source: &Source, place: Place) -> Diagnostic {
-    diagnostic.at(source, place.line as usize, place.column as usize, place.length as usize)
+fn place(diagnostic: Diagnostic, files: &Files, place: Place) -> Diagnostic {
+    files.with(place.file, |source| {
+        diagnostic.at(source, place.line as usize, place.column as usize, usize::from(place.length))
+    })
 }
 
 /// What the decoder refused.
-fn refused(source: &Source, error: &NcError) -> Diagnostic {
-    explained(source, error.place, &error.to_string(), id(error.kind.id()))
+fn refused(files: &Files, error: &NcError) -> Diagnostic {
+    explained(files, error.place, &error.to_string(), id(error.kind.id()))
 }
 
 /// What was expected stands beside the caret.
-fn explained(source: &Source, at: Place, text: &str, id: String) -> Diagnostic {
+fn explained(files: &Files, at: Place, text: &str, id: String) -> Diagnostic {
     let split = text.find(" expected ").map(|at| text.split_at(at));
     match split {
         Some((what, expected)) => {
             let what = what.trim_end_matches([':', ';', ',']);
-            place(Diagnostic::error(what).id(id), source, at).expected(expected.trim_start())
+            place(Diagnostic::error(what).id(id), files, at).expected(expected.trim_start())
         }
-        None => place(Diagnostic::error(text).id(id), source, at),
+        None => place(Diagnostic::error(text).id(id), files, at),
     }
 }
 
@@ -133,17 +136,17 @@ fn id(number: u32) -> String {
     if number == 0 { String::new() } else { number.to_string() }
 }
 
-fn remark(source: &Source, warning: &NcWarning) -> Diagnostic {
-    place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), source, warning.place)
+fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
+    place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), files, warning.place)
 }
 
 /// What the planner refused.
-pub fn refusal(source: &Source, error: &Error) -> Diagnostic {
+pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
-        Error::Nc(error) => refused(source, error),
+        Error::Nc(error) => refused(files, error),
         Error::Unplannable => Diagnostic::error(error.to_string()),
         Error::NotAvailable(at, _) | Error::Motion(at, _) => {
-            explained(source, *at, &error.to_string(), String::new())
+            explained(files, *at, &error.to_string(), String::new())
         }
     }
 }

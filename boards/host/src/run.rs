@@ -1,5 +1,6 @@
 //! The board itself: memory, clock and drive loop.
-use crate::diagnose::{Diagnostic, Source};
+use crate::diagnose::Diagnostic;
+use crate::files::Files;
 use crate::machine::{Machine, with_axes};
 use crate::output;
 use crate::plot::Picture;
@@ -23,17 +24,17 @@ pub const BLOCKS: usize = 500;
 /// # Errors
 /// Program or machine data refused; the trace file cannot be written.
 pub fn simulate(
-    source: &Source,
+    files: &Files,
     machine: &Machine,
     program: &Program,
     trace: Option<(&Path, File)>,
     picture: bool,
 ) -> Result<(Statistics, Option<Picture>), Vec<Diagnostic>> {
-    with_axes!(machine, simulate_axes(source, machine, program, trace, picture))
+    with_axes!(machine, simulate_axes(files, machine, program, trace, picture))
 }
 
 fn simulate_axes<const AXES: usize>(
-    source: &Source,
+    files: &Files,
     machine: &Machine,
     program: &Program,
     trace: Option<(&Path, File)>,
@@ -44,7 +45,7 @@ fn simulate_axes<const AXES: usize>(
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
     let (planner, interpolator) = channel
-        .split(&data, start, source.text.as_slice())
+        .split(&data, start, files)
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
     let trace_path = trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
@@ -57,7 +58,7 @@ fn simulate_axes<const AXES: usize>(
         cycle_s: machine.cycle_s(),
     };
     drive(planner, interpolator, recorder, Bar::new(program.motions)).map_err(|stop| match stop {
-        Stop::Refused(error) => vec![program::refusal(source, &error)],
+        Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
@@ -74,7 +75,7 @@ enum Stop {
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then time passes
 /// by one tick: the motion never starves, and the set points are those of any controller that is fast enough.
 fn drive<const AXES: usize>(
-    mut planner: Planner<'_, &[u8], AXES, BLOCKS>,
+    mut planner: Planner<'_, &Files, AXES, BLOCKS>,
     mut interpolator: Interpolator<'_, AXES>,
     mut recorder: Recorder,
     mut bar: Bar,

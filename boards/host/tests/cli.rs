@@ -227,3 +227,40 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
     let seven: String = ('A'..='G').map(|letter| format!("[axis.{letter}]\n")).collect();
     assert!(machine_refusal("seven", &seven).contains("7 axes: this simulator is built for 1 to 6"));
 }
+
+#[test]
+fn called_files_lie_beside_the_program() {
+    let directory = directory("called");
+    file(&directory, "outer.nc", b"%outer\nN20 G01 X2 F600\nL inner.nc\nM17\n");
+    file(&directory, "inner.nc", b"N30 G01 X3\n");
+    let program = file(&directory, "main.nc", b"%main\nN10 G00 X1\nL outer\nL \"inner\"\nN40 G01 X4\nM30\n");
+    let summary = directory.join("summary.json");
+    let output = glidepath(&["run", &program, "--summary", summary.to_str().expect("plain characters")]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = glidepath(&["check", &program]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    // Standing still at X3 a second time is no motion.
+    assert!(text.contains("4 motion blocks"), "{text}");
+
+    let program = file(&directory, "gone.nc", b"N10 G00 X1\nL outer.nc\nL gone_astray\n");
+    let refused = refusal(&["run", &program]);
+    assert!(refused.contains("no file \"gone_astray\" to call"), "{refused}");
+    assert!(refused.contains("gone.nc:3:3"), "{refused}");
+    assert!(refused.contains("expected the name of a program file"), "{refused}");
+}
+
+#[test]
+fn refusals_in_called_files_show_that_file() {
+    let directory = directory("called-refused");
+    file(&directory, "decoded.nc", b"%decoded\n(text)\nN30 G01 X3 F600 Q5\n");
+    file(&directory, "planned.nc", b"\n\nN30 G01 X3 F600\nN40 G95 F1\n");
+    for (name, place, line) in
+        [("decoded", "decoded.nc:3:17", "N30 G01 X3 F600 Q5"), ("planned", "planned.nc:4:5", "N40 G95 F1")]
+    {
+        let program = file(&directory, "main.nc", format!("N10 G00 X1\nL {name}\n").as_bytes());
+        for command in ["run", "check"].iter().take(if name == "decoded" { 2 } else { 1 }) {
+            let text = refusal(&[command, &program]);
+            assert!(text.contains(place) && text.contains(line), "{text}");
+        }
+    }
+}

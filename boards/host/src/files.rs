@@ -1,0 +1,53 @@
+//! The program and the files it calls with `L`, which lie beside it.
+use crate::diagnose::{Diagnostic, Source};
+use glidepath::nc::{Text, TextError};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+/// Every file is read once, when it is first called: all passes see the same bytes.
+pub struct Files {
+    /// The main program.
+    pub main: Source,
+    directory: PathBuf,
+    called: RefCell<Vec<(PathBuf, Source)>>,
+}
+
+impl Files {
+    /// Reads the main program.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn read(program: &Path) -> Result<Self, Vec<Diagnostic>> {
+        let directory = program.parent().unwrap_or(Path::new("")).to_path_buf();
+        Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
+    }
+
+    /// Shows the file that a place names.
+    pub fn with<V>(&self, file: u16, show: impl FnOnce(&Source) -> V) -> V {
+        let called = self.called.borrow();
+        let found = usize::from(file).checked_sub(1).and_then(|index| called.get(index));
+        show(found.map_or(&self.main, |(_, source)| source))
+    }
+}
+
+impl Text for &Files {
+    fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+        self.with(file, |source| source.text.as_slice().read(0, offset, buffer))
+    }
+
+    /// `name` as given, else with `.nc` behind it.
+    fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
+        let candidates = [self.directory.join(name), self.directory.join(format!("{name}.nc"))];
+        let Some(path) = candidates.into_iter().find(|path| path.is_file()) else { return Ok(None) };
+        let mut called = self.called.borrow_mut();
+        let index = match called.iter().position(|(known, _)| *known == path) {
+            Some(index) => index,
+            None => {
+                let source = Source::read(&path).map_err(|_| TextError)?;
+                called.push((path, source));
+                called.len() - 1
+            }
+        };
+        u16::try_from(index + 1).map(Some).map_err(|_| TextError)
+    }
+}
