@@ -261,14 +261,19 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         }
     }
 
+    /// Reading a line and understanding it are two steps of the decoder.
     fn decode(&mut self) -> Result<Progress, Error> {
-        let mut step = self.decoder.step();
-        if matches!(step, Ok(Step::Working)) {
-            // Reading a line and understanding it are two steps.
-            step = self.decoder.step();
+        let step = self.decoder.step();
+        if !matches!(step, Ok(Step::Working)) {
+            return self.perform(&step);
         }
-        // By reference: a command is large.
-        let result = match &step {
+        let step = self.decoder.step();
+        self.perform(&step)
+    }
+
+    /// By reference: a command is large.
+    fn perform(&mut self, step: &Result<Step<AXES>, NcError>) -> Result<Progress, Error> {
+        let result = match step {
             Ok(Step::Working) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
             Ok(Step::Command(command)) => self.execute(command),

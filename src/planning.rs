@@ -5,8 +5,8 @@ use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Motion, MotionKind};
 use crate::path::{self, Element, PathError};
-use crate::quantity::{Accel, Distance, Jerk, Position, Speed, Time};
-use crate::queue::{Event, Function, Phase, Segment, Sender};
+use crate::quantity::{Distance, Position, Speed, Time};
+use crate::queue::{Event, Function, Phase, Sender, Slot};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
 
@@ -245,8 +245,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let base = block.shape.base(&self.position);
         // There is room: asked above.
         let (start, number) = (self.distance, self.blocks);
-        let segment = || Segment { shape: block.shape, base, start, n: block.n, block: number };
-        let _ = self.queue.segments.push_with(segment);
+        let _ = self.queue.segments.push_with(|segment| {
+            segment.shape = block.shape;
+            segment.base = base;
+            segment.start = start;
+            segment.n = block.n;
+            segment.block = number;
+        });
         self.emitter.begin(&self.profile, self.distance, length);
         self.stops = v_out == Speed::ZERO;
         self.planned = PlannedBlock {
@@ -280,10 +285,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             // There is room: asked at the beginning of the call.
             let _ = self.queue.phases.push(Phase {
                 distance: self.distance,
-                speed: Speed::ZERO,
-                half_accel: Accel::ZERO,
-                sixth_jerk: Jerk::ZERO,
                 ticks: ticks as u16,
+                ..Phase::BLANK
             });
         }
         Work::Working

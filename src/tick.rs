@@ -7,7 +7,7 @@
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
-use crate::queue::{Event, Phase, Receiver, Segment};
+use crate::queue::{Event, Phase, Receiver, Segment, Slot};
 
 /// Most elements one tick may pass.
 pub const SKIP_PER_TICK: usize = 8;
@@ -47,20 +47,11 @@ pub struct Interpolator<'a, const AXES: usize> {
     set_points: [Position; AXES],
 }
 
-/// Nothing to do.
-const REST: Phase = Phase {
-    distance: Distance::ZERO,
-    speed: Speed::ZERO,
-    half_accel: Accel::ZERO,
-    sixth_jerk: Jerk::ZERO,
-    ticks: 0,
-};
-
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
     /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
-        Self { queue, phase: REST, done: 0, distance: Distance::ZERO, set_points: start }
+        Self { queue, phase: Phase::BLANK, done: 0, distance: Distance::ZERO, set_points: start }
     }
 
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.

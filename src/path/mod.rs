@@ -147,6 +147,18 @@ pub struct Shape<const AXES: usize> {
 }
 
 impl<const AXES: usize> Shape<AXES> {
+    /// No shape: all bits zero.
+    pub(crate) const BLANK: Self = Self {
+        length: Distance::ZERO,
+        gain: [0; AXES],
+        a: [0; 2],
+        grow: [0; 2],
+        miss: [0; 2],
+        turn: 0,
+        plane: [0; 2],
+        shift: 0,
+    };
+
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(1);

@@ -2,7 +2,7 @@
 //! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
 mod ring;
 
-pub use ring::{Consumer, Producer, Ring};
+pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
@@ -70,6 +70,25 @@ pub struct Phase {
     pub sixth_jerk: Jerk,
     /// Ticks it lasts, at least 1.
     pub ticks: u16,
+}
+
+impl<const AXES: usize> Slot for Segment<AXES> {
+    const BLANK: Self =
+        Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], start: Distance::ZERO, n: 0, block: 0 };
+}
+
+impl Slot for Phase {
+    const BLANK: Self = Self {
+        distance: Distance::ZERO,
+        speed: Speed::ZERO,
+        half_accel: Accel::ZERO,
+        sixth_jerk: Jerk::ZERO,
+        ticks: 0,
+    };
+}
+
+impl Slot for Event {
+    const BLANK: Self = Self { block: 0, n: 0, function: Function::M(0) };
 }
 
 /// Static memory of the rings.

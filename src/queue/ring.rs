@@ -8,12 +8,17 @@
 //! This module is the only one with `unsafe` code.
 #![allow(unsafe_code)]
 use core::cell::UnsafeCell;
-use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+/// What a ring can hold.
+pub trait Slot: Copy {
+    /// What an unused slot holds; all bits zero, so that a ring takes no room in flash.
+    const BLANK: Self;
+}
+
 /// `N` slots, a power of two.
-pub struct Ring<T: Copy, const N: usize> {
-    slots: [UnsafeCell<MaybeUninit<T>>; N],
+pub struct Ring<T: Slot, const N: usize> {
+    slots: [UnsafeCell<T>; N],
     /// Items taken out since the split.
     taken: AtomicU32,
     /// Items put in since the split.
@@ -22,19 +27,19 @@ pub struct Ring<T: Copy, const N: usize> {
 
 // SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own it, and
 // read only by the one consumer, while it does; the counters pass ownership with release and acquire.
-unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
+unsafe impl<T: Slot + Send, const N: usize> Sync for Ring<T, N> {}
 
 /// Puts items in.
-pub struct Producer<'a, T: Copy, const N: usize> {
+pub struct Producer<'a, T: Slot, const N: usize> {
     ring: &'a Ring<T, N>,
 }
 
 /// Takes items out.
-pub struct Consumer<'a, T: Copy, const N: usize> {
+pub struct Consumer<'a, T: Slot, const N: usize> {
     ring: &'a Ring<T, N>,
 }
 
-impl<T: Copy, const N: usize> Ring<T, N> {
+impl<T: Slot, const N: usize> Ring<T, N> {
     const MASK: u32 = {
         assert!(N.is_power_of_two() && N <= 1 << 16, "the number of slots is a power of two");
         N as u32 - 1
@@ -43,7 +48,7 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     /// An empty ring.
     pub const fn new() -> Self {
         Self {
-            slots: [const { UnsafeCell::new(MaybeUninit::uninit()) }; N],
+            slots: [const { UnsafeCell::new(T::BLANK) }; N],
             taken: AtomicU32::new(0),
             put: AtomicU32::new(0),
         }
@@ -57,19 +62,19 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     }
 
     #[inline(always)]
-    fn slot(&self, count: u32) -> *mut MaybeUninit<T> {
+    fn slot(&self, count: u32) -> *mut T {
         // The mask is below N: the optimiser removes the check.
         self.slots[(count & Self::MASK) as usize].get()
     }
 }
 
-impl<T: Copy, const N: usize> Default for Ring<T, N> {
+impl<T: Slot, const N: usize> Default for Ring<T, N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Copy, const N: usize> Producer<'_, T, N> {
+impl<T: Slot, const N: usize> Producer<'_, T, N> {
     /// Whether there is no room.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
@@ -83,24 +88,24 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
     /// The item back if the ring is full.
     #[inline(always)]
     pub fn push(&mut self, item: T) -> Result<(), T> {
-        if self.push_with(|| item) { Ok(()) } else { Err(item) }
+        if self.push_with(|slot| *slot = item) { Ok(()) } else { Err(item) }
     }
 
-    /// Puts in what `make` makes, in its place; `false` if the ring is full.
+    /// Puts in what `fill` makes of a used slot, in its place; `false` if the ring is full.
     #[inline(always)]
-    pub fn push_with(&mut self, make: impl FnOnce() -> T) -> bool {
+    pub fn push_with(&mut self, fill: impl FnOnce(&mut T)) -> bool {
         if self.is_full() {
             return false;
         }
         let put = self.ring.put.load(Ordering::Relaxed);
         // SAFETY: not full, so the slot is the producer's, of which there is one; it is handed over below.
-        unsafe { (*self.ring.slot(put)).write(make()) };
+        fill(unsafe { &mut *self.ring.slot(put) });
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
         true
     }
 }
 
-impl<T: Copy, const N: usize> Consumer<'_, T, N> {
+impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     /// Items in the ring.
     #[inline(always)]
     pub fn len(&self) -> u32 {
@@ -120,8 +125,8 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
         if self.is_empty() {
             return None;
         }
-        // SAFETY: not empty, so the slot was written and is the consumer's until `skip`, which needs `&mut self`.
-        Some(unsafe { (*self.ring.slot(self.ring.taken.load(Ordering::Relaxed))).assume_init_ref() })
+        // SAFETY: not empty, so the slot is the consumer's until `skip`, which needs `&mut self`.
+        Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)) })
     }
 
     /// Gives the oldest item's slot back; nothing if there is none.
