@@ -26,7 +26,7 @@ enum Stage {
 pub enum Work {
     /// Something; there is more.
     Working,
-    /// The queue is full.
+    /// The queue is full: nothing was done.
     Waiting,
     /// A block has its time law: [`Planning::planned`].
     Planned,
@@ -183,10 +183,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
-        for _ in 0..PIECES {
+        for done in 0..PIECES {
             // Asked first: a piece the queue has no room for is not made.
             if self.queue.phases.is_full() {
-                return Ok(Work::Waiting);
+                return Ok(if done == 0 { Work::Waiting } else { Work::Working });
             }
             let Some(phase) = self.emitter.step() else {
                 if self.stops {
