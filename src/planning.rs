@@ -82,7 +82,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
 const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 /// Pieces of time per call.
-const PIECES: usize = 4;
+const PIECES: u32 = 8;
 
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
@@ -183,11 +183,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
-        for done in 0..PIECES {
-            // Asked first: a piece the queue has no room for is not made.
-            if self.queue.phases.is_full() {
-                return Ok(if done == 0 { Work::Waiting } else { Work::Working });
-            }
+        // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
+        if self.queue.phases.room() < PIECES {
+            return Ok(Work::Waiting);
+        }
+        for _ in 0..PIECES {
             let Some(phase) = self.emitter.step() else {
                 if self.stops {
                     self.emitter.settle();

@@ -75,11 +75,17 @@ impl<T: Slot, const N: usize> Default for Ring<T, N> {
 }
 
 impl<T: Slot, const N: usize> Producer<'_, T, N> {
+    /// How many items there is room for.
+    #[inline(always)]
+    pub fn room(&self) -> u32 {
+        let put = self.ring.put.load(Ordering::Relaxed);
+        (N as u32).wrapping_sub(put.wrapping_sub(self.ring.taken.load(Ordering::Acquire)))
+    }
+
     /// Whether there is no room.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
-        let put = self.ring.put.load(Ordering::Relaxed);
-        put.wrapping_sub(self.ring.taken.load(Ordering::Acquire)) >= N as u32
+        self.room() == 0
     }
 
     /// Puts an item in.

@@ -50,9 +50,12 @@ pub struct Emitter {
     count: usize,
     /// Time from the start of that part to the next tick.
     next: u64,
-    /// 2^126 / (time << zeros), and the time it belongs to: often that of the next part too.
+    /// 2^126 / (time << zeros), Δ per time and a sixth of twice Δ per time squared, and the part they belong to: often
+    /// they are those of the next part too.
     reciprocal: u64,
-    reciprocal_of: u64,
+    slope: i64,
+    sixth: i64,
+    of: (u64, i64),
     zeros: u32,
 }
 
@@ -72,7 +75,7 @@ impl Default for Emitter {
 impl Emitter {
     /// At rest, at a tick.
     pub const fn new() -> Self {
-        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, reciprocal: 0, reciprocal_of: 0, zeros: 0 }
+        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, reciprocal: 0, slope: 0, sixth: 0, of: (0, 0), zeros: 0 }
     }
 
     /// Takes the next block, which starts at path distance `start`. Only when [`Self::step`] said `None`.
@@ -121,10 +124,14 @@ impl Emitter {
                     _ => LONGEST[0],
                 };
                 let ticks = ((part.time - self.next - 1) / TICK + 1).min(longest);
-                if part.v0 != part.v1 && self.reciprocal_of != part.time {
-                    self.zeros = part.time.leading_zeros();
-                    self.reciprocal = div_wide(1 << 62, 0, part.time << self.zeros).min(i64::MAX as u64);
-                    self.reciprocal_of = part.time;
+                let delta = part.v1 - part.v0;
+                if delta != 0 && self.of != (part.time, delta) {
+                    let per_time = PerTime::new(part.time);
+                    self.of = (part.time, delta);
+                    self.zeros = per_time.zeros;
+                    self.reciprocal = per_time.reciprocal;
+                    self.slope = per_time.of(delta);
+                    self.sixth = mul_shift(per_time.of(self.slope), THIRD, 62);
                 }
                 let phase = self.piece(part, self.next, ticks as u16);
                 self.next += ticks * TICK;
@@ -161,23 +168,16 @@ impl Emitter {
                 ticks,
             };
         }
-        // per_tick: x / time; fraction: t / time, LSB 2^-62
-        let per_tick = |x: i64| {
-            let x = mul_hi(x, self.reciprocal as i64);
-            // A part below two ticks has so few of them that the bits missing on the right do not add up.
-            if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
-        };
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
-        // Good to 2^-54; the jerk, which counts n³ times, gets an exact product.
+        // Good to 2^-54; the jerk, which counts n³ times, got an exact product.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
-        let sixth = |slope: i64| mul_shift(per_tick(slope), THIRD, 62);
-        let slope = per_tick(delta);
+        let slope = self.slope;
         let (s, v, half_accel, sixth_jerk) = match part.kind {
             Kind::Rise => {
                 let u = fraction(t);
                 let gained = by(by(delta, u), u);
                 let s = part.from.wrapping_add(area(part.v0 + by(gained, THIRD), t));
-                (s, part.v0 + gained, by(slope, u), sixth(slope))
+                (s, part.v0 + gained, by(slope, u), self.sixth)
             }
             Kind::Hold => {
                 let gained = by(delta, fraction(t));
@@ -189,7 +189,7 @@ impl Emitter {
                 let u = fraction(left);
                 let missing = by(by(delta, u), u);
                 let s = part.to.wrapping_sub(area(part.v1 - by(missing, THIRD), left));
-                (s, part.v1 - missing, by(slope, u), -sixth(slope))
+                (s, part.v1 - missing, by(slope, u), -self.sixth)
             }
         };
         Phase {
@@ -205,4 +205,24 @@ impl Emitter {
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
 fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
+}
+
+/// Division by a time, LSB 2^-36 tick.
+struct PerTime {
+    /// 2^126 / (time << zeros).
+    reciprocal: u64,
+    zeros: u32,
+}
+
+impl PerTime {
+    fn new(time: u64) -> Self {
+        let zeros = time.leading_zeros();
+        Self { reciprocal: div_wide(1 << 62, 0, time << (zeros & 63)).min(i64::MAX as u64), zeros }
+    }
+
+    /// `x` per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
+    fn of(&self, x: i64) -> i64 {
+        let x = mul_hi(x, self.reciprocal as i64);
+        if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
+    }
 }

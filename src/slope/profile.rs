@@ -163,8 +163,12 @@ impl Profile {
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
-            // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel
-            self.cruise = div_shift(rest as u64, 50, peak.max(1) as u64);
+            // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel, or 2^-20 of a rest below 2^-20 mm
+            self.cruise = if rest < 1 << 24 && peak > 0 {
+                to_bits::<36>(to_f32(rest) * 16_384.0 / to_f32(peak)) as u64
+            } else {
+                div_shift(rest as u64, 50, peak.max(1) as u64)
+            };
         } else {
             let factor = div_shift(length as u64, 62, slopes as u64);
             self.cruise = 0;
@@ -209,7 +213,11 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
     let [mut below, mut above] = [0.0, speed_f32(limit)];
     let mut limit_checked = false;
     let mut x = if v_in == v_out {
-        triangular(up, down, from_in, target)
+        let x = triangular(up, down, from_in, target);
+        if x <= min(up.full, down.full) && x < above {
+            return gained(x, limit, low);
+        }
+        x
     } else {
         let (near, far) = if v_in == low { (up, down) } else { (down, up) };
         let [length, slope] = far.distance(min(from_in, from_out), max(above_in, above_out));
@@ -240,9 +248,12 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
             break;
         }
     }
-    // A little below the root, so that the cruise has something to take up.
+    gained(x, limit, low)
+}
+
+/// A little below the root, so that the cruise has something to take up; nothing for a peak nobody could see.
+fn gained(x: f32, limit: i64, low: i64) -> i64 {
     let gain = speed_bits(x * (1.0 - 1.0 / 4_194_304.0)).clamp(0, limit);
-    // A peak nobody could see would only cost parts.
     if gain < low >> 22 { 0 } else { gain }
 }
 
