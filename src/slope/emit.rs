@@ -8,7 +8,7 @@
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::profile::{Change, Profile};
 use crate::math::divide::div_wide;
-use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_wide};
+use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::Phase;
 
@@ -168,6 +168,9 @@ impl Emitter {
                 ticks,
             };
         }
+        if t < TICK {
+            return self.first_piece(part, t, ticks);
+        }
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
         // Good to 2^-54; the jerk, which counts n³ times, got an exact product.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
@@ -197,6 +200,31 @@ impl Emitter {
             speed: Speed::from_bits(v),
             half_accel: Accel::from_bits(half_accel),
             sixth_jerk: Jerk::from_bits(sixth_jerk),
+            ticks,
+        }
+    }
+
+    /// The same within the first tick of the part, from its start: the powers of t stay below 1.
+    #[inline(always)]
+    fn first_piece(&self, part: &Part, t: u64, ticks: u16) -> Phase {
+        // From tick to tick: (x·t) with t in 2^-32 tick
+        let t32 = (t >> 4) as u32;
+        let times = |x: i64| mul_u32(x, t32, 32);
+        let (slope, sixth) = (self.slope, self.sixth);
+        // Half the acceleration and a sixth of the jerk at the start of the part.
+        let (half, sixth) = match part.kind {
+            Kind::Rise => (0, sixth),
+            Kind::Hold => (slope >> 1, 0),
+            Kind::Fall => (slope, -sixth),
+        };
+        let bent = times(sixth);
+        let v = part.v0 + times(2 * half + 3 * bent);
+        let mean = part.v0 + times(half + bent);
+        Phase {
+            distance: Distance::from_bits(part.from.wrapping_add(area(mean, t))),
+            speed: Speed::from_bits(v),
+            half_accel: Accel::from_bits(half + 3 * bent),
+            sixth_jerk: Jerk::from_bits(sixth),
             ticks,
         }
     }

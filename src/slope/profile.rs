@@ -224,7 +224,10 @@ fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64,
         if length >= target {
             return 0;
         }
-        lopsided(near, max(from_in, from_out), slope, target - length)
+        // A peak far above both speeds hardly knows that they differ.
+        let gap = max(above_in, above_out);
+        let guess = triangular(up, down, max(from_in, from_out), target);
+        if guess > FAR * gap { guess } else { lopsided(near, max(from_in, from_out), slope, target - length) }
     };
     for _ in 0..PEAK_STEPS {
         if x >= above {
@@ -259,6 +262,9 @@ fn gained(x: f32, limit: i64, low: i64) -> i64 {
 
 /// Square of 2^-12: Newton's next step would be about the square of that.
 const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
+
+/// A peak so many times further above the higher speed than the lower one is below it is far.
+const FAR: f32 = 8.0;
 
 /// Steps of the search.
 const PEAK_STEPS: usize = 24;
