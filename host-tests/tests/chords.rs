@@ -33,21 +33,21 @@ fn row(machine: &MachineData<3>, program: &Program) -> String {
     let straight = rest_to_rest(length, v, a, f64::from(x.tr_beschl_zu) * 1e-6);
     let peak = |order: usize| verdict.peaks.iter().map(|p| p.values[order]).fold(0.0, f64::max);
     format!(
-        "{},{},{length:.3},{:.3},{straight:.3},{:.1},{:.0},{:.0},{:.3}",
+        "{},{},{length:.3},{:.3},{straight:.3},{:.1},{:.0},{:.0},{:.2}",
         program.name,
         verdict.run.blocks.len(),
         verdict.run.trace.time(),
         peak(0),
         peak(1),
         peak(2),
-        verdict.course.error * 1e6,
+        verdict.course.error * 1e9,
     )
 }
 
 /// Compares with the accepted table, or accepts.
 fn times(name: &str, machine: &MachineData<3>) {
     let mut table = String::from(
-        "program,blocks,length_mm,time_s,straight_line_s,v_peak_mm_s,a_peak_mm_s2,jerk_peak_mm_s3,path_error_nm\n",
+        "program,blocks,length_mm,time_s,straight_line_s,v_peak_mm_s,a_peak_mm_s2,jerk_peak_mm_s3,path_error_pm\n",
     );
     for program in programs() {
         let _ = writeln!(table, "{}", row(machine, &program));
