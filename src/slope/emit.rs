@@ -75,7 +75,17 @@ impl Default for Emitter {
 impl Emitter {
     /// At rest, at a tick.
     pub const fn new() -> Self {
-        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, reciprocal: 0, slope: 0, sixth: 0, of: (0, 0), zeros: 0 }
+        Self {
+            parts: [IDLE; PARTS],
+            part: 0,
+            count: 0,
+            next: 0,
+            reciprocal: 0,
+            slope: 0,
+            sixth: 0,
+            of: (0, 0),
+            zeros: 0,
+        }
     }
 
     /// Takes the next block, which starts at path distance `start`. Only when [`Self::step`] said `None`.

@@ -84,6 +84,8 @@ pub struct Statistics {
     /// Technology functions, with the tick at which they were due.
     pub functions: Vec<(u64, Event)>,
     last_distance: Distance,
+    /// Whether the last tick moved.
+    moved: bool,
 }
 
 impl Statistics {
@@ -97,6 +99,7 @@ impl Statistics {
             blocks: Vec::new(),
             functions: Vec::new(),
             last_distance: Distance::ZERO,
+            moved: false,
         }
     }
 
@@ -104,6 +107,7 @@ impl Statistics {
     pub fn add(&mut self, distance: Distance, set_points: &[Position]) {
         self.ticks += 1;
         self.digest.add(set_points);
+        self.moved = distance != self.last_distance;
         self.distance += i128::from(distance.to_bits().wrapping_sub(self.last_distance.to_bits()));
         self.last_distance = distance;
         for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
@@ -130,10 +134,14 @@ impl Statistics {
         self.distance as f64 / (1_u64 << 44) as f64
     }
 
-    /// Program time: from the first set point to the last.
+    /// Program time: from the first set point to the end of the time law, which lies at the last set point or, where
+    /// that ends a motion, less than a tick before it.
     pub fn time_s(&self, machine: &Machine) -> f64 {
-        // An integer number of µs, divided once.
-        (self.ticks.saturating_sub(1) as f64 * f64::from(machine.channel.cycle_us)) / 1e6
+        let early = match self.blocks.last() {
+            Some(block) if self.moved => block.wait.0.to_num::<f64>(),
+            _ => 0.0,
+        };
+        (self.ticks.saturating_sub(1) as f64 - early) * f64::from(machine.channel.cycle_us) / 1e6
     }
 }
 
