@@ -19,7 +19,7 @@
 //! }
 //! ```
 use crate::machine::parameter::{RangeError, check_axis};
-use crate::machine::{AxisKind, MachineData};
+use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
@@ -82,7 +82,9 @@ pub enum MachineError {
     /// P-CHAN-00071 names a slope that this version does not have.
     Slope(u8),
     /// Two axes have this name.
-    Name(crate::machine::AxisName),
+    Name(AxisName),
+    /// The name begins like another address of the language.
+    Reserved(AxisName),
 }
 
 impl core::fmt::Display for MachineError {
@@ -98,6 +100,12 @@ impl core::fmt::Display for MachineError {
                 "prog_start.slope.profile (P-CHAN-00071) = {profile} is known, not available in this version; set 1 (TRAPEZ)"
             ),
             Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
+            Self::Reserved(name) => write!(
+                f,
+                "axis {}: {} is an address of the language; expected a name that begins with A, B, C, O, Q, U, V, W, X, Y or Z",
+                name.as_str(),
+                char::from(name.0[0])
+            ),
         }
     }
 }
@@ -119,6 +127,9 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
     range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
+            if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
+                return Err(MachineError::Reserved(axis.name));
+            }
             check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
         }
         if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {

@@ -5,7 +5,6 @@
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
-use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::queue::{Event, Phase, Receiver, Segment, Slot};
 
@@ -62,14 +61,8 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
             }
             self.done = 0;
         }
-        let n = u32::from(self.done);
+        let distance = self.phase.at(self.done);
         self.done += 1;
-        let phase = &self.phase;
-        let times = i64::from(n);
-        let slope = phase.half_accel.to_bits().wrapping_add(phase.sixth_jerk.to_bits().wrapping_mul(times));
-        let mean = phase.speed.to_bits().wrapping_add(slope.wrapping_mul(times));
-        // 2^-58 to 2^-44
-        let distance = phase.distance.to_bits().wrapping_add(mul_u32(mean, n, 14));
         self.distance = Distance::from_bits(distance);
 
         for _ in 0..SKIP_PER_TICK {

@@ -74,7 +74,7 @@ pub fn arc<const AXES: usize>(
     let length = shape.length.to_bits();
     let end_w = shape.end_w().unsigned_abs();
     shape.plane = [axes[0] as u8, axes[1] as u8];
-    shape.turn = div_shift_signed(sweep, 64, end_w);
+    shape.turn = div_shift_signed(sweep >> 1, 64, end_w);
     shape.a = r0;
     if difference != 0 {
         let ratio = div_shift_signed(difference, 62, len0.unsigned_abs());

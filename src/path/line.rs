@@ -40,10 +40,10 @@ impl<const AXES: usize> Shape<AXES> {
     /// by one reciprocal for all axes. At the end the product is off by less than six of its LSB; the guard bits
     /// hide that.
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
-        // 2^125 / w, in 2^62..2^63
-        let reciprocal = div_wide(1 << 61, 0, self.end_w().unsigned_abs()).min(i64::MAX as u64) as i64;
+        // 2^124 / w, in 2^62..2^63
+        let reciprocal = div_wide(1 << 60, 0, self.end_w().unsigned_abs()).min(i64::MAX as u64) as i64;
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
-            *gain = if *travel == 0 { 0 } else { mul_shift(travel << GUARD, reciprocal, 61) };
+            *gain = if *travel == 0 { 0 } else { mul_shift(travel << GUARD, reciprocal, 60) };
         }
     }
 

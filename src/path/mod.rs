@@ -9,7 +9,7 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! so that a tick multiplies and adds. `w` is the distance shifted to 63 bits: every factor then uses its full
+//! so that a tick multiplies and adds. `w` is the distance shifted to 62 bits: every factor then uses its full
 //! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. `miss` is what
 //! rounding left between the end of the circle and the programmed end, so that the end is met to the last bit; it
 //! and `grow` are so small that the upper half of `w` does.
@@ -138,11 +138,11 @@ pub struct Shape<const AXES: usize> {
     grow: [i32; 2],
     /// What the circle misses at its end: 2^-42 mm per 2^62 units of `w`.
     miss: [i32; 2],
-    /// Angle: 2^-60 revolutions per 2^64 units of `w`.
+    /// Angle: 2^-59 revolutions per 2^64 units of `w`.
     turn: i64,
     /// Axes of the arc's plane.
     plane: [u8; 2],
-    /// `w = distance << shift`; `length << shift` is in 2^62..2^63.
+    /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond an end.
     shift: u8,
 }
 
@@ -161,7 +161,7 @@ impl<const AXES: usize> Shape<AXES> {
 
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
-        let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(1);
+        let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(2);
         Self {
             length,
             gain: [0; AXES],
@@ -213,7 +213,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// Both coordinates of the radius vector at `w`, 2^-42 mm.
     #[inline(always)]
     fn circle(&self, w: i64) -> [i64; 2] {
-        let (sin, cos) = sin_cos((mul_near(w, self.turn) << 4) as u64);
+        let (sin, cos) = sin_cos((mul_near(w, self.turn) << 5) as u64);
         let upper = w >> 32;
         let [p, q] = [0, 1].map(|i| self.a[i].wrapping_add((upper * i64::from(self.grow[i])) >> 19));
         let [x, y] = [0, 1].map(|i| (upper * i64::from(self.miss[i])) >> 30);

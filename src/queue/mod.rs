@@ -4,6 +4,7 @@ mod ring;
 
 pub use ring::{Consumer, Producer, Ring, Slot};
 
+use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 
@@ -89,6 +90,18 @@ impl Slot for Phase {
 
 impl Slot for Event {
     const BLANK: Self = Self { block: 0, n: 0, function: Function::M(0) };
+}
+
+impl Phase {
+    /// Path distance at its tick `n`, LSB 2^-44 mm. Runs in the tick.
+    #[inline(always)]
+    pub fn at(&self, n: u16) -> i64 {
+        let times = i64::from(n);
+        let slope = self.half_accel.to_bits().wrapping_add(self.sixth_jerk.to_bits().wrapping_mul(times));
+        let mean = self.speed.to_bits().wrapping_add(slope.wrapping_mul(times));
+        // 2^-58 to 2^-44
+        self.distance.to_bits().wrapping_add(mul_u32(mean, u32::from(n), 14))
+    }
 }
 
 /// Static memory of the rings.

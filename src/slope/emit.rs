@@ -103,12 +103,11 @@ impl Emitter {
 
     /// The three parts of a change of speed, from path distance `from` on; gives their end.
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
-        let kinds = [Kind::Rise, Kind::Hold, Kind::Fall];
         let mut at = from;
-        for k in 0..3 {
+        for (k, kind) in [Kind::Rise, Kind::Hold, Kind::Fall].into_iter().enumerate() {
             let to = at.wrapping_add(change.lengths[k]);
             let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
-            self.add(Part { kind: kinds[k], time: change.times[k], from: at, to, v0, v1 });
+            self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
             at = to;
         }
         at
@@ -116,11 +115,9 @@ impl Emitter {
 
     #[inline(always)]
     fn add(&mut self, part: Part) {
-        if part.time > 0 {
-            if let Some(slot) = self.parts.get_mut(self.count) {
-                *slot = part;
-                self.count += 1;
-            }
+        if let (true, Some(slot)) = (part.time > 0, self.parts.get_mut(self.count)) {
+            *slot = part;
+            self.count += 1;
         }
     }
 
@@ -143,7 +140,12 @@ impl Emitter {
                     self.slope = per_time.of(delta);
                     self.sixth = mul_shift(per_time.of(self.slope), THIRD, 62);
                 }
-                let phase = self.piece(part, self.next, ticks as u16);
+                let mut phase = self.piece(part, self.next, ticks as u16);
+                // Rounding must not take the path beyond the part: the next one would go backward.
+                let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
+                if beyond > 0 {
+                    phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
+                }
                 self.next += ticks * TICK;
                 return Some(phase);
             }

@@ -1,4 +1,4 @@
-//! The time law of one block: up to four parts (speed up, cruise, slow down), exact in its length.
+//! The time law of one block: speed up (three parts), cruise, slow down (three parts), exact in its length.
 //!
 //! The fastest profile from `v_in` to `v_out` over the length has the highest peak that the length and the limits
 //! allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both slopes is then
