@@ -6,7 +6,7 @@
 //! | [`cases`] | which programs on which machines |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
-//! | [`reference`] | what would exact arithmetic have done |
+//! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
