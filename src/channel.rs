@@ -1,7 +1,6 @@
 //! Planner and interpolator: wiring only, all that an application holds.
 //!
 //! ```
-//! # // compiled, not run: `program` is any NC text
 //! use glidepath::channel::{Channel, Progress};
 //! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 //! use glidepath::quantity::Position;

@@ -3,7 +3,8 @@
 //! Two rules fix the speeds. Backward, from a standstill at the end of the ring: a block may be entered at the speed
 //! from which its end speed can be reached within its length. Forward, when a block is handed on: its end speed is at
 //! most what its start speed can grow to. Both use the slope with zero acceleration at the ends of the block. The
-//! plan therefore always stops inside the ring, and a new block can only raise what was planned.
+//! plan therefore always stops inside the ring. A higher end speed may lower what the first rule allows at the start;
+//! then the speed planned before stays, and the end speed gives way when the block is handed on.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
