@@ -148,8 +148,8 @@ pub enum Progress {
     Working,
     /// The queue is full: call again after some ticks.
     Waiting,
-    /// A motion block was planned for good.
-    Planned(PlannedBlock),
+    /// A motion block was planned for good: [`Planner::planned`].
+    Planned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
     /// The program has ended and everything is handed to the interpolator.
@@ -251,7 +251,7 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
-            Ok(Work::Planned) => return Ok(Progress::Planned(*self.planning.planned())),
+            Ok(Work::Planned) => return Ok(Progress::Planned),
             Ok(Work::Hungry) => {}
             Err(Unplannable) => {
                 self.source = Source::Ended;
@@ -269,6 +269,11 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
             }
             Source::Ended => Ok(Progress::Done),
         }
+    }
+
+    /// The motion block planned last.
+    pub fn planned(&self) -> &PlannedBlock {
+        self.planning.planned()
     }
 
     /// Reading a line and understanding it are two steps of the decoder.

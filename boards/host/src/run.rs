@@ -87,9 +87,9 @@ fn drive<const AXES: usize>(
             match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
                 // The decode pass has collected the warnings.
                 Progress::Working | Progress::Warning(_) => {}
-                Progress::Planned(block) => {
+                Progress::Planned => {
                     bar.at(recorder.statistics.blocks.len());
-                    recorder.statistics.blocks.push(block);
+                    recorder.statistics.blocks.push(*planner.planned());
                 }
                 Progress::Waiting => break,
                 Progress::Done => done = true,

@@ -59,7 +59,10 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
         match planner.poll() {
             Ok(Progress::Waiting) => wfi(),
             Ok(Progress::Done) => break,
-            Ok(Progress::Planned(_block)) => message::debug!("block {} of N{}", _block.block, _block.n),
+            Ok(Progress::Planned) => {
+                let _block = planner.planned();
+                message::debug!("block {} of N{}", _block.block, _block.n);
+            }
             Ok(Progress::Warning(_warning)) => message::info!("warning: {}", defmt::Debug2Format(&_warning)),
             Ok(Progress::Working) => {}
             // What was planned before the error is still valid and comes to a standstill; the loop ends in `Done`.
