@@ -188,14 +188,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(Work::Waiting);
         }
         for _ in 0..PIECES {
-            let Some(phase) = self.emitter.step() else {
+            if !self.emitter.has_piece() {
                 if self.stops {
                     self.emitter.settle();
                     self.stops = false;
                 }
                 return self.go_on();
-            };
-            let _ = self.queue.phases.push(phase);
+            }
+            let _ = self.queue.phases.push_with(|phase| self.emitter.step(phase));
         }
         Ok(Work::Working)
     }

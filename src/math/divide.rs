@@ -121,3 +121,19 @@ pub const fn div_shift_signed(a: i64, shift: u32, b: u64) -> i64 {
     let magnitude = if quotient > i64::MAX as u64 { i64::MAX } else { quotient as i64 };
     if a < 0 { magnitude.wrapping_neg() } else { magnitude }
 }
+
+/// 2^126 / d for d ≥ 2^63, at most 32 below: for products that need not be exact in their last bits.
+///
+/// The upper word by `f32` (2^-22), then y ← y + y·(1 − x·y) twice, x = d/2^64: 2^-30, 2^-59. Below 2^63.
+pub const fn reciprocal_near(d: u64) -> u64 {
+    const ONE: i64 = 1 << 62;
+    let (d1, d0) = ((d >> 32) as u32 as u64, d as u32 as u64);
+    // 30 fraction bits
+    let seed = ((1u64 << 62) as f32 / d1 as u32 as f32) as u32;
+    let error = ONE.wrapping_sub((seed as u64).wrapping_mul(d1) as i64);
+    let y = (seed as i64).wrapping_add((seed as i64).wrapping_mul(error >> 31) >> 31);
+    // 62 fraction bits
+    let product = (y as u64).wrapping_mul(d1).wrapping_add((y as u64).wrapping_mul(d0) >> 32);
+    let error = ONE.wrapping_sub(product as i64);
+    ((y as u64) << 32).wrapping_add_signed(y.wrapping_mul(error >> 2) >> 28).wrapping_sub(16)
+}

@@ -8,18 +8,14 @@ use micromath::F32Ext;
 
 /// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
 const fn inverse_sqrt(m: u32) -> u32 {
-    /// Quadratic through 1/√x at 0.28, 0.55 and 0.93, 30 fraction bits: within 4 %.
-    const A: u64 = 2_933_677_000;
-    const B: u64 = 3_778_821_000;
-    const C: u64 = 1_958_720_000;
-    let m = m as u64;
-    let slope = B.wrapping_sub(m.wrapping_mul(C) >> 32);
-    let mut y = A.wrapping_sub(m.wrapping_mul(slope) >> 32);
-    // Relative error 4 % → 2.4e-3 → 9e-6 → 1.2e-10, plus 2^-30 of rounding.
-    y = newton(m, y);
-    y = newton(m, y);
-    y = newton(m, y);
-    y as u32
+    let x = m as f32;
+    // Half the exponent, negated: 3.5 %. Then relative error → 1.8e-3 → 5e-6 → 4e-11, plus 2^-30 of rounding.
+    let mut y = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));
+    let half = 0.5 * x;
+    y *= 1.5 - half * y * y;
+    y *= 1.5 - half * y * y;
+    // 1/√m = 2^-16/√x
+    newton(m as u64, (y * (1u64 << 46) as f32) as u32 as u64) as u32
 }
 
 /// y + y·(1 − x·y²)/2 with y in 30 fraction bits, x in 32.
@@ -44,32 +40,44 @@ const fn remainder(n: u128, s: u64) -> i128 {
     n.wrapping_sub(((hi as u128) << 64) | lo as u128) as i128
 }
 
-/// floor(√(hi·2^64 + lo)), exact. At most 254 instructions on thumbv7em.
+/// floor(√(hi·2^64 + lo)), exact.
 pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
-    let n = ((hi as u128) << 64) | lo as u128;
-    if n == 0 {
+    if hi == 0 && lo == 0 {
         return 0;
     }
-    let half_shift = (n.leading_zeros() / 2) & 63;
-    let n = n << (2 * half_shift);
-    let high = (n >> 64) as u64;
+    let zeros = if hi == 0 { 64 + lo.leading_zeros() } else { hi.leading_zeros() };
+    let half_shift = (zeros / 2) & 63;
+    let shift = 2 * half_shift;
+    let high =
+        if shift < 64 { (hi << shift) | ((lo >> 1) >> (63 - shift)) } else { lo << ((shift - 64) & 63) };
     let (y, root) = estimate(high);
     // |x − s²| < 2^-28: 31 bits of it, error below 2^6 units of 2^-64 afterwards.
     let error = high.wrapping_sub(root.wrapping_mul(root)) as i64 >> 5;
     let root = (root << 32).saturating_add_signed(error.wrapping_mul(y) >> 26);
+    if half_shift >= 8 {
+        // One unit off at most, so that the remainder fits 64 bits.
+        let root = root >> half_shift;
+        let error = lo.wrapping_sub(root.wrapping_mul(root)) as i64;
+        return settle(root, error as i128);
+    }
+    let n = (((hi as u128) << 64) | lo as u128) << shift;
     // |n − s²| < 2^71: 31 bits suffice, one unit off at most afterwards.
     let error = (remainder(n, root) >> 40) as i64;
     let root = root.saturating_add_signed(error.wrapping_mul(y) >> 55);
-    let error = remainder(n, root);
-    let root = if error < 0 {
+    // floor(√(n·4^-k)) = floor(floor(√n)·2^-k).
+    settle(root, remainder(n, root)) >> half_shift
+}
+
+/// The root of which `root`, with this remainder, is one unit off at most.
+#[inline(always)]
+const fn settle(root: u64, remainder: i128) -> u64 {
+    if remainder < 0 {
         root.wrapping_sub(1)
-    } else if error > (root as i128) << 1 {
+    } else if remainder > (root as i128) << 1 {
         root.wrapping_add(1)
     } else {
         root
-    };
-    // floor(√(n·4^-k)) = floor(floor(√n)·2^-k).
-    root >> half_shift
+    }
 }
 
 /// floor(√x), exact. At most 139 instructions on thumbv7em.

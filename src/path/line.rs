@@ -1,7 +1,7 @@
 //! G00 and G01: a straight line of all axes together.
 use super::{Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
-use crate::math::divide::div_wide;
-use crate::math::wide::mul_shift;
+use crate::math::divide::reciprocal_near;
+use crate::math::wide::mul_near;
 use crate::quantity::Position;
 
 /// The line from `start` to `target`; `None` if no axis moves. `main` are the main axes, whose length is the path's.
@@ -36,14 +36,14 @@ impl<const AXES: usize> Shape<AXES> {
         self.length.to_bits() << (self.shift & 63)
     }
 
-    /// The linear part that travels these distances (LSB of a position): 2^64 times the travel per `w` at the end,
-    /// by one reciprocal for all axes. At the end the product is off by less than six of its LSB; the guard bits
-    /// hide that.
+    /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel per `w` at
+    /// the end, by one reciprocal for all axes. At the end the product is off by less than twenty of its LSB; the
+    /// guard bits hide that.
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
-        // 2^124 / w, in 2^62..2^63
-        let reciprocal = div_wide(1 << 60, 0, self.end_w().unsigned_abs()).min(i64::MAX as u64) as i64;
+        // 2^124 / w
+        let reciprocal = reciprocal_near(self.end_w().unsigned_abs() << 2) as i64;
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
-            *gain = if *travel == 0 { 0 } else { mul_shift(travel << GUARD, reciprocal, 60) };
+            *gain = if *travel == 0 { 0 } else { mul_near(travel << (GUARD + 3), reciprocal) << 1 };
         }
     }
 

@@ -230,13 +230,16 @@ fn add(base: Position, offset: i64) -> Position {
 }
 
 /// Square root of a sum of squares, rounded down; each term within ±2^62.
+#[inline(always)]
 fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
-    let mut sum = 0u128;
+    let (mut high, mut low) = (0u64, 0u64);
     for term in terms {
         let (hi, lo) = mul_wide(term.unsigned_abs(), term.unsigned_abs());
-        sum = sum.saturating_add((u128::from(hi) << 64) | u128::from(lo));
+        let (sum, carry) = low.overflowing_add(lo);
+        low = sum;
+        high = high.saturating_add(hi + u64::from(carry));
     }
-    i64::try_from(sqrt_wide((sum >> 64) as u64, sum as u64)).unwrap_or(i64::MAX)
+    i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
 }
 
 /// From the LSB of a position to that of a distance.

@@ -7,16 +7,16 @@
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::profile::{Change, Profile};
-use crate::math::divide::div_wide;
+use crate::math::divide::reciprocal_near;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
-use crate::queue::Phase;
+use crate::queue::{Phase, Slot};
 
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
 
 /// Longest pieces, ticks: with jerk, with acceleration, at constant speed.
-const LONGEST: [u64; 3] = [128, 512, 65_535];
+const LONGEST: [u32; 3] = [128, 512, 65_535];
 
 /// How speed changes within a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Emitter {
         }
     }
 
-    /// Takes the next block, which starts at path distance `start`. Only when [`Self::step`] said `None`.
+    /// Takes the next block, which starts at path distance `start`. Only when there is no piece: [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
         self.part = 0;
@@ -121,38 +121,52 @@ impl Emitter {
         }
     }
 
-    /// The next piece, `None` when the block is handed out. Bounded work: one piece.
-    pub fn step(&mut self) -> Option<Phase> {
+    /// Goes on to the part in which the next tick falls; `false` when the block is handed out.
+    #[inline(always)]
+    pub fn has_piece(&mut self) -> bool {
         while let Some(part) = self.parts.get(self.part).filter(|_| self.part < self.count) {
             if self.next < part.time {
-                let longest = match part.kind {
-                    Kind::Hold if part.v0 == part.v1 => LONGEST[2],
-                    Kind::Hold => LONGEST[1],
-                    _ => LONGEST[0],
-                };
-                let ticks = ((part.time - self.next - 1) / TICK + 1).min(longest);
-                let delta = part.v1 - part.v0;
-                if delta != 0 && self.of != (part.time, delta) {
-                    let per_time = PerTime::new(part.time);
-                    self.of = (part.time, delta);
-                    self.zeros = per_time.zeros;
-                    self.reciprocal = per_time.reciprocal;
-                    self.slope = per_time.of(delta);
-                    self.sixth = mul_shift(per_time.of(self.slope), THIRD, 62);
-                }
-                let mut phase = self.piece(part, self.next, ticks as u16);
-                // Rounding must not take the path beyond the part: the next one would go backward.
-                let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
-                if beyond > 0 {
-                    phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
-                }
-                self.next += ticks * TICK;
-                return Some(phase);
+                return true;
             }
             self.next -= part.time;
             self.part += 1;
         }
-        None
+        false
+    }
+
+    /// The next piece. Only after [`Self::has_piece`]. Bounded work.
+    pub fn step(&mut self, phase: &mut Phase) {
+        let Some(part) = self.parts.get(self.part) else { return };
+        let longest = match part.kind {
+            Kind::Hold if part.v0 == part.v1 => LONGEST[2],
+            Kind::Hold => LONGEST[1],
+            _ => LONGEST[0],
+        };
+        let ticks = (((part.time - self.next + (TICK - 1)) >> 36) as u32).min(longest);
+        let delta = part.v1 - part.v0;
+        if delta != 0 && self.of != (part.time, delta) {
+            let per_time = PerTime::new(part.time);
+            self.of = (part.time, delta);
+            self.zeros = per_time.zeros;
+            self.reciprocal = per_time.reciprocal;
+            self.slope = per_time.of(delta);
+            self.sixth = per_time.third_of(self.slope);
+        }
+        let t = self.next;
+        *phase = if delta == 0 {
+            Self::cruise(part, t)
+        } else if t < TICK {
+            self.first_piece(part, t)
+        } else {
+            self.piece(part, t)
+        };
+        phase.ticks = ticks as u16;
+        // Rounding must not take the path beyond the part: the next one would go backward.
+        let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
+        if beyond > 0 {
+            phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
+        }
+        self.next = t + (u64::from(ticks) << 36);
     }
 
     /// Waits for the next tick, where the axes stand still: a motion that follows starts there.
@@ -166,23 +180,19 @@ impl Emitter {
         Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))
     }
 
-    /// State at time `t` in the part, as coefficients in ticks.
+    /// State at time `t` in a part at constant speed; how long the piece lasts is left open.
     #[inline(always)]
-    fn piece(&self, part: &Part, t: u64, ticks: u16) -> Phase {
+    fn cruise(part: &Part, t: u64) -> Phase {
+        Phase {
+            distance: Distance::from_bits(part.from.wrapping_add(area(part.v0, t))),
+            speed: Speed::from_bits(part.v0),
+            ..Phase::BLANK
+        }
+    }
+
+    /// The same in another part, as coefficients in ticks.
+    fn piece(&self, part: &Part, t: u64) -> Phase {
         let delta = part.v1 - part.v0;
-        if delta == 0 {
-            let s = part.from.wrapping_add(mul_shift(part.v0, t as i64, 50));
-            return Phase {
-                distance: Distance::from_bits(s),
-                speed: Speed::from_bits(part.v0),
-                half_accel: Accel::ZERO,
-                sixth_jerk: Jerk::ZERO,
-                ticks,
-            };
-        }
-        if t < TICK {
-            return self.first_piece(part, t, ticks);
-        }
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
         // Good to 2^-54; the jerk, which counts n³ times, got an exact product.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
@@ -212,32 +222,40 @@ impl Emitter {
             speed: Speed::from_bits(v),
             half_accel: Accel::from_bits(half_accel),
             sixth_jerk: Jerk::from_bits(sixth_jerk),
-            ticks,
+            ticks: 0,
         }
     }
 
     /// The same within the first tick of the part, from its start: the powers of t stay below 1.
     #[inline(always)]
-    fn first_piece(&self, part: &Part, t: u64, ticks: u16) -> Phase {
+    fn first_piece(&self, part: &Part, t: u64) -> Phase {
         // From tick to tick: (x·t) with t in 2^-32 tick
         let t32 = (t >> 4) as u32;
         let times = |x: i64| mul_u32(x, t32, 32);
-        let (slope, sixth) = (self.slope, self.sixth);
-        // Half the acceleration and a sixth of the jerk at the start of the part.
-        let (half, sixth) = match part.kind {
-            Kind::Rise => (0, sixth),
-            Kind::Hold => (slope >> 1, 0),
-            Kind::Fall => (slope, -sixth),
+        // Speed gained on average and in all, half the acceleration, a sixth of the jerk.
+        let (mean, gained, half, sixth) = match part.kind {
+            Kind::Rise => {
+                let bent = times(self.sixth);
+                let third = times(bent);
+                (third, 3 * third, 3 * bent, self.sixth)
+            }
+            Kind::Hold => {
+                let half = self.slope >> 1;
+                let mean = times(half);
+                (mean, 2 * mean, half, 0)
+            }
+            Kind::Fall => {
+                let bent = times(-self.sixth);
+                let mean = times(self.slope + bent);
+                (mean, 2 * mean + times(bent), self.slope + 3 * bent, -self.sixth)
+            }
         };
-        let bent = times(sixth);
-        let v = part.v0 + times(2 * half + 3 * bent);
-        let mean = part.v0 + times(half + bent);
         Phase {
-            distance: Distance::from_bits(part.from.wrapping_add(area(mean, t))),
-            speed: Speed::from_bits(v),
-            half_accel: Accel::from_bits(half + 3 * bent),
+            distance: Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t))),
+            speed: Speed::from_bits(part.v0 + gained),
+            half_accel: Accel::from_bits(half),
             sixth_jerk: Jerk::from_bits(sixth),
-            ticks,
+            ticks: 0,
         }
     }
 }
@@ -245,6 +263,15 @@ impl Emitter {
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
 fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
+}
+
+/// The same for a time below one tick.
+#[inline(always)]
+fn area_in_tick(v: i64, t: u64) -> i64 {
+    // By the upper 32 of its 36 bits, LSB 2^-58, then by the lower four, good to 2^-62 mm.
+    let upper = mul_u32(v, (t >> 4) as u32, 32);
+    let lower = ((v >> 32) * (t & 15) as i64) >> 4;
+    (upper + lower + (1 << 13)) >> 14
 }
 
 /// Division by a time, LSB 2^-36 tick.
@@ -257,12 +284,20 @@ struct PerTime {
 impl PerTime {
     fn new(time: u64) -> Self {
         let zeros = time.leading_zeros();
-        Self { reciprocal: div_wide(1 << 62, 0, time << (zeros & 63)).min(i64::MAX as u64), zeros }
+        Self { reciprocal: reciprocal_near(time << (zeros & 63)), zeros }
     }
 
     /// `x` per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
     fn of(&self, x: i64) -> i64 {
-        let x = mul_hi(x, self.reciprocal as i64);
+        self.scale(mul_hi(x, self.reciprocal as i64))
+    }
+
+    /// A third of `x` per tick.
+    fn third_of(&self, x: i64) -> i64 {
+        self.scale(mul_hi(mul_hi(x, self.reciprocal as i64), THIRD << 2))
+    }
+
+    fn scale(&self, x: i64) -> i64 {
         if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
     }
 }
