@@ -246,7 +246,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         // There is room: asked above.
         let (start, number) = (self.distance, self.blocks);
         let _ = self.queue.segments.push_with(|segment| {
-            segment.shape = block.shape;
+            segment.shape.assign(&block.shape);
             segment.base = base;
             segment.start = start;
             segment.n = block.n;

@@ -5,21 +5,21 @@
 //!
 //! | of | factor | covers |
 //! |---|---|---|
-//! | speed, acceleration | 1 − 2^-20 | ten roundings of 2^-24 |
+//! | speed, acceleration | 1 − 2^-19 | sixteen roundings of 2^-24, and as much that the plan may use up |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
 //!
 //! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
 //! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
 //! `B`.
 use crate::machine::{AxisData, MachineData};
-use crate::math::float::to_f32;
+use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::{Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
 
 /// Factor on speeds and accelerations.
-const MARGIN: f32 = 1.0 - 1.0 / 1_048_576.0;
+const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
 /// Factor on jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three ticks.
@@ -117,7 +117,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         for (k, (axis, tangent)) in self.axes.iter().zip(&element.entry.tangent).enumerate() {
             let share = match element.circle {
                 Some(circle) if circle.plane.contains(&k) => circle.share,
-                _ => magnitude(to_f32(*tangent) * LSB_40),
+                _ => size_f32(tangent.unsigned_abs()) * LSB_40,
             };
             if share > 0.0 {
                 limits.restrict(&sets(axis), 1.0 / share);
@@ -155,11 +155,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         fastest: f32,
     ) -> Option<f32> {
         let mut v = f32::MAX;
-        for (k, axis) in self.axes.iter().enumerate() {
+        let tangents = from.tangent.iter().zip(&to.tangent);
+        let curvatures = from.curvature.iter().zip(&to.curvature);
+        for ((axis, (t0, t1)), (c0, c1)) in self.axes.iter().zip(tangents).zip(curvatures) {
             let set = if rapid { &axis.rapid } else { &axis.feed };
-            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
-            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
-            let knee = magnitude(to_f32(t1.wrapping_sub(*t0)) * LSB_40);
+            let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
             let unseen = SMOOTH * set.budget;
             let knee = if fastest * knee <= unseen { 0.0 } else { knee };

@@ -58,6 +58,8 @@ struct Last<const AXES: usize> {
     exit: End<AXES>,
     length: f32,
     rapid: bool,
+    /// Its limits have left a transition its part.
+    shared: bool,
 }
 
 /// The ring.
@@ -124,6 +126,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     ) {
         let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
         let mut cap = 0.0;
+        let mut shared = false;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -131,11 +134,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap) {
                 cap = min(cap, v);
                 limits.share();
-                before.limits.share();
+                shared = true;
+                if !last.shared {
+                    before.limits.share();
+                }
             }
         }
         self.stop = false;
-        self.last = Some(Last { exit: element.exit, length, rapid });
+        self.last = Some(Last { exit: element.exit, length, rapid, shared });
         let block =
             Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, n, place };
         // There is room: the caller asked.

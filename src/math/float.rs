@@ -3,13 +3,18 @@
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// `x` as `f32`, relative error at most 2^-22: each half is rounded, then their sum. Mirrored input gives mirrored
+/// `x` as `f32`, relative error at most 2^-23: each half is rounded, then their sum. Mirrored input gives mirrored
 /// output.
 #[inline(always)]
 pub fn to_f32(x: i64) -> f32 {
-    let size = x.unsigned_abs();
-    let size = (size >> 32) as u32 as f32 * TWO_32 + size as u32 as f32;
+    let size = size_f32(x.unsigned_abs());
     if x < 0 { -size } else { size }
+}
+
+/// The same for an unsigned number.
+#[inline(always)]
+pub fn size_f32(x: u64) -> f32 {
+    (x >> 32) as u32 as f32 * TWO_32 + x as u32 as f32
 }
 
 /// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31; saturates above, 0 below 0.

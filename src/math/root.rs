@@ -141,12 +141,18 @@ pub fn cbrt_f32(x: f32) -> f32 {
     } else {
         (magnitude, 1.0)
     };
-    // Exponent bias: 127·(1 − 1/3) in units of the mantissa's last bit, lowered to balance the error.
-    let mut y = f32::from_bits((a.to_bits() / 3).wrapping_add(0x2a51_4067));
+    let mut y = cbrt_guess(a);
     y = halley(a, y);
     y = halley(a, y);
     let root = y * scale;
     if x < 0.0 { -root } else { root }
+}
+
+/// ³√x for x > 0 by a third of the exponent, relative error ≤ 4 %: where an iteration starts.
+#[inline(always)]
+pub fn cbrt_guess(x: f32) -> f32 {
+    // Exponent bias: 127·(1 − 1/3) in units of the mantissa's last bit, lowered to balance the error.
+    f32::from_bits((x.to_bits() / 3).wrapping_add(0x2a51_4067))
 }
 
 /// y + y·((a − y³) / (2·y³ + a)); in this order nothing underflows.

@@ -174,6 +174,21 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
+    /// Becomes `other`. What only an arc has is not copied for a line: it is not read.
+    #[inline(always)]
+    pub(crate) fn assign(&mut self, other: &Self) {
+        self.length = other.length;
+        self.gain = other.gain;
+        self.plane = other.plane;
+        self.shift = other.shift;
+        if other.is_arc() {
+            self.a = other.a;
+            self.grow = other.grow;
+            self.miss = other.miss;
+            self.turn = other.turn;
+        }
+    }
+
     /// Whether it is an arc.
     pub fn is_arc(&self) -> bool {
         self.plane[0] != NO_PLANE

@@ -8,10 +8,11 @@
 use super::ramp::{Ramp, root_of_cubic};
 use crate::lookahead::{Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
-use crate::math::float::{to_bits, to_f32};
+use crate::math::float::{size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
+use crate::slope::emit::TICK;
 
 /// Three parts of a change of speed: acceleration rises, holds, falls.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -72,17 +73,23 @@ impl Change {
             let size = div_wide(hi, lo, whole.max(1)) as i64;
             if dv < 0 { -size } else { size }
         };
-        let [first, last] = match (t1 == t3, t2 == 0) {
-            (true, true) => [dv >> 1, dv - (dv >> 1)],
-            (true, false) => [part(t1); 2],
-            _ => [part(t1), part(t3)],
+        let (first, last) = if t1 != t3 {
+            (part(t1), part(t3))
+        } else if t2 != 0 {
+            let part = part(t1);
+            (part, part)
+        } else {
+            (dv >> 1, dv - (dv >> 1))
         };
         let [a, b] = [v0 + first, v1 - last];
+        let third_first = third(first);
+        // Halves that differ by one bit have the same third.
+        let third_last = if t1 == t3 { third_first } else { third(last) };
         // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
         self.times = times;
         self.speeds = [v0, a, b, v1];
-        self.lengths = [area(v0 + third(first), t1), hold, area(v1 - third(last), t3)];
+        self.lengths = [area(v0 + third_first, t1), hold, area(v1 - third_last, t3)];
     }
 
     /// Path length of all three parts, LSB 2^-44 mm.
@@ -103,25 +110,31 @@ impl Change {
     }
 
     /// Whether peak acceleration and jerks are permitted, without a division: dv ≤ a·whole/2 and
-    /// dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3.
+    /// dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3. In `f32`: `dv` and `whole` are good to 2^-23 each, the product
+    /// to 2^-23 more.
     fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
-        let dv = (self.speeds[3] - self.speeds[0]).abs();
+        let dv = (self.speeds[3] - self.speeds[0]).unsigned_abs();
+        if dv <= ROUNDING {
+            return true;
+        }
+        let dv = size_f32(dv - ROUNDING);
         let [t1, t2, t3] = self.times;
-        let whole = t1 + 2 * t2 + t3;
-        let within = |a: i64| dv <= mul_shift(a, whole as i64, 37) + ROUNDING;
-        let jerk = |j: f32, t: u64| t == 0 || within(mul_shift(speed_bits(j * JERK_SLACK), t as i64, 36));
+        // 2^-36 to 2^-58
+        let half = size_f32(t1 + 2 * t2 + t3) * (1u64 << 21) as f32;
+        let jerk = |j: f32, t: u64| t == 0 || dv <= j * (size_f32(t) * (JERK_SLACK / TICK as f32)) * half;
         let jerks = || {
             if t1 == t3 { jerk(min(j_first, j_last), t1) } else { jerk(j_first, t1) && jerk(j_last, t3) }
         };
-        dv == 0 || (within(speed_bits(a * ACCEL_SLACK)) && jerks())
+        dv <= a * ACCEL_SLACK * half && jerks()
     }
 }
 
-/// Limits carry margins of 2^-20 (speed, acceleration) and 2^-13 (jerk); the plan may use up half of them.
+/// Part of the margins 2^-19 (speed, acceleration) and 2^-13 (jerk) of the limits that the plan may use up; with the
+/// rounding of [`Change::is_inside`] that is half of them.
 const ACCEL_SLACK: f32 = 1.0 + 1.0 / 2_097_152.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 /// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
-const ROUNDING: i64 = 64;
+const ROUNDING: u64 = 64;
 
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
 fn area(v: i64, t: u64) -> i64 {
@@ -152,9 +165,14 @@ impl Profile {
         let peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
 
         let times = |ramp: &Ramp, from: i64| {
-            let times = ramp.times(speed_f32(peak - from));
+            if peak == from {
+                return [0; 3];
+            }
             // up, so that rounding never raises a jerk
-            times.map(|t| if peak == from || t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 })
+            let bits = |t: f32| to_bits::<36>(t) as u64 + 1;
+            let [near, hold, far] = ramp.times(speed_f32(peak - from));
+            let first = bits(near);
+            [first, if hold == 0.0 { 0 } else { bits(hold) }, if far == near { first } else { bits(far) }]
         };
         let up_times = times(&up, v_in);
         let [end, hold, begin] = times(&down, v_out);
