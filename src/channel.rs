@@ -96,7 +96,7 @@ impl core::fmt::Display for MachineError {
             ),
             Self::Slope(profile) => write!(
                 f,
-                "prog_start.slope.profile (P-CHAN-00071) = {profile} is known, not available in this version; set 1 (TRAPEZ)"
+                "prog_start.slope.profile (P-CHAN-00071) = {profile} is known, not available in this version; set 1 (TRAPEZ) or 3 (HSC)"
             ),
             Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
             Self::Reserved(name) => write!(
@@ -135,7 +135,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
             return Err(MachineError::Name(axis.name));
         }
     }
-    if channel.slope_profile != 1 {
+    if !matches!(channel.slope_profile, 1 | 3) {
         return Err(MachineError::Slope(channel.slope_profile));
     }
     Ok(())
@@ -159,11 +159,13 @@ pub enum Progress {
 /// The time law of one motion block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlannedBlock {
-    /// Motion blocks since program start, from 0.
+    /// Its first motion block, counted from 0 since program start.
     pub block: u32,
-    /// Programmed N number.
+    /// How many there are.
+    pub blocks: u32,
+    /// Programmed N number of the first.
     pub n: u32,
-    /// Where it stands in the text.
+    /// Where that stands in the text.
     pub place: Place,
     /// Path length.
     pub length: Distance,
@@ -329,12 +331,12 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
             Command::H(head, code) => return Ok(self.output(head.n, Function::H(*code))),
             Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
             Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
-            Command::Slope(_, slope) => match slope.kind {
-                // P-CHAN-00071 is TRAPEZ: checked in `split`
-                None | Some(SlopeType::Trapez) => {}
-                Some(SlopeType::Step) => return refuse("#SLOPE TYPE=STEP"),
-                Some(SlopeType::Sin2) => return refuse("#SLOPE TYPE=SIN2"),
-                Some(SlopeType::Hsc) => return refuse("#SLOPE TYPE=HSC"),
+            Command::Slope(_, slope) => match (slope.default, slope.kind) {
+                (true, _) => self.planning.set_slope(None),
+                (_, None) => {}
+                (_, Some(SlopeType::Step)) => return refuse("#SLOPE TYPE=STEP"),
+                (_, Some(SlopeType::Sin2)) => return refuse("#SLOPE TYPE=SIN2"),
+                (_, kind) => self.planning.set_slope(kind),
             },
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.

@@ -1,9 +1,9 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
-use crate::lookahead::{Dynamics, Lookahead, Release};
+use crate::lookahead::{Dynamics, Lookahead};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Motion, MotionKind};
+use crate::nc::{ArcBy, Motion, MotionKind, SlopeType};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Event, Function, Phase, Sender, Slot};
@@ -15,9 +15,9 @@ use crate::slope::profile::{Profile, Unplannable};
 enum Stage {
     /// Blocks are taken in.
     Filling,
-    /// The backward pass runs; that many blocks leave afterwards.
-    Passing(usize),
-    /// That many blocks still leave.
+    /// The ring is planned.
+    Passing,
+    /// That many blocks still leave, span by span.
     Releasing(usize),
 }
 
@@ -28,7 +28,7 @@ pub enum Work {
     Working,
     /// The queue is full: nothing was done.
     Waiting,
-    /// A block has its time law: [`Planning::planned`].
+    /// A span has its time law: [`Planning::planned`].
     Planned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
@@ -64,7 +64,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     flush: bool,
     profile: Profile,
     emitter: Emitter,
-    /// The last block handed to the emitter ends in a standstill.
+    /// Blocks of the span handed to the emitter whose curves are not in the queue yet.
+    curves: usize,
+    /// The last span handed to the emitter ends in a standstill.
     stops: bool,
     /// Ticks to rest after the standstill.
     rest: u64,
@@ -84,6 +86,9 @@ const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 /// Pieces of time per call.
 const PIECES: u32 = 8;
 
+/// Curves per call.
+const CURVES: u32 = 4;
+
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
 
@@ -99,6 +104,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             flush: false,
             profile: Profile::default(),
             emitter: Emitter::new(),
+            curves: 0,
             stops: false,
             rest: 0,
             position: start,
@@ -163,6 +169,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(())
     }
 
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071.
+    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        self.dynamics.set_slope(slope);
+    }
+
     /// Hands over what is to happen between the last block taken in and the next one.
     ///
     /// # Errors
@@ -187,6 +198,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.queue.phases.room() < PIECES {
             return Ok(Work::Waiting);
         }
+        if self.curves > 0 {
+            return Ok(self.curves());
+        }
         for _ in 0..PIECES {
             if !self.emitter.has_piece() {
                 if self.stops {
@@ -200,12 +214,52 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(Work::Working)
     }
 
-    /// The next step once the last block is handed out.
+    /// Curves of the span at hand; where the queue has no room for all of them, pieces of time that need no more.
+    fn curves(&mut self) -> Work {
+        if self.queue.segments.is_full() {
+            let mut phase = Phase::BLANK;
+            for done in 0..PIECES {
+                if !self.emitter.has_piece() || !self.emitter.step_until(&mut phase, self.distance) {
+                    return if done == 0 { Work::Waiting } else { Work::Working };
+                }
+                let _ = self.queue.phases.push(phase);
+            }
+            return Work::Working;
+        }
+        for _ in 0..CURVES {
+            if self.curves > 0 && !self.queue.segments.is_full() {
+                self.curve();
+            }
+        }
+        Work::Working
+    }
+
+    /// The first block of the ring becomes a curve in the queue. There is room.
+    fn curve(&mut self) {
+        self.curves -= 1;
+        let Some(block) = self.lookahead.first() else { return };
+        let base = block.shape.base(&self.position);
+        let (start, number) = (self.distance, self.blocks);
+        let _ = self.queue.segments.push_with(|segment| {
+            segment.shape.assign(&block.shape);
+            segment.base = base;
+            segment.start = start;
+            segment.n = block.n;
+            segment.block = number;
+        });
+        let length = block.shape.length.to_bits();
+        block.shape.at(length, &base, &mut self.position);
+        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
+        self.blocks = self.blocks.wrapping_add(1);
+        self.lookahead.drop_first();
+    }
+
+    /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
         match self.stage {
-            Stage::Passing(batch) => {
-                if self.lookahead.step_pass() {
-                    self.stage = Stage::Releasing(batch);
+            Stage::Passing => {
+                if let Some(blocks) = self.lookahead.step_pass() {
+                    self.stage = Stage::Releasing(blocks);
                 }
                 Ok(Work::Working)
             }
@@ -215,64 +269,50 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
             Stage::Releasing(left) => self.release(left),
             Stage::Filling if self.flush && self.lookahead.is_empty() => Ok(self.come_to_rest()),
-            Stage::Filling if self.flush => Ok(self.begin_pass(usize::MAX)),
-            Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass(self.lookahead.batch())),
+            Stage::Filling if self.flush || self.lookahead.is_full() => {
+                self.lookahead.begin_pass(!self.flush);
+                self.stage = Stage::Passing;
+                Ok(Work::Working)
+            }
             Stage::Filling => Ok(Work::Hungry),
         }
     }
 
-    fn begin_pass(&mut self, batch: usize) -> Work {
-        self.lookahead.begin_pass(!self.flush);
-        self.stage = Stage::Passing(batch);
-        Work::Working
-    }
-
-    /// Plans the first block of the ring for good.
+    /// Plans the first span of the ring for good.
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
         if self.queue.segments.is_full() {
             return Ok(Work::Waiting);
         }
-        let Some(Release { block, v_in, v_out }) = self.lookahead.release() else {
+        let (Some(span), Some(first)) = (self.lookahead.release(), self.lookahead.first()) else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
-        self.stage = Stage::Releasing(left - 1);
-        let length = block.shape.length;
-        if let Err(error) = self.profile.plan(length, v_in, v_out, &block.limits) {
+        self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
+        self.planned = PlannedBlock {
+            block: self.blocks,
+            blocks: span.blocks as u32,
+            n: first.n,
+            place: first.place,
+            length: span.length,
+            v_in: span.v_in,
+            v_out: span.v_out,
+            ..self.planned
+        };
+        if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.limits) {
             self.lookahead.clear();
             return Err(error);
         }
-        let base = block.shape.base(&self.position);
-        // There is room: asked above.
-        let (start, number) = (self.distance, self.blocks);
-        let _ = self.queue.segments.push_with(|segment| {
-            segment.shape.assign(&block.shape);
-            segment.base = base;
-            segment.start = start;
-            segment.n = block.n;
-            segment.block = number;
-        });
-        self.emitter.begin(&self.profile, self.distance, length);
-        self.stops = v_out == Speed::ZERO;
-        self.planned = PlannedBlock {
-            block: self.blocks,
-            n: block.n,
-            place: block.place,
-            length,
-            v_in,
-            v_peak: self.profile.peak(),
-            v_out,
-            time: self.profile.time(),
-            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
-        };
-        block.shape.at(length.to_bits(), &base, &mut self.position);
-        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
-        self.blocks = self.blocks.wrapping_add(1);
-        self.lookahead.drop_first();
+        self.emitter.begin(&self.profile, self.distance, span.length);
+        self.stops = span.v_out == Speed::ZERO;
+        self.planned.v_peak = self.profile.peak();
+        self.planned.time = self.profile.time();
+        self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
+        self.curves = span.blocks;
+        self.curve();
         Ok(Work::Planned)
     }
 
-    /// The block planned last.
+    /// The span planned last.
     pub fn planned(&self) -> &PlannedBlock {
         &self.planned
     }

@@ -1,16 +1,17 @@
 //! Arbitrary programs on arbitrary machines before the judge, as many as wanted:
-//! `cargo run --release -p host-tests --example soak -- FIRST_SEED LAST_SEED`.
+//! `cargo run --release -p host-tests --example soak -- FIRST_SEED LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071.
 use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, program};
 use host_tests::check::allowance;
 use host_tests::properties::{axis_limits, verify};
 
 /// Faults among the seeds; prints them.
-fn soak<const AXES: usize>(seeds: std::ops::Range<u64>) -> usize {
+fn soak<const AXES: usize>(seeds: std::ops::Range<u64>, slope: u8) -> usize {
     let mut faults = 0;
     let (mut error, mut used) = (0.0_f64, [0.0_f64; 3]);
     for seed in seeds {
-        let machine = machines::arbitrary::<AXES>(seed);
+        let mut machine = machines::arbitrary::<AXES>(seed);
+        machine.channel.slope_profile = slope;
         match verify::<AXES, 120>(&program(seed, Mix::arbitrary(AXES, seed)), &machine) {
             Ok(verdict) => {
                 error = error.max(verdict.course.error);
@@ -37,8 +38,9 @@ fn soak<const AXES: usize>(seeds: std::ops::Range<u64>) -> usize {
 
 fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse().expect("a seed"));
-    let seeds = seeds.next().unwrap_or(0)..seeds.next().unwrap_or(100);
+    let first = seeds.next().unwrap_or(0);
+    let (seeds, slope) = (first..seeds.next().unwrap_or(100), seeds.next().unwrap_or(1) as u8);
     let faults =
-        soak::<1>(seeds.clone()) + soak::<2>(seeds.clone()) + soak::<3>(seeds.clone()) + soak::<6>(seeds);
+        [soak::<1>, soak::<2>, soak::<3>, soak::<6>].iter().map(|soak| soak(seeds.clone(), slope)).sum::<usize>();
     std::process::exit(i32::from(faults > 0));
 }

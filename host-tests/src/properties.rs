@@ -69,8 +69,9 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     // Rapid motion: no axis faster than its limit, so the path not faster than all of them together.
     let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
     let course = check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map_err(fault)?;
-    if run.blocks.len() != contour.elements.len() {
-        return Err(fault(format!("{} blocks planned, {} move", run.blocks.len(), contour.elements.len())));
+    let planned: usize = run.blocks.iter().map(|span| span.blocks as usize).sum();
+    if planned != contour.elements.len() {
+        return Err(fault(format!("{planned} blocks planned, {} move", contour.elements.len())));
     }
     plan_is_consistent(&run).map_err(fault)?;
     Ok(Verdict { run, contour, peaks, course })
@@ -82,8 +83,9 @@ fn plan_is_consistent(run: &Run) -> Result<(), String> {
     let mut v = Speed::ZERO;
     let mut n = 0;
     let mut time = 0;
+    let mut first = 0;
     for (i, block) in run.blocks.iter().enumerate() {
-        if block.block as usize != i || block.n <= n {
+        if block.block != first || block.n <= n {
             return Err(format!("block {i} says it is {} with N{} after N{n}", block.block, block.n));
         }
         if block.v_in != v || block.v_peak < block.v_in.max(block.v_out) {
@@ -93,6 +95,7 @@ fn plan_is_consistent(run: &Run) -> Result<(), String> {
             ));
         }
         (v, n) = (block.v_out, block.n);
+        first += block.blocks;
         time += block.time.to_bits() + block.wait.to_bits();
     }
     // LSB of a time: 2^-36 tick.

@@ -14,6 +14,7 @@
 use crate::machine::{AxisData, MachineData};
 use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::SlopeType;
 use crate::path::{Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
@@ -33,7 +34,8 @@ const ARC_SPEED_STEP: f32 = 0.8;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
-/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks.
+/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks, or
+/// acceleration passes the knee (HSC).
 const KNEE_PART: f32 = 0.25;
 /// Ramps of that many ticks are not.
 const LONG_RAMP: f32 = 4.0;
@@ -90,27 +92,34 @@ pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
     /// mm/tick of 1 mm/min.
     feed_unit: f32,
+    slope: SlopeType,
+    machine: MachineData<AXES>,
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Converts the machine data.
     pub fn new(machine: &MachineData<AXES>) -> Self {
         let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
-        Self { axes: machine.axes.map(|axis| Axis::new(&axis, cycle_s)), feed_unit: cycle_s / 60.0 }
+        let slope = SlopeType::of_profile(machine.channel.slope_profile);
+        let axes = machine.axes.map(|axis| Axis::new(&axis, cycle_s, slope));
+        Self { axes, feed_unit: cycle_s / 60.0, slope, machine: *machine }
+    }
+
+    /// Blocks that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
+    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
+        if slope != self.slope {
+            self.slope = slope;
+            let cycle_s = self.machine.channel.cycle_us as f32 * 1e-6;
+            self.axes = self.machine.axes.map(|axis| Axis::new(&axis, cycle_s, slope));
+        }
     }
 
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
         let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        let mut limits = Limits {
-            v: SKIP * length,
-            a_up: f32::MAX,
-            a_down: f32::MAX,
-            j: [f32::MAX; 4],
-            j_shared: f32::MAX,
-            a_shared: f32::MAX,
-        };
+        let mut limits = Limits { v: SKIP * length, ..Limits::WIDEST };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
@@ -182,14 +191,31 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
+
+    /// Whether acceleration may pass transitions (HSC).
+    pub fn is_across(&self) -> bool {
+        self.slope == SlopeType::Hsc
+    }
+
+    /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of every
+    /// axis' acceleration stays inside its part of the jerk budget.
+    pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
+        self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
+            let set = if rapid { &axis.rapid } else { &axis.feed };
+            a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.budget
+        })
+    }
 }
+
+/// Part of `B` for an acceleration that turns with the path at a transition.
+const TURN_PART: f32 = 0.05;
 
 /// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it, and
 /// all of the budget is left to the slope.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl Axis {
-    fn new(data: &AxisData, cycle_s: f32) -> Self {
+    fn new(data: &AxisData, cycle_s: f32, slope: SlopeType) -> Self {
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
         let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
         let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
@@ -197,6 +223,8 @@ impl Axis {
         let a_max = accel(data.a_max);
         let set = |v: u32, a: [u32; 2], tr: [u32; 4]| {
             let [a_up, a_down] = a.map(accel);
+            // HSC has one ramp time: the longest.
+            let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
             let tr = tr.map(ticks);
             let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
             let mut j = [0.0; 4];
@@ -211,7 +239,7 @@ impl Axis {
             let weight =
                 if data.a_trans_weight == 0 { 1.0 / longest } else { data.a_trans_weight as f32 * 1e-3 };
             let knee = min(min(a_up, a_down) * weight, KNEE_PART * a_max);
-            let a_shared = if shortest < LONG_RAMP { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
+            let a_shared = if shortest < LONG_RAMP || slope == SlopeType::Hsc { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
             Set { v: speed(v), a_up, a_down, j, budget, knee, a_shared }
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
@@ -224,6 +252,31 @@ impl Axis {
 }
 
 impl Limits {
+    /// No limit.
+    pub const WIDEST: Self = Self {
+        v: f32::MAX,
+        a_up: f32::MAX,
+        a_down: f32::MAX,
+        j: [f32::MAX; 4],
+        j_shared: f32::MAX,
+        a_shared: f32::MAX,
+    };
+
+    /// Becomes what both permit; of the speeds the higher one.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.v = max(self.v, other.v);
+        self.a_up = min(self.a_up, other.a_up);
+        self.a_down = min(self.a_down, other.a_down);
+        for (j, other) in self.j.iter_mut().zip(other.j) {
+            *j = min(*j, other);
+        }
+    }
+
+    /// Largest acceleration or deceleration of both.
+    pub(super) fn fastest(&self, other: &Self) -> f32 {
+        max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
+    }
+
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         Ramp::new(self.a_up, self.j[0], self.j[1])

@@ -6,9 +6,14 @@
 //! plan therefore always stops inside the ring. A higher end speed may lower what the first rule allows at the start;
 //! then the speed planned before stays, and the end speed gives way when the block is handed on.
 //!
+//! Where acceleration may pass a transition, the blocks on both sides belong to one *span*: one change of speed after
+//! the other runs across them. Transitions between spans are *anchors*: acceleration is zero there. [`span`] decides
+//! which transitions are anchors.
+//!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod limits;
+mod span;
 
 pub use limits::{Dynamics, Limits};
 pub(crate) use limits::{max, min};
@@ -16,10 +21,9 @@ pub(crate) use limits::{max, min};
 use crate::math::float::to_f32;
 use crate::nc::Place;
 use crate::path::{Element, End, Shape};
-use crate::quantity::Speed;
-use crate::slope::profile::{speed_bits, speed_f32};
-use crate::slope::ramp::Ramp;
+use crate::quantity::{Distance, Speed};
 use heapless::Deque;
+use span::{Pass, Span};
 
 /// A block in the ring.
 #[derive(Clone, Copy, Debug)]
@@ -34,18 +38,29 @@ pub struct Block<const AXES: usize> {
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
+    /// Speed at its start as far as it can be reached from the first block; only of an anchor.
+    v_reached: Speed,
     /// That speed was planned for a lower end speed than the one that is planned now.
     kept: bool,
+    /// Acceleration is zero at its start.
+    anchor: bool,
+    /// The span that begins with it keeps the limits of all its blocks.
+    checked: bool,
     /// Programmed N number.
     pub n: u32,
     /// Where it stands in the text.
     pub place: Place,
 }
 
-/// The block at the front of the ring and the speeds at its ends.
-pub struct Release<'a, const AXES: usize> {
-    /// The block.
-    pub block: &'a Block<AXES>,
+/// The span at the front of the ring.
+#[derive(Clone, Copy, Debug)]
+pub struct Release {
+    /// Its blocks.
+    pub blocks: usize,
+    /// Path length.
+    pub length: Distance,
+    /// What all of its blocks permit; of the speeds the highest.
+    pub limits: Limits,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -60,6 +75,8 @@ struct Last<const AXES: usize> {
     rapid: bool,
     /// Its limits have left a transition its part.
     shared: bool,
+    /// Acceleration may pass its ends.
+    through: bool,
 }
 
 /// The ring.
@@ -69,23 +86,38 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     last: Option<Last<AXES>>,
     /// The next transition is a standstill.
     stop: bool,
-    /// Blocks still to pass, and the speed at the end of the last of them.
-    pass: Option<(usize, Speed)>,
+    pass: Pass,
     /// More blocks may come.
     open: bool,
+    /// Transitions in the ring that are no anchors.
+    through: usize,
+    /// Path length since the last anchor, LSB 2^-44 mm.
+    span: i64,
+    /// Where the plan before the present one ended: so many blocks from the front.
+    end: usize,
 }
 
-/// Steps of the search for an end speed.
-const LEAVE_STEPS: usize = 24;
+/// No speed yet.
+const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// Blocks per call of the backward pass.
-const PASS_STEPS: usize = 4;
+/// Longest span: 2^18 mm, LSB 2^-44 mm.
+const LONGEST_SPAN: i64 = 1 << 62;
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
     pub const fn new(depth: usize) -> Self {
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
-        Self { blocks: Deque::new(), depth, last: None, stop: false, pass: None, open: false }
+        Self {
+            blocks: Deque::new(),
+            depth,
+            last: None,
+            stop: false,
+            pass: Pass::Done,
+            open: false,
+            through: 0,
+            span: 0,
+            end: 0,
+        }
     }
 
     /// Whether there is no room for another block.
@@ -124,9 +156,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         n: u32,
         place: Place,
     ) {
-        let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
+        let distance = element.shape.length.to_bits();
+        let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let mut cap = 0.0;
         let mut shared = false;
+        let mut anchor = true;
+        let through = dynamics.is_across();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -139,70 +174,79 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     before.limits.share();
                 }
             }
+            anchor = !(through
+                && last.through
+                && self.span + distance < LONGEST_SPAN
+                && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
         }
+        if anchor {
+            self.span = 0;
+        } else {
+            self.through += 1;
+        }
+        self.span += distance;
         self.stop = false;
-        self.last = Some(Last { exit: element.exit, length, rapid, shared });
-        let block =
-            Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, n, place };
-        // There is room: the caller asked.
-        let _ = self.blocks.push_back(block);
+        // What follows on nothing starts from rest.
+        let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
+        self.last = Some(Last { exit: element.exit, length, rapid, shared, through });
+        let _ = self.blocks.push_back(Block {
+            shape: element.shape,
+            limits,
+            length,
+            cap,
+            v_in,
+            v_reached: UNPLANNED,
+            kept: false,
+            anchor,
+            checked: false,
+            n,
+            place,
+        });
     }
 
-    /// Begins a pass over the whole ring. `open`: blocks may follow the last one, and their transition may need its
+    /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its
     /// part of the limits, which must not lower what is planned now.
     pub fn begin_pass(&mut self, open: bool) {
         self.open = open;
-        self.pass = Some((self.blocks.len(), Speed::ZERO));
+        self.begin();
     }
 
-    /// Goes on with the pass; `true` when it is complete.
-    pub fn step_pass(&mut self) -> bool {
-        let Some((mut left, mut v_out)) = self.pass else { return true };
-        for _ in 0..PASS_STEPS {
-            // The first block's start is already decided.
-            if left <= 1 {
-                self.pass = None;
-                return true;
+    /// Goes on with the plan; when it is complete, how many blocks may leave now.
+    pub fn step_pass(&mut self) -> Option<usize> {
+        self.step().then(|| self.ready())
+    }
+
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`].
+    pub fn release(&mut self) -> Option<Release> {
+        let mut span = Span::default();
+        let mut blocks = 0;
+        for block in &self.blocks {
+            if blocks > 0 && block.anchor {
+                break;
             }
-            left -= 1;
-            let last = left + 1 == self.blocks.len();
-            let Some(block) = self.blocks.get_mut(left) else { continue };
-            let mut limits = block.limits;
-            if last && self.open {
-                limits.share();
-            }
-            let v = block.faster(&limits.brake(), v_out, block.cap);
-            // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
-            // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
-            // What was planned with a lower end speed stays possible, and is not taken back.
-            block.kept = v < block.v_in;
-            let v = v.max(block.v_in);
-            if v == block.v_in && v != Speed::ZERO {
-                self.pass = None;
-                return true;
-            }
-            block.v_in = v;
-            v_out = v;
+            span.add(block, false);
+            blocks += 1;
         }
-        self.pass = Some((left, v_out));
-        false
-    }
-
-    /// Decides the end speed of the first block, which leaves with [`Self::drop_first`].
-    pub fn release(&mut self) -> Option<Release<'_, AXES>> {
-        let block = self.blocks.front()?;
-        let v_in = block.v_in;
-        let planned = self.blocks.get(1).map(|next| next.v_in);
-        let v_out = planned.map_or(Speed::ZERO, |planned| block.leave(v_in, planned));
-        if let Some(next) = self.blocks.get_mut(1) {
+        let v_in = self.blocks.front()?.v_in;
+        let planned = self.blocks.get(blocks).map(|next| next.v_in);
+        let v_out = planned.and_then(|planned| span.leave(v_in, planned)).unwrap_or(Speed::ZERO);
+        if let Some(next) = self.blocks.get_mut(blocks) {
             next.v_in = v_out;
         }
-        Some(Release { block: self.blocks.front()?, v_in, v_out })
+        Some(Release { blocks, length: Distance::from_bits(span.length), limits: span.limits, v_in, v_out })
+    }
+
+    /// The first block.
+    pub fn first(&self) -> Option<&Block<AXES>> {
+        self.blocks.front()
     }
 
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
-        let _ = self.blocks.pop_front();
+        if self.blocks.pop_front().is_some_and(|block| !block.anchor) {
+            self.through -= 1;
+        }
+        self.end = self.end.saturating_sub(1);
         if self.blocks.is_empty() {
             // What follows starts from rest.
             self.last = None;
@@ -210,38 +254,3 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 }
 
-impl<const AXES: usize> Block<AXES> {
-    /// Highest speed at its end, at most `next`, that can be reached from `v_in`.
-    fn leave(&self, v_in: Speed, next: Speed) -> Speed {
-        if next >= v_in {
-            return self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next);
-        }
-        let highest = next;
-        let brake = self.limits.brake();
-        if !self.kept || self.faster(&brake, highest, self.limits.v) >= v_in {
-            return highest;
-        }
-        // The speed was planned with a lower one here, where slowing down is quicker.
-        let (mut low, mut high) = (0, highest.to_bits());
-        for _ in 0..LEAVE_STEPS {
-            let middle = low + (high - low) / 2;
-            if self.faster(&brake, Speed::from_bits(middle), self.limits.v) >= v_in {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Speed::from_bits(low)
-    }
-
-    /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB
-    /// in `f32`.
-    fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
-        let cap = speed_bits(cap);
-        if low.to_bits() >= cap {
-            return Speed::from_bits(cap);
-        }
-        let gain = ramp.reach(speed_f32(low.to_bits()), self.length);
-        Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
-    }
-}

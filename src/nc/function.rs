@@ -66,6 +66,18 @@ pub enum SlopeType {
     Hsc,
 }
 
+impl SlopeType {
+    /// The type of a number of P-CHAN-00071.
+    pub const fn of_profile(profile: u8) -> Self {
+        match profile {
+            0 => Self::Step,
+            1 => Self::Trapez,
+            2 => Self::Sin2,
+            _ => Self::Hsc,
+        }
+    }
+}
+
 /// #SLOPE, #SLOPE DEFAULT, #SET SLOPE PROFIL.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slope {

@@ -8,6 +8,7 @@
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::profile::{Change, Profile};
 use crate::math::divide::reciprocal_near;
+use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::{Phase, Slot};
@@ -167,6 +168,25 @@ impl Emitter {
             phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
         }
         self.next = t + (u64::from(ticks) << 36);
+    }
+
+    /// The same, with as many ticks as stay at or before the path distance `end`; `false` if none does.
+    pub fn step_until(&mut self, phase: &mut Phase, end: Distance) -> bool {
+        let (next, part) = (self.next, self.part);
+        self.step(phase);
+        let room = end.to_bits().wrapping_sub(phase.distance.to_bits());
+        if room < 0 {
+            (self.next, self.part) = (next, part);
+            return false;
+        }
+        let fastest = self.parts.get(part).map_or(0, |part| part.v0.max(part.v1)).max(1);
+        // 2^-44 / 2^-58; down by more than its rounding, and the first tick is for free.
+        let ticks = to_f32(room) * (16_384.0 * (1.0 - 1.0 / 1_048_576.0)) / to_f32(fastest);
+        if ticks < f32::from(phase.ticks) {
+            phase.ticks = (ticks as u16 + 1).min(phase.ticks);
+            self.next = next + (u64::from(phase.ticks) << 36);
+        }
+        true
     }
 
     /// Waits for the next tick, where the axes stand still: a motion that follows starts there.

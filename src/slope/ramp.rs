@@ -67,6 +67,31 @@ impl Ramp {
         }
     }
 
+    /// Path length from `low` to where a change by `total` has gained `dv`.
+    pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
+        if dv <= 0.0 {
+            return 0.0;
+        }
+        let (k, hold) = if total >= self.full {
+            (1.0, (total - self.full) / self.a)
+        } else {
+            (sqrt_f32(total / self.full), 0.0)
+        };
+        let (a, rise) = (k * self.a, k * self.rise);
+        let risen = 0.5 * a * rise;
+        if dv <= risen {
+            let t = sqrt_f32(2.0 * dv * self.rise / self.a);
+            return t * (low + dv * (1.0 / 3.0));
+        }
+        if dv <= risen + a * hold {
+            let t = (dv - risen) / a;
+            return rise * (low + risen * (1.0 / 3.0)) + t * (low + 0.5 * (risen + dv));
+        }
+        let left = max(total - dv, 0.0);
+        let t = sqrt_f32(2.0 * left * self.fall / self.a);
+        self.distance(low, total)[0] - t * (low + total - left * (1.0 / 3.0))
+    }
+
     /// Both ramps in full.
     pub fn time(&self) -> f32 {
         self.rise + self.fall

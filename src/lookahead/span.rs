@@ -1,0 +1,434 @@
+//! The plan of the ring: speeds at the anchors, and which transitions are anchors.
+//!
+//! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
+//! block inside, the ends of the slowest such block become anchors, and both sides are planned again. Acceleration
+//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring.
+//!
+//! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
+//! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
+//! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
+//! begin, or behind the first quarter.
+use super::{Block, Limits, Lookahead};
+use crate::math::float::to_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::{peak_above, speed_bits, speed_f32};
+use crate::slope::ramp::Ramp;
+
+/// Blocks without an anchor between them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// Path length, LSB 2^-44 mm.
+    pub length: i64,
+    /// What all of them permit; of the speeds the highest.
+    pub limits: Limits,
+    /// The speed at its start may have been planned for another end speed.
+    kept: bool,
+}
+
+impl Default for Span {
+    fn default() -> Self {
+        Self { length: 0, limits: Limits::WIDEST, kept: false }
+    }
+}
+
+/// Where the plan stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pass {
+    /// Complete.
+    Done,
+    /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of the last of
+    /// them.
+    Blocks(usize, Speed),
+    /// Speeds from which the plan can still stop, from the end to the front.
+    Backward(Backward),
+    /// Speeds that can be reached, from the front to the end.
+    Forward(Forward),
+    /// The blocks of one span against its law.
+    Inside(Inside),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Backward {
+    /// Blocks still to pass.
+    left: usize,
+    /// What of the span at hand was passed, and the speed at its end.
+    span: Span,
+    v_out: Speed,
+    /// Anchors behind this block are planned in any case, the others as long as something changes.
+    until: usize,
+    /// The span at hand has another end speed or other blocks than before.
+    changed: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forward {
+    /// First block of the span at hand, and the first one not yet passed.
+    from: usize,
+    next: usize,
+    span: Span,
+    v_in: Speed,
+    /// All speeds up to here are final, whatever comes.
+    firm: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inside {
+    forward: Forward,
+    law: Law,
+    /// Block to look at, and its distance from the start of the span.
+    block: usize,
+    at: i64,
+    /// The slowest blocks that the law is too fast for: first, behind the last, their limit.
+    worst: Option<(usize, usize, f32)>,
+    /// Where to cut the span.
+    cut: usize,
+}
+
+/// The law of a span: from one speed up to a peak and down to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    up: Ramp,
+    down: Ramp,
+    v_in: f32,
+    v_out: f32,
+    peak: f32,
+    length: f32,
+    /// The slowing down is final.
+    firm: bool,
+    /// The limit asked for last, where it is reached and where it is left.
+    asked: [f32; 3],
+}
+
+/// Blocks per call.
+const STEPS: usize = 4;
+/// Blocks per call that are only counted.
+const WALK: usize = 32;
+/// Steps of the search for an end speed.
+const LEAVE_STEPS: usize = 24;
+
+/// A distance in a span is good to this part of its length.
+const DISTANCE: f32 = 1.0 / 1_048_576.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+impl Span {
+    /// Takes in a block. `last`: blocks may follow it.
+    pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, last: bool) {
+        let mut limits = block.limits;
+        if last {
+            limits.share();
+        }
+        if self.length == 0 {
+            self.limits = limits;
+        } else {
+            self.limits.join(&limits);
+        }
+        self.kept = block.kept || self.length > 0;
+        self.length += block.shape.length.to_bits();
+    }
+
+    fn millimetres(&self) -> f32 {
+        to_f32(self.length) * LSB_44
+    }
+
+    fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
+        faster(ramp, self.millimetres(), low, cap)
+    }
+
+    /// Highest speed at its end, at most `next`, that can be reached from `v_in`; `None` if it is too short even for a
+    /// standstill.
+    pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
+        if next >= v_in {
+            return Some(self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next));
+        }
+        let brake = self.limits.brake();
+        let possible = |v_out: Speed| self.faster(&brake, v_out, self.limits.v) >= v_in;
+        if !self.kept || possible(next) {
+            return Some(next);
+        }
+        // The speed was planned with a lower one here, where slowing down is quicker.
+        let (mut low, mut high) = (0, next.to_bits());
+        for _ in 0..LEAVE_STEPS {
+            let middle = low + (high - low) / 2;
+            if possible(Speed::from_bits(middle)) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let v_out = Speed::from_bits(low);
+        (low > 0 || possible(v_out)).then_some(v_out)
+    }
+}
+
+impl Law {
+    fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
+        let (up, down) = (span.limits.speed_up(), span.limits.brake());
+        let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
+        let low = v_in.max(v_out);
+        let peak = low + peak_above(&up, &down, [v_in, v_out, low], span.length, span.limits.v);
+        let [v_in, v_out, peak] = [v_in, v_out, peak].map(speed_f32);
+        Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
+    }
+
+    /// Where the slowing down begins.
+    fn brakes_at(&self) -> f32 {
+        self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
+    }
+
+    /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
+    fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
+        if v >= self.peak {
+            return true;
+        }
+        if self.asked[0] != v {
+            let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
+            let left = self.length - self.down.passes(self.v_out, self.peak - self.v_out, v - self.v_out);
+            self.asked = [v, reached, left];
+        }
+        let near = DISTANCE * self.length;
+        to + near <= self.asked[1] || (self.firm && from - near >= self.asked[2])
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    /// Begins to plan.
+    pub(super) fn begin(&mut self) {
+        let left = self.blocks.len();
+        self.pass = if self.through == 0 {
+            Pass::Blocks(left, Speed::ZERO)
+        } else {
+            let span = Span::default();
+            Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until: left, changed: true })
+        };
+    }
+
+    /// Goes on; `true` when the plan is complete.
+    pub(super) fn step(&mut self) -> bool {
+        self.pass = match self.pass {
+            Pass::Blocks(left, v_out) => self.blocks(left, v_out),
+            Pass::Backward(pass) => self.backward(pass),
+            Pass::Forward(pass) => self.forward(pass),
+            Pass::Inside(pass) => self.inside(pass),
+            Pass::Done => return true,
+        };
+        matches!(self.pass, Pass::Done)
+    }
+
+    fn blocks(&mut self, mut left: usize, mut v_out: Speed) -> Pass {
+        for _ in 0..STEPS {
+            // The first block's start is already decided.
+            if left <= 1 {
+                return Pass::Done;
+            }
+            left -= 1;
+            let last = left + 1 == self.blocks.len();
+            let Some(block) = self.blocks.get_mut(left) else { continue };
+            let mut limits = block.limits;
+            if last && self.open {
+                limits.share();
+            }
+            let v = faster(&limits.brake(), block.length, v_out, block.cap);
+            // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
+            // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
+            // What was planned with a lower end speed stays possible, and is not taken back.
+            block.kept = v < block.v_in;
+            let v = v.max(block.v_in);
+            if v == block.v_in {
+                return Pass::Done;
+            }
+            block.v_in = v;
+            v_out = v;
+        }
+        Pass::Blocks(left, v_out)
+    }
+
+    fn backward(&mut self, mut pass: Backward) -> Pass {
+        for _ in 0..STEPS {
+            let Some(left) = pass.left.checked_sub(1) else { return self.start_forward() };
+            pass.left = left;
+            let last = self.open && left + 1 == self.blocks.len();
+            let Some(block) = self.blocks.get_mut(left) else { return self.start_forward() };
+            pass.span.add(block, last);
+            if left > 0 && !block.anchor {
+                continue;
+            }
+            block.checked &= !pass.changed;
+            // The first block's start is already decided.
+            if left == 0 {
+                return self.start_forward();
+            }
+            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap);
+            pass.changed = v != block.v_in;
+            if !pass.changed && left <= pass.until {
+                return self.start_forward();
+            }
+            block.v_in = v;
+            block.kept = true;
+            pass.v_out = v;
+            pass.span = Span::default();
+        }
+        Pass::Backward(pass)
+    }
+
+    fn start_forward(&self) -> Pass {
+        let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
+        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true })
+    }
+
+    fn forward(&mut self, mut pass: Forward) -> Pass {
+        for _ in 0..WALK {
+            let checked = match self.blocks.get(pass.from) {
+                Some(first) => first.checked,
+                None => return self.complete(),
+            };
+            if let Some(block) = self.blocks.get(pass.next)
+                && (pass.next == pass.from || !block.anchor)
+            {
+                if !checked {
+                    pass.span.add(block, self.open && pass.next + 1 == self.blocks.len());
+                }
+                pass.next += 1;
+                continue;
+            }
+            // The span is complete.
+            let end = self.blocks.get(pass.next);
+            pass.firm &= !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            if checked {
+                pass.v_in = end.map_or(Speed::ZERO, |end| end.v_reached);
+                (pass.from, pass.span) = (pass.next, Span::default());
+                continue;
+            }
+            return self.span(pass);
+        }
+        Pass::Forward(pass)
+    }
+
+    /// Plans a span that has changed.
+    fn span(&mut self, mut pass: Forward) -> Pass {
+        let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
+        let Some(v_out) = pass.span.leave(pass.v_in, planned) else {
+            // All blocks of the span together permit less than those of the plan that led here: go on with that one.
+            if pass.from < self.end && self.end < pass.next {
+                self.set_anchor(self.end);
+                return self.plan_again(pass.from, pass.next);
+            }
+            // Its verification will refuse it.
+            return self.complete();
+        };
+        if let Some(end) = self.blocks.get_mut(pass.next) {
+            end.checked &= v_out == end.v_reached;
+            end.v_reached = v_out;
+        }
+        if pass.next - pass.from == 1 {
+            return self.span_done(pass, v_out);
+        }
+        let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm);
+        pass.v_in = v_out;
+        let block = pass.from;
+        Pass::Inside(Inside { forward: pass, law, block, at: 0, worst: None, cut: 0 })
+    }
+
+    fn span_done(&mut self, mut pass: Forward, v_out: Speed) -> Pass {
+        if let Some(first) = self.blocks.get_mut(pass.from) {
+            first.checked = true;
+        }
+        (pass.from, pass.span, pass.v_in) = (pass.next, Span::default(), v_out);
+        Pass::Forward(pass)
+    }
+
+    fn inside(&mut self, mut pass: Inside) -> Pass {
+        let Forward { from, next: to, .. } = pass.forward;
+        let batch = self.batch();
+        for _ in 0..STEPS {
+            if pass.block >= to {
+                return self.inside_done(pass);
+            }
+            let Some(block) = self.blocks.get(pass.block) else { return self.complete() };
+            let start = to_f32(pass.at) * LSB_44;
+            pass.at += block.shape.length.to_bits();
+            let end = to_f32(pass.at) * LSB_44;
+            let slowest = pass.worst.map_or(f32::MAX, |(.., v)| v);
+            if pass.block > from {
+                if block.cap < slowest && !pass.law.keeps(block.cap, start, start) {
+                    pass.worst = Some((pass.block, pass.block, block.cap));
+                }
+                if pass.block >= batch && (pass.cut == 0 || start <= pass.law.brakes_at()) {
+                    pass.cut = pass.block;
+                }
+            }
+            let v = block.limits.v;
+            match &mut pass.worst {
+                // The limit goes on.
+                Some((_, behind, slowest)) if *slowest == v && *behind == pass.block => *behind += 1,
+                worst => {
+                    if v < worst.map_or(f32::MAX, |(.., v)| v) && !pass.law.keeps(v, start, end) {
+                        *worst = Some((pass.block, pass.block + 1, v));
+                    }
+                }
+            }
+            pass.block += 1;
+        }
+        Pass::Inside(pass)
+    }
+
+    fn inside_done(&mut self, pass: Inside) -> Pass {
+        let Forward { from, next: to, firm, v_in, .. } = pass.forward;
+        if let Some((first, behind, _)) = pass.worst {
+            for block in [first, behind] {
+                if from < block && block < to {
+                    self.set_anchor(block);
+                }
+            }
+            return self.plan_again(from, to);
+        }
+        if !firm && pass.cut > from {
+            self.set_anchor(pass.cut);
+            return self.plan_again(from, to);
+        }
+        self.span_done(pass.forward, v_in)
+    }
+
+    fn set_anchor(&mut self, block: usize) {
+        if let Some(block) = self.blocks.get_mut(block)
+            && !block.anchor
+        {
+            block.anchor = true;
+            block.checked = false;
+            self.through -= 1;
+        }
+    }
+
+    /// There are new anchors between the blocks `from` and `to`.
+    fn plan_again(&self, from: usize, to: usize) -> Pass {
+        let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in);
+        Pass::Backward(Backward { left: to, span: Span::default(), v_out, until: from, changed: true })
+    }
+
+    fn complete(&mut self) -> Pass {
+        self.end = self.blocks.len();
+        Pass::Done
+    }
+
+    /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.
+    pub(super) fn ready(&self) -> usize {
+        if !self.open {
+            return self.blocks.len();
+        }
+        let batch = self.batch();
+        (batch..self.blocks.len()).find(|&k| self.blocks.get(k).is_some_and(|b| b.anchor)).unwrap_or(batch)
+    }
+}
+
+/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.
+///
+/// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB in
+/// `f32`.
+fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
+    let cap = speed_bits(cap);
+    if low.to_bits() >= cap {
+        return Speed::from_bits(cap);
+    }
+    let gain = ramp.reach(speed_f32(low.to_bits()), length);
+    Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
+}
