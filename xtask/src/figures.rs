@@ -6,11 +6,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 3] = [
-    ("total.tick_max_3_axes", 400),
-    ("total.block_mean_3_axes", 6000),
-    ("size.bytes_per_block_3_axes", 160),
-];
+const LIMITS: [(&str, u64); 3] =
+    [("total.tick_max_3_axes", 400), ("total.block_mean_3_axes", 6000), ("size.bytes_per_block_3_axes", 160)];
 
 /// Figures that say what was measured, not how good it is.
 const DESCRIPTIVE: [&str; 2] = ["ticks", "blocks"];
