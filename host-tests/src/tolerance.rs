@@ -6,7 +6,7 @@
 //! | [`REFERENCE`] | 10 nm | required; the motion itself is off by less than [`PATH`] |
 //! | [`RAMP`] | 2^-23 | ramp times are `f32` in the plan and f64 in the reference: two roundings; a point on a ramp is off by this part of the ramp's length |
 //! | [`PLAN`] | 10^-6 | required; speeds follow from about ten roundings of 2^-24, and from searches that end 2^-21 below the root |
-//! | [`SPEED_MARGIN`] | 2^-19 | the library plans with this part less speed and acceleration: sixteen roundings of `f32`, and as much that its plans may use up |
+//! | [`SPEED_MARGIN`] | 2^-19 | the library plans with this part less speed and acceleration: ten roundings of 2^-24, sixteen that a plan may use up, six of its check |
 //! | [`JERK_MARGIN`] | 2^-13 | the library plans with this part less jerk: the same, and third differences of rounded path distances |
 //! | [`MIRROR`] | 1 LSB | a set point is rounded once, ties upward; mirrored, ties fall the other way |
 

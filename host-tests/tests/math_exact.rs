@@ -1,5 +1,5 @@
 //! Products, quotients and roots against the compiler's 128-bit arithmetic and f64.
-use glidepath::math::divide::{div_shift, div_shift_signed, div_wide};
+use glidepath::math::divide::{div_shift, div_shift_signed, div_wide, reciprocal_near};
 use glidepath::math::root::{cbrt_f32, sqrt_f32, sqrt_u64, sqrt_wide};
 use glidepath::math::wide::{mul_hi, mul_hi_u, mul_shift, mul_u32, mul_wide};
 
@@ -86,6 +86,23 @@ fn quotients_are_exact() {
         let n = u128::from(a) << shift;
         let expected = n.checked_div(d.into()).map_or(u64::MAX, |q| q.min(u64::MAX.into()) as u64);
         assert_eq!(div_shift(a, shift, d), expected, "{a} {shift} {d}");
+    }
+}
+
+#[test]
+fn reciprocals_are_near() {
+    let mut random = Random(8);
+    for k in 0..CASES {
+        let d = match k {
+            0..64 => (1 << 63) + (1 << (k % 64).min(62)),
+            64..128 => u64::MAX - ((1 << (k % 64).min(62)) - 1),
+            128 => 1 << 63,
+            129 => u64::MAX,
+            _ => random.word() | 1 << 63,
+        };
+        let expected = ((1 << 126) / u128::from(d)) as u64;
+        let near = reciprocal_near(d);
+        assert!(near < 1 << 63 && near <= expected && expected - near <= 32, "{d}: {near}, {expected}");
     }
 }
 

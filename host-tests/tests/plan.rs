@@ -70,7 +70,7 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
     assert_eq!(run.blocks.len(), profiles.len(), "{}", program.name);
     let mut largest = 0.0_f64;
     // Where a speed was possible only because the next one is lower, that one follows from the difference of a distance
-    // and a length: it is known to a part of the higher speed.
+    // and a length: it is known to a part of the higher speed, and the duration 2·length/(v_in + v_out) to twice as much.
     let tight = |p: &Profile| p.rise.time() == 0.0 && p.v_out < 0.7 * p.v_in && p.cruise < 1e-6 * p.time();
     let mut scale_in = 0.0;
     for (i, (block, profile)) in run.blocks.iter().zip(&profiles).enumerate() {
@@ -86,6 +86,7 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
             let scale = match what {
                 "start speed" => reference.max(scale_in),
                 "end speed" => reference.max(scale_out),
+                "duration" if tight(profile) => 2.0 * reference,
                 _ => reference,
             };
             let off = if scale == 0.0 { library } else { (library - reference).abs() / scale };

@@ -5,7 +5,7 @@
 //!
 //! | of | factor | covers |
 //! |---|---|---|
-//! | speed, acceleration | 1 − 2^-19 | sixteen roundings of 2^-24, and as much that the plan may use up |
+//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
 //!
 //! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a

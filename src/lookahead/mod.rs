@@ -42,8 +42,14 @@ pub struct Block<const AXES: usize> {
     v_reached: Speed,
     /// That speed was planned for a lower end speed than the one that is planned now.
     kept: bool,
+    /// The speed that the last complete plan had there: it stays possible.
+    v_old: Speed,
     /// Acceleration is zero at its start.
     anchor: bool,
+    /// It became an anchor after the last complete plan.
+    fresh: bool,
+    /// Its span does not rise above the speeds at its ends.
+    flat: bool,
     /// The span that begins with it keeps the limits of all its blocks.
     checked: bool,
     /// Programmed N number.
@@ -93,6 +99,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     through: usize,
     /// Path length since the last anchor, LSB 2^-44 mm.
     span: i64,
+    /// The last plan was one of single blocks.
+    blockwise: bool,
     /// Where the plan before the present one ended: so many blocks from the front.
     end: usize,
 }
@@ -116,6 +124,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             open: false,
             through: 0,
             span: 0,
+            blockwise: true,
             end: 0,
         }
     }
@@ -189,15 +198,19 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
         self.last = Some(Last { exit: element.exit, length, rapid, shared, through });
+        // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
-            shape: element.shape,
+            shape: element.shape.copied(),
             limits,
             length,
             cap,
             v_in,
             v_reached: UNPLANNED,
+            v_old: UNPLANNED,
             kept: false,
             anchor,
+            fresh: false,
+            flat: false,
             checked: false,
             n,
             place,
@@ -227,9 +240,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             span.add(block, false);
             blocks += 1;
         }
-        let v_in = self.blocks.front()?.v_in;
+        let first = self.blocks.front()?;
+        let (v_in, flat) = (first.v_in, first.flat);
         let planned = self.blocks.get(blocks).map(|next| next.v_in);
         let v_out = planned.and_then(|planned| span.leave(v_in, planned)).unwrap_or(Speed::ZERO);
+        if flat {
+            span.flatten(v_in, v_out);
+        }
         if let Some(next) = self.blocks.get_mut(blocks) {
             next.v_in = v_out;
         }

@@ -135,6 +135,11 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
+    /// Permits no speed above those at its ends.
+    pub fn flatten(&mut self, v_in: Speed, v_out: Speed) {
+        self.limits.v = speed_f32(v_in.max(v_out).to_bits());
+    }
+
     /// Highest speed at its end, at most `next`, that can be reached from `v_in`; `None` if it is too short even for a
     /// standstill.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
@@ -196,8 +201,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub(super) fn begin(&mut self) {
         let left = self.blocks.len();
         self.pass = if self.through == 0 {
+            self.blockwise = true;
             Pass::Blocks(left, Speed::ZERO)
         } else {
+            if self.blockwise {
+                self.blockwise = false;
+                self.blocks.iter_mut().for_each(|block| block.v_old = block.v_in);
+            }
             let span = Span::default();
             Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until: left, changed: true })
         };
@@ -258,7 +268,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if left == 0 {
                 return self.start_forward();
             }
-            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap);
+            // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
+            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap).max(block.v_old);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
                 return self.start_forward();
@@ -307,15 +318,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Plans a span that has changed.
     fn span(&mut self, mut pass: Forward) -> Pass {
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
-        let Some(v_out) = pass.span.leave(pass.v_in, planned) else {
-            // All blocks of the span together permit less than those of the plan that led here: go on with that one.
-            if pass.from < self.end && self.end < pass.next {
-                self.set_anchor(self.end);
-                return self.plan_again(pass.from, pass.next);
-            }
-            // Its verification will refuse it.
-            return self.complete();
-        };
+        let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
             end.checked &= v_out == end.v_reached;
             end.v_reached = v_out;
@@ -323,10 +326,38 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if pass.next - pass.from == 1 {
             return self.span_done(pass, v_out);
         }
+        if self.blocks.get(pass.from).is_some_and(|first| first.flat) {
+            pass.span.flatten(pass.v_in, v_out);
+        }
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm);
         pass.v_in = v_out;
         let block = pass.from;
         Pass::Inside(Inside { forward: pass, law, block, at: 0, worst: None, cut: 0 })
+    }
+
+    /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
+    fn go_back(&mut self, pass: &Forward) -> Pass {
+        let &Forward { from, next, .. } = pass;
+        if from < self.end && self.end < next {
+            // All blocks of the span together permit less than those before the end of that plan.
+            self.set_anchor(self.end);
+            return self.plan_again(from, next);
+        }
+        let to = (next + 1..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.anchor))
+            .unwrap_or(self.blocks.len());
+        match self.blocks.get_mut(next) {
+            Some(end) if end.fresh => {
+                (end.anchor, end.fresh) = (false, false);
+                self.through += 1;
+                if let Some(first) = self.blocks.get_mut(from) {
+                    first.flat = true;
+                }
+                self.plan_again(from, to)
+            }
+            // A defect, which the verification of the profile will report.
+            _ => self.complete(),
+        }
     }
 
     fn span_done(&mut self, mut pass: Forward, v_out: Speed) -> Pass {
@@ -394,6 +425,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             && !block.anchor
         {
             block.anchor = true;
+            block.fresh = true;
             block.checked = false;
             self.through -= 1;
         }
@@ -407,6 +439,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn complete(&mut self) -> Pass {
         self.end = self.blocks.len();
+        for block in self.blocks.iter_mut().filter(|block| block.anchor) {
+            block.fresh = false;
+            block.v_old = block.v_reached;
+        }
         Pass::Done
     }
 

@@ -1,6 +1,6 @@
 //! Square and cube roots: exact in integers, and close in `f32`.
 //!
-//! The integer roots scale the radicand to x in [1/4, 1), find 1/√x by Newton's y ← y + y·(1 − x·y²)/2, take
+//! The integer roots scale the radicand to x in [1/4, 1), find 1/√x by Newton's y ← y + y·(1 − x·y²)/2, first in `f32`, take
 //! s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder of one last
 //! step settles the last unit. No division, no loop.
 use super::wide::mul_wide;

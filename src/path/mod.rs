@@ -174,18 +174,21 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// Becomes `other`. What only an arc has is not copied for a line: it is not read.
+    /// A copy, of a line without reading the arc's part: inline stores instead of a call to copy memory.
+    #[inline(always)]
+    pub(crate) fn copied(&self) -> Self {
+        let Self { length, gain, plane, shift, .. } = *self;
+        if self.is_arc() { *self } else { Self { length, gain, plane, shift, ..Self::BLANK } }
+    }
+
+    /// Becomes `other`, in place. For a line the arc's part stays as it was: nothing reads it.
     #[inline(always)]
     pub(crate) fn assign(&mut self, other: &Self) {
-        self.length = other.length;
-        self.gain = other.gain;
-        self.plane = other.plane;
-        self.shift = other.shift;
         if other.is_arc() {
-            self.a = other.a;
-            self.grow = other.grow;
-            self.miss = other.miss;
-            self.turn = other.turn;
+            *self = *other;
+        } else {
+            (self.length, self.gain, self.plane, self.shift) =
+                (other.length, other.gain, other.plane, other.shift);
         }
     }
 

@@ -129,9 +129,9 @@ impl Change {
     }
 }
 
-/// Part of the margins 2^-19 (speed, acceleration) and 2^-13 (jerk) of the limits that the plan may use up; with the
-/// rounding of [`Change::is_inside`] that is half of them.
-const ACCEL_SLACK: f32 = 1.0 + 1.0 / 2_097_152.0;
+/// What the plan may use up of the margins of the limits: half of 2^-19 (speed, acceleration) and of 2^-13 (jerk). Six
+/// roundings of 2^-24 in [`Change::is_inside`] come on top of it.
+const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 /// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
 const ROUNDING: u64 = 64;

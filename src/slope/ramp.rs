@@ -118,7 +118,7 @@ impl Ramp {
 
 /// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex: Newton's method falls onto the
 /// root from the smallest root of its terms taken alone, at most 1.9 times as large; its error falls to
-/// 23 %, 2.3 %, 2.6e-4, 3e-7.
+/// 23 %, 2.3 %, 2.6e-4, 1.5e-7.
 pub fn root_of_cubic([c1, c2, c3]: [f32; 3], length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);
     if length < c1 * u {
@@ -130,7 +130,8 @@ pub fn root_of_cubic([c1, c2, c3]: [f32; 3], length: f32) -> f32 {
     for _ in 0..4 {
         let cubic = c3 * u * u;
         let square = c2 * u;
-        u = (2.0 * cubic * u + square * u + length) / (3.0 * cubic + 2.0 * square + c1);
+        let mean = cubic + square + c1;
+        u -= (mean * u - length) / (mean + (2.0 * cubic + square));
     }
     u
 }
