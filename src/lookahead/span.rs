@@ -147,7 +147,11 @@ impl Span {
             return Some(self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next));
         }
         let brake = self.limits.brake();
-        let possible = |v_out: Speed| self.faster(&brake, v_out, self.limits.v) >= v_in;
+        let length = self.millimetres();
+        let possible = |v_out: Speed| {
+            let gain = ramp_gain(&brake, v_out, length);
+            v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
+        };
         if !self.kept || possible(next) {
             return Some(next);
         }
@@ -326,10 +330,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if pass.next - pass.from == 1 {
             return self.span_done(pass, v_out);
         }
-        if self.blocks.get(pass.from).is_some_and(|first| first.flat) {
+        let flat = self.blocks.get(pass.from).is_some_and(|first| first.flat);
+        if flat {
             pass.span.flatten(pass.v_in, v_out);
         }
-        let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm);
+        // A flat span only slows down, as the plan before did.
+        let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm || flat);
         pass.v_in = v_out;
         let block = pass.from;
         Pass::Inside(Inside { forward: pass, law, block, at: 0, worst: None, cut: 0 })
@@ -347,7 +353,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             .find(|&k| self.blocks.get(k).is_some_and(|block| block.anchor))
             .unwrap_or(self.blocks.len());
         match self.blocks.get_mut(next) {
-            Some(end) if end.fresh => {
+            Some(end) if end.fresh && next != self.end => {
                 (end.anchor, end.fresh) = (false, false);
                 self.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
@@ -465,6 +471,10 @@ fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     if low.to_bits() >= cap {
         return Speed::from_bits(cap);
     }
-    let gain = ramp.reach(speed_f32(low.to_bits()), length);
-    Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
+    Speed::from_bits(low.to_bits().saturating_add(ramp_gain(ramp, low, length)).min(cap))
+}
+
+/// Change of speed from `low` on, rounded down by 2^-21.
+fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
+    speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
 }
