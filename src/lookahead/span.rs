@@ -274,12 +274,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
             let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap).max(block.v_old);
+            block.kept = true;
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
                 return self.start_forward();
             }
             block.v_in = v;
-            block.kept = true;
             pass.v_out = v;
             pass.span = Span::default();
         }
