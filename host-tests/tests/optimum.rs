@@ -44,7 +44,8 @@ fn assert_permitted(found: &Optimum, blocks: &[Block], limits: &Limits) {
                 "{here} mm is not in block {}",
                 piece.block
             );
-            assert!(v_here > -ROUNDING && v_here < blocks[piece.block].speed * (1.0 + ROUNDING), "{v_here} mm/s");
+            let speed = blocks[piece.block].speed;
+            assert!(v_here > -1e-6 * speed && v_here < speed * (1.0 + ROUNDING), "{v_here} mm/s");
             assert!(a_here < limits.acceleration * (1.0 + ROUNDING), "{a_here} mm/s²");
             assert!(a_here > -limits.deceleration * (1.0 + ROUNDING), "{a_here} mm/s²");
         }
@@ -52,7 +53,7 @@ fn assert_permitted(found: &Optimum, blocks: &[Block], limits: &Limits) {
         (s, v, a) = (s + ds, v_end, a_end);
     }
     assert!((s - length).abs() < ROUNDING * length, "{s} of {length} mm");
-    assert!(v.abs() < 1e-6 && a.abs() < 1e-4 * limits.acceleration, "ends with {v} mm/s, {a} mm/s²");
+    assert!(v.abs() < 1e-6 && a.abs() < 1e-6 * limits.acceleration, "ends with {v} mm/s, {a} mm/s²");
     let sum: f64 = found.pieces.iter().map(|p| p.time).sum();
     assert!((sum - found.time).abs() < ROUNDING * sum);
 }
@@ -177,7 +178,9 @@ fn a_long_valley_takes_what_brute_force_finds() {
         [block(40.0, 250.0), block(20.0, 90.0), block(12.0, 130.0)],
     ] {
         let [first, slow, last] = blocks;
-        let dip = |e: f64| (slow.speed * e / jerk - e.powi(3) / (3.0 * jerk * jerk), slow.speed - e * e / (2.0 * jerk));
+        let dip = |e: f64| {
+            (slow.speed * e / jerk - e.powi(3) / (3.0 * jerk * jerk), slow.speed - e * e / (2.0 * jerk))
+        };
         let inside = |length: f64, v_in: f64, v_out: f64| {
             Profile::fastest(length, v_in, v_out, slow.speed, up, down).map_or(f64::INFINITY, |p| p.time())
         };
@@ -218,7 +221,7 @@ fn motions_are_permitted_and_between_the_bounds() {
 /// With ramps ten times shorter a tenth remains of what the jerk limit costs.
 #[test]
 fn high_jerk_approaches_the_optimum_without_jerk_limit() {
-    for number in [14, 30] {
+    for number in [16, 30] {
         let Feeds { blocks, .. } = Feeds::new(number);
         let over = |ramp: f64| {
             let limits = Limits::even(ACCELERATION, ramp);
@@ -277,7 +280,8 @@ fn units_of_length_and_time_do_not_matter() {
     let Feeds { blocks, limits, .. } = Feeds::new(3);
     let found = solve(&blocks, &limits).time;
     for (length, tempo) in [(25.4, 1.0), (1.0, 60.0), (0.3, 0.1)] {
-        let blocks: Vec<Block> = blocks.iter().map(|b| block(b.length * length, b.speed * length * tempo)).collect();
+        let blocks: Vec<Block> =
+            blocks.iter().map(|b| block(b.length * length, b.speed * length * tempo)).collect();
         let limits = Limits {
             acceleration: limits.acceleration * length * tempo.powi(2),
             deceleration: limits.deceleration * length * tempo.powi(2),
@@ -355,7 +359,11 @@ fn the_accepted_table_is_reproduced() {
             (time(&in_valleys(&path.blocks, &path.limits)), row.in_valleys),
         ] {
             let change = time / accepted - 1.0;
-            assert!(change.abs() < 0.2 * TOLERANCE + 1e-6, "path {}, {time} s for {accepted} s: {again}", row.number);
+            assert!(
+                change.abs() < 0.2 * TOLERANCE + 1e-6,
+                "path {}, {time} s for {accepted} s: {again}",
+                row.number
+            );
         }
     }
 }
@@ -367,7 +375,9 @@ fn paths_as_programs() {
         let path = Feeds::new(number);
         let program = path.program("feeds", 3);
         assert_eq!(program.moves.len(), path.blocks.len());
-        for ((block, step), end) in path.blocks.iter().zip(&program.moves).zip(borders(&path.blocks).iter().skip(1)) {
+        for ((block, step), end) in
+            path.blocks.iter().zip(&program.moves).zip(borders(&path.blocks).iter().skip(1))
+        {
             assert!((step.feed / 60.0 - block.speed).abs() < 1e-12);
             assert_eq!(step.target[0], (end * 1e6).round() as i64);
         }

@@ -10,8 +10,8 @@
 //! | acceleration | 2000 mm/s², reached within 50 ms, for one path in four within 150 ms |
 //!
 //! Lengths are whole 0.1 µm and feeds whole mm/min, so that an NC program says exactly the same.
+use super::Program;
 use super::random::Random;
-use super::{NM, Program};
 use crate::reference::optimum::{Block, Limits};
 use std::path::PathBuf;
 
@@ -83,7 +83,6 @@ impl Feeds {
             at += (block.length * STEPS).round() as i64;
             program = program.line(&[at as f64 / STEPS], feed);
         }
-        debug_assert!(program.end().iter().all(|nm| nm % (NM / STEPS as i64) == 0));
         program
     }
 }
@@ -108,7 +107,8 @@ pub struct Accepted {
 }
 
 /// First line of the table.
-const TITLE: &str = "path,blocks,ramp_s,length_mm,optimum_s,zero_acceleration_at_borders_s,zero_acceleration_in_valleys_s";
+const TITLE: &str =
+    "path,blocks,ramp_s,length_mm,optimum_s,zero_acceleration_at_borders_s,zero_acceleration_in_valleys_s";
 
 /// Where the table is.
 pub fn table() -> PathBuf {
@@ -141,7 +141,9 @@ impl Accepted {
 
     fn parse(line: &str) -> Option<Self> {
         let fields: Vec<&str> = line.split(',').collect();
-        let &[number, blocks, ramp, length, time, at_borders, in_valleys] = fields.as_slice() else { return None };
+        let &[number, blocks, ramp, length, time, at_borders, in_valleys] = fields.as_slice() else {
+            return None;
+        };
         Some(Self {
             number: number.parse().ok()?,
             blocks: blocks.parse().ok()?,

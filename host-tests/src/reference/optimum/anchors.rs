@@ -48,7 +48,8 @@ fn between(from: Anchor, to: Anchor, v_max: f64, limits: &Limits) -> Profile {
 pub fn at_borders(blocks: &[Block], limits: &Limits) -> Vec<Profile> {
     let slower = blocks.windows(2).map(|b| b[0].speed.min(b[1].speed));
     let speeds = std::iter::once(0.0).chain(slower).chain([0.0]);
-    let mut anchors: Vec<Anchor> = borders(blocks).into_iter().zip(speeds).map(|(s, v)| Anchor { s, v }).collect();
+    let mut anchors: Vec<Anchor> =
+        borders(blocks).into_iter().zip(speeds).map(|(s, v)| Anchor { s, v }).collect();
     lower(&mut anchors, limits);
     anchors.windows(2).zip(blocks).map(|(a, block)| between(a[0], a[1], block.speed, limits)).collect()
 }

@@ -6,6 +6,8 @@ use super::interior::{Grid, Point};
 use super::{Block, Limits, Unit, anchors::Course};
 use crate::reference::profile::Profile;
 
+/// Cells at least: four jerks need that many to begin with.
+const FEWEST: f64 = 40.0;
 /// Parts of a cell with a switch, and of its neighbours.
 const PARTS: [usize; 2] = [4, 2];
 /// Jerk that counts as zero or as the limit, in parts of the limit.
@@ -35,6 +37,7 @@ impl Cells {
         longest: f64,
     ) -> (Self, Point) {
         let course = Course::new(motion);
+        let longest = (longest * unit.time).min(course.time() / FEWEST);
         let mut cells = Self::default();
         cells.grid.brake = limits.deceleration / limits.acceleration;
         let mut x = Point::at_rest();
@@ -43,7 +46,7 @@ impl Cells {
             let (mut from, to) = (border, border + block.length);
             let last = i + 1 == blocks.len();
             let end = if last { course.time() } else { course.arrival(to) };
-            let count = ((end - start) / (longest * unit.time)).ceil().max(1.0);
+            let count = ((end - start) / longest).ceil().max(1.0);
             let h = (end - start) / count;
             for k in 1..=count as usize {
                 let state = course.at(start + h * k as f64);

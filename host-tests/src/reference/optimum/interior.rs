@@ -42,7 +42,9 @@ impl Grid {
         self.span.clone_from(&x.h);
         x.slower(factor);
         let highest = (1..x.h.len())
-            .map(|k| (x.v[k] / self.cap[k - 1]).max((x.v[k] + 0.5 * self.span[k] * x.a[k].max(0.0)) / self.cap[k]))
+            .map(|k| {
+                (x.v[k] / self.cap[k - 1]).max((x.v[k] + 0.5 * self.span[k] * x.a[k].max(0.0)) / self.cap[k])
+            })
             .fold(0.0, f64::max);
         x.slower((highest * factor).max(1.0));
     }
@@ -193,7 +195,7 @@ impl<'a> Interior<'a> {
         self.grid.span.get(k + 1).map_or(0.0, |span| 0.5 * span)
     }
 
-    /// How these change along a direction.
+    /// How the slacks change along a direction.
     fn slack_changes(&self, d: &Direction, k: usize) -> [f64; BOUNDS] {
         let da = d.a[k + 1] - d.a[k];
         let (v, a) = (d.v[k + 1], d.a[k + 1]);
@@ -284,8 +286,8 @@ impl<'a> Interior<'a> {
             c[3][3] += q[2] + q[3] + q[6];
             c[4][3] += lead * q[6];
             c[4][4] += jerk + q[4] + q[5] + lead * lead * q[6];
-            for i in 2..STAGE {
-                c[i][i] += added;
+            for (i, row) in c.iter_mut().enumerate().skip(2) {
+                row[i] += added;
             }
             for (i, row) in places.into_iter().enumerate() {
                 for (j, column) in places.into_iter().enumerate().take(i + 1) {
