@@ -12,6 +12,8 @@ pub mod named;
 
 pub mod random;
 
+pub mod feeds;
+
 use crate::reference::geometry::{Centre, Contour, Element, Shape, arc};
 use glidepath::machine::MachineData;
 use std::fmt::Write;

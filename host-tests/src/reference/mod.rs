@@ -9,3 +9,5 @@ pub mod limits;
 pub mod planner;
 
 pub mod motion;
+
+pub mod optimum;
