@@ -17,6 +17,7 @@
 //!     let _ = interpolator.set_points();
 //! }
 //! ```
+use crate::control::Control;
 use crate::machine::parameter::{RangeError, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::math::divide::div_wide;
@@ -243,7 +244,7 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     held: Option<(u32, Function)>,
 }
 
-impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCKS> {
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
     /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or [`Progress::Planned`].
     ///
     /// # Errors
@@ -273,7 +274,12 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         }
     }
 
-    /// The motion block planned last.
+    /// Where the operator's commands go.
+    pub fn control(&self) -> &'a Control {
+        self.planning.control()
+    }
+
+    /// The span of motion blocks planned last.
     pub fn planned(&self) -> &PlannedBlock {
         self.planning.planned()
     }

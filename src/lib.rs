@@ -24,6 +24,8 @@ pub mod lookahead;
 
 pub mod slope;
 
+pub mod control;
+
 pub mod queue;
 
 pub mod tick;

@@ -1,5 +1,6 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
+use crate::control::Control;
 use crate::lookahead::{Dynamics, Lookahead};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
@@ -310,6 +311,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.curves = span.blocks;
         self.curve();
         Ok(Work::Planned)
+    }
+
+    /// Where the operator's commands go.
+    pub fn control(&self) -> &'a Control {
+        self.queue.control
     }
 
     /// The span planned last.

@@ -5,6 +5,7 @@
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
+use crate::control::Control;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::queue::{Event, Phase, Receiver, Segment, Slot};
 
@@ -78,6 +79,11 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
         State::Active
+    }
+
+    /// Where the operator's commands go.
+    pub fn control(&self) -> &'a Control {
+        self.queue.control
     }
 
     /// The set point of every axis after the last tick.

@@ -4,6 +4,7 @@ mod ring;
 
 pub use ring::{Consumer, Producer, Ring, Slot};
 
+use crate::control::Control;
 use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
@@ -109,6 +110,7 @@ pub struct Rings<const AXES: usize> {
     segments: Ring<Segment<AXES>, SEGMENTS>,
     phases: Ring<Phase, PHASES>,
     events: Ring<Event, EVENTS>,
+    control: Control,
 }
 
 /// The planner's end.
@@ -119,6 +121,8 @@ pub struct Sender<'a, const AXES: usize> {
     pub phases: Producer<'a, Phase, PHASES>,
     /// Events.
     pub events: Producer<'a, Event, EVENTS>,
+    /// Commands of the operator.
+    pub control: &'a Control,
 }
 
 /// The interrupt's end.
@@ -129,12 +133,14 @@ pub struct Receiver<'a, const AXES: usize> {
     pub phases: Consumer<'a, Phase, PHASES>,
     /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
+    /// Commands of the operator.
+    pub control: &'a Control,
 }
 
 impl<const AXES: usize> Rings<AXES> {
     /// Empty rings.
     pub const fn new() -> Self {
-        Self { segments: Ring::new(), phases: Ring::new(), events: Ring::new() }
+        Self { segments: Ring::new(), phases: Ring::new(), events: Ring::new(), control: Control::new() }
     }
 
     /// Both ends of every ring, emptied.
@@ -142,9 +148,11 @@ impl<const AXES: usize> Rings<AXES> {
         let (to_segments, segments) = self.segments.split();
         let (to_phases, phases) = self.phases.split();
         let (to_events, events) = self.events.split();
+        self.control = Control::new();
+        let control = &self.control;
         (
-            Sender { segments: to_segments, phases: to_phases, events: to_events },
-            Receiver { segments, phases, events },
+            Sender { segments: to_segments, phases: to_phases, events: to_events, control },
+            Receiver { segments, phases, events, control },
         )
     }
 }
