@@ -309,7 +309,10 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
             Command::Motion(motion) => {
-                self.planning.take(motion).map_err(|e| Error::Motion(motion.place, e))?;
+                self.planning.take(motion).map_err(|e| {
+                    let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
+                    Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
+                })?;
             }
             Command::Dwell(_, DwellTime::Seconds(time)) => {
                 // 2^-32 s to µs to ticks, up

@@ -9,6 +9,7 @@ use glidepath::nc::{
     ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
 };
 use glidepath::quantity::Position;
+use std::collections::HashSet;
 
 /// A block of the contour. Coordinates are absolute, one per axis of the machine, exact in f64.
 pub struct Segment {
@@ -53,26 +54,58 @@ pub struct Program {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Decodes the whole program.
-///
-/// # Errors
-/// The first refusal, with its place.
-pub fn decode(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
-    with_axes!(machine, decode_axes(files, machine))
+/// Why a program was not decoded to its end.
+pub enum Undecoded {
+    /// The first refusal, with its place.
+    Refused(Vec<Diagnostic>),
+    /// More commands than wanted: it may have no end. With the place it had come to.
+    Endless(Vec<Diagnostic>),
 }
 
-fn decode_axes<const AXES: usize>(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
-    let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
+/// Decodes the whole program, at most `limit` commands.
+///
+/// # Errors
+/// It is refused, or longer than `limit`.
+pub fn decode(files: &Files, machine: &Machine, limit: u64) -> Result<Program, Undecoded> {
+    with_axes!(machine, decode_axes(files, machine, limit))
+}
+
+fn decode_axes<const AXES: usize>(
+    files: &Files,
+    machine: &Machine,
+    limit: u64,
+) -> Result<Program, Undecoded> {
+    let data = machine
+        .data::<AXES>()
+        .ok_or_else(|| Undecoded::Refused(vec![Diagnostic::error("wrong number of axes")]))?;
     let start = [Position::ZERO; AXES];
     let main = data.main_axes();
     let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
     let mut at = start;
     let mut program =
         Program { start: numbers(&start), segments: Vec::new(), motions: 0, warnings: Vec::new() };
+    let mut warned = HashSet::new();
+    let mut commands = 0;
     loop {
-        match decoder.step().map_err(|error| vec![refused(files, &error)])? {
+        let step = decoder.step().map_err(|error| Undecoded::Refused(vec![refused(files, &error)]))?;
+        if let Step::Command(command) = &step {
+            commands += 1;
+            if commands > limit {
+                let message = format!("the program goes on after {limit} commands");
+                let diagnostic = place(Diagnostic::error(message), files, command.place());
+                let expected = "expected an end; --max-commands N allows for more";
+                return Err(Undecoded::Endless(vec![diagnostic.expected(expected)]));
+            }
+        }
+        match step {
             Step::Working => {}
-            Step::Warning(warning) => program.warnings.push(remark(files, &warning)),
+            // Lines of loops and subroutines are read again: one remark is enough.
+            Step::Warning(warning) => {
+                let key = (warning.place.file, warning.place.offset, warning.to_string());
+                if warned.insert(key) {
+                    program.warnings.push(remark(files, &warning));
+                }
+            }
             Step::Command(Command::Motion(motion)) => {
                 program.add(&motion, &at, &main);
                 at = motion.target;

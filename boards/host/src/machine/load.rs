@@ -9,6 +9,30 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Parameters of which this simulator takes less than ISG's range: name, smallest, largest, and why.
+const NARROWER: &[(&str, i64, i64, &str)] = &[
+    ("look_ahead", 10, BLOCKS as i64, "blocks, this simulator is built for no more"),
+    (
+        "prog_start.slope.profile",
+        1,
+        1,
+        "(TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available in this version",
+    ),
+];
+
+/// The range a parameter is held against, in thousandths, and in words.
+fn range_of<Target>(parameter: &Parameter<Target>) -> (i64, i64, String) {
+    if let Some((_, min, max, why)) = NARROWER.iter().find(|(name, ..)| *name == parameter.name) {
+        let range = if min == max { min.to_string() } else { format!("{min}…{max}") };
+        return (min * 1000, max * 1000, format!("{range} {why}"));
+    }
+    // Some units are explanations.
+    let unit = parameter.unit;
+    let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
+    let (min, max) = (parameter.min_milli, parameter.max_milli);
+    (min, max, format!("{}…{} {unit}", thousandths(min), thousandths(max)))
+}
+
 /// Reads a machine file.
 ///
 /// # Errors
@@ -83,13 +107,6 @@ impl Loader<'_> {
                 }
             }
         }
-        if machine.channel.look_ahead as usize > BLOCKS {
-            let message = format!("channel.look_ahead = {}: out of range", machine.channel.look_ahead);
-            let at =
-                document.get_ref().get("channel").and_then(|channel| channel.get_ref().get("look_ahead"));
-            let at = at.map_or(0..0, Spanned::span);
-            self.refuse(&at, message, &format!("10…{BLOCKS} blocks, this simulator is built for no more"));
-        }
         for (key, value) in document.get_ref() {
             if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {
                 for (name, table) in axes {
@@ -103,12 +120,35 @@ impl Loader<'_> {
                 }
             }
         }
+        self.defaults(document.get_ref(), &machine.channel);
         if machine.axes.is_empty() && self.refused.is_empty() {
             let message = format!("{}: a machine needs an axis", self.source.name);
             self.refused
                 .push(Diagnostic::error(message).expected("for example: [axis.X] with type = \"linear\""));
         }
         machine
+    }
+
+    /// Defaults of the channel that this simulator does not take: they have to be set.
+    fn defaults(&mut self, document: &DeTable<'_>, channel: &ChannelData) {
+        if !self.refused.is_empty() {
+            return;
+        }
+        for parameter in CHANNEL {
+            let (min, max, range) = range_of(parameter);
+            let value = (parameter.get)(channel);
+            if value < min || value > max {
+                let label = label("channel", parameter.id, parameter.name);
+                let message = format!("{label} = {} (the default): out of range", thousandths(value));
+                match document.iter().find(|(key, _)| key.get_ref() == "channel") {
+                    Some((key, _)) => self.refuse(&key.span(), message, &range),
+                    None => {
+                        let message = format!("{}: {message}", self.source.name);
+                        self.refused.push(Diagnostic::error(message).expected(range));
+                    }
+                }
+            }
+        }
     }
 
     fn axis(
@@ -202,11 +242,7 @@ impl Loader<'_> {
             }
             return;
         };
-        // Some units are explanations.
-        let unit = parameter.unit;
-        let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
-        let range =
-            format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
+        let (min, max, range) = range_of(parameter);
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
         let text = self.text(&entry.value.span()).to_owned();
@@ -222,9 +258,7 @@ impl Loader<'_> {
                 let message = format!("{label} = {text}: too many decimals");
                 self.refuse(&entry.value.span(), message, &format!("three decimals at most, {range}"));
             }
-            Ok(value)
-                if value < i128::from(parameter.min_milli) || value > i128::from(parameter.max_milli) =>
-            {
+            Ok(value) if value < i128::from(min) || value > i128::from(max) => {
                 self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), &range);
             }
             Ok(value) => (parameter.set)(target, value as i64),
