@@ -124,6 +124,17 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
     range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
     let factor = channel.feedrate_factor_milli;
     range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
+    range(
+        "P-CHAN-00001",
+        "prog_start.slope.acceleration",
+        channel.acceleration_weight.into(),
+        0,
+        2,
+        "its meaning",
+    )?;
+    range("P-CHAN-00073", "prog_start.slope.ramp_time", channel.ramp_weight.into(), 0, 4, "its meaning")?;
+    let mode = channel.override_weight_prog_feed.into();
+    range("P-CHAN-00066", "override_weight_prog_feed", mode, 0, 2, "its meaning")?;
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
             if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {

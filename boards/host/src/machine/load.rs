@@ -242,6 +242,10 @@ impl Loader<'_> {
             }
             return;
         };
+        if !parameter.words.is_empty() {
+            self.set_word(table, entry, parameter, target);
+            return;
+        }
         let (min, max, range) = range_of(parameter);
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
@@ -262,6 +266,27 @@ impl Loader<'_> {
                 self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), &range);
             }
             Ok(value) => (parameter.set)(target, value as i64),
+        }
+    }
+
+    /// One of the words of a parameter.
+    fn set_word<Target>(
+        &mut self,
+        table: &str,
+        entry: &Entry<'_>,
+        parameter: &Parameter<Target>,
+        target: &mut Target,
+    ) {
+        let given = entry.value.get_ref().as_str();
+        match parameter.words.iter().position(|word| Some(*word) == given) {
+            Some(index) => (parameter.set)(target, index as i64 * 1000),
+            None => {
+                let span = entry.value.span();
+                let label = label(table, parameter.id, &entry.name);
+                let message = format!("{label} = {}: a wrong type of value", self.text(&span));
+                let words: Vec<String> = parameter.words.iter().map(|word| format!("\"{word}\"")).collect();
+                self.refuse(&span, message, &words.join(" or "));
+            }
         }
     }
 
@@ -365,6 +390,7 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glidepath::machine::AccelerationUnit;
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -372,6 +398,58 @@ mod tests {
         let loaded = load(path).unwrap_or_else(|_| panic!("default.toml is refused"));
         assert_eq!(loaded.axes, Machine::built_in().axes);
         assert_eq!(loaded.channel, Machine::built_in().channel);
+    }
+
+    #[test]
+    fn every_parameter_is_read() {
+        let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
+        let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\n\
+            [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
+            [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
+            cir_radial_acc_limit = 1\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
+            r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
+            a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
+            vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
+        std::fs::write(&dir, text).expect("a file for the test");
+        let machine = load(&dir).unwrap_or_else(|_| panic!("refused"));
+        let _ = std::fs::remove_file(&dir);
+        let name = AxisName::new("X").expect("a letter");
+        let axis = AxisData {
+            vb_max_red: 83_333,
+            a_max: 4000,
+            r_trans_weight: 30,
+            tr_w_min: 20_000,
+            a_grenz_stufe: [1, 2],
+            a_stufe: [3, 4],
+            d_grenz_stufe: [5, 6],
+            d_stufe: [7, 8],
+            vb_stufe_1_2: 9,
+            vb_grenz_stufe_1_2: 10,
+            ..AxisData::new(name, AxisKind::Linear)
+        };
+        let channel = ChannelData {
+            cycle_us: 2000,
+            look_ahead: 30,
+            feedrate_factor_milli: 100,
+            slope_profile: 1,
+            acceleration_weight: 2,
+            ramp_weight: 4,
+            corr_v_trans_jerk: true,
+            override_weight_prog_feed: 2,
+            vector_acceleration_milli: 500_500,
+            vector_deceleration_milli: 400_000,
+            vector_velocity_milli: 1_500_000,
+            vector_unit: AccelerationUnit::MmS2,
+            cir_radial_acc_limit: true,
+        };
+        assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
+        // What is left out has ISG's defaults.
+        let default = ChannelData::new();
+        let path = [default.vector_acceleration_milli, default.vector_deceleration_milli];
+        assert_eq!((path, default.vector_velocity_milli), ([100_000_000_000; 2], 2_000_000_000_000));
+        let stages = AxisData { a_max: 900, ..AxisData::new(name, AxisKind::Linear) }.stages(false);
+        assert_eq!((stages.a, stages.d, stages.change_over), ([900; 2], [900; 2], 100_000));
+        assert_eq!((axis.stages(true).d, axis.stages(true).change_over), ([5, 6], 10));
     }
 
     #[test]
