@@ -15,6 +15,7 @@ mod weights;
 pub use limits::{Dynamics, Limits};
 pub(crate) use limits::{max, min};
 pub use vector::TooLow;
+pub use weights::Weights;
 
 use crate::math::float::to_f32;
 use crate::nc::Place;

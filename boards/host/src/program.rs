@@ -3,8 +3,10 @@
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
-use crate::machine::{Machine, limits, with_axes};
+use crate::machine::{Limits, Machine, limits, with_axes};
 use glidepath::channel::Error;
+use glidepath::lookahead::Weights;
+use glidepath::machine::AxisData;
 use glidepath::nc::{
     ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
 };
@@ -52,6 +54,8 @@ pub struct Program {
     pub motions: usize,
     /// Remarks of the decoder.
     pub warnings: Vec<Diagnostic>,
+    /// What each axis may do with the largest weights under which the program moves.
+    pub limits: Vec<Limits>,
 }
 
 /// Why a program was not decoded to its end.
@@ -82,8 +86,10 @@ fn decode_axes<const AXES: usize>(
     let main = data.main_axes();
     let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
     let mut at = start;
-    let mut program =
-        Program { start: numbers(&start), segments: Vec::new(), motions: 0, warnings: Vec::new() };
+    let mut program = Program::empty(machine);
+    let mut weights = Weights::new();
+    // The axes as they are weighted, until a block has moved with it.
+    let mut weighted = Some(data.axes);
     let mut warned = HashSet::new();
     let mut commands = 0;
     loop {
@@ -106,7 +112,12 @@ fn decode_axes<const AXES: usize>(
                     program.warnings.push(remark(files, &warning));
                 }
             }
+            Step::Command(Command::Weight(_, weight)) => {
+                weights.set(&weight);
+                weighted = Some(std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel)));
+            }
             Step::Command(Command::Motion(motion)) => {
+                program.allow(weighted.take());
                 program.add(&motion, &at, &main);
                 at = motion.target;
             }
@@ -187,7 +198,29 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
 impl Program {
     /// One without blocks.
     pub fn empty(machine: &Machine) -> Self {
-        Self { start: vec![0.0; machine.axes.len()], segments: Vec::new(), motions: 0, warnings: Vec::new() }
+        Self {
+            start: vec![0.0; machine.axes.len()],
+            segments: Vec::new(),
+            motions: 0,
+            warnings: Vec::new(),
+            limits: Vec::new(),
+        }
+    }
+
+    /// Takes in what axes are allowed from a block on.
+    fn allow<const AXES: usize>(&mut self, axes: Option<[AxisData; AXES]>) {
+        for (k, axis) in axes.iter().flatten().enumerate() {
+            let now = limits(axis);
+            match self.limits.get_mut(k) {
+                Some(allowed) => *allowed = allowed.or(now),
+                None => self.limits.push(now),
+            }
+        }
+    }
+
+    /// What the axis with this index may do.
+    pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
+        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis]))
     }
 
     fn add<const AXES: usize>(

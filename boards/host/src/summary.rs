@@ -1,6 +1,6 @@
 //! What a run comes down to, for people and for programs.
 use crate::files::Files;
-use crate::machine::{Machine, limits};
+use crate::machine::Machine;
 use crate::program::{Program, plural};
 use crate::statistics::Statistics;
 use anstyle::Style;
@@ -111,8 +111,8 @@ impl Summary {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
         let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
-        let axes = machine.axes.iter().zip(&statistics.axes).map(|(data, seen)| {
-            let allowed = limits(data);
+        let axes = machine.axes.iter().zip(&statistics.axes).enumerate().map(|(k, (data, seen))| {
+            let allowed = program.allowed(k, machine);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);
             let [lowest, highest] = seen.range();
             let axis = Axis {
