@@ -10,7 +10,7 @@
 //! | ramp times at feed | the larger one of P-AXIS-00201 and P-AXIS-00293 | 2^32 µs |
 //! | rapid and geometric ramp time | P-AXIS-00201, or the machine data where they are below it | 2^32 µs |
 //!
-//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed.
+//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed. G338 and G339 are taken as G133 and G233.
 use crate::machine::{AxisData, ChannelData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;

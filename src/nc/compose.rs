@@ -207,10 +207,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         if mode != Mode::Rapid && self.modal.feed.is_none() && !still {
             return span.fault(NcErrorKind::NoFeed);
         }
+        let place = line.place(span);
+        let centre = if arc { w.centre_span().map(|span| line.place(span)) } else { None };
         self.motion = Some(Motion {
             n: self.n,
-            place: line.place(span),
-            centre: line.place(w.centre_span().unwrap_or(span)),
+            place,
+            centre: centre.unwrap_or(place),
             kind,
             target,
             feed: self.modal.feed.unwrap_or(Feed::ZERO),
