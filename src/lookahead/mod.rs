@@ -9,9 +9,13 @@
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod limits;
+mod vector;
+mod weights;
 
 pub use limits::{Dynamics, Limits};
 pub(crate) use limits::{max, min};
+pub use vector::TooLow;
+pub use weights::Weights;
 
 use crate::math::float::to_f32;
 use crate::nc::Place;
