@@ -215,13 +215,7 @@ impl Profile {
 ///
 /// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
 /// halves where a step leaves it; the first guess is exact from rest to rest.
-pub fn peak_above(
-    up: &Ramp,
-    down: &Ramp,
-    [v_in, v_out, low]: [i64; 3],
-    length: i64,
-    v_limit: f32,
-) -> i64 {
+pub fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
         return 0;
