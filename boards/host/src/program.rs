@@ -8,7 +8,7 @@ use glidepath::channel::Error;
 use glidepath::lookahead::Weights;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
+    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -17,6 +17,8 @@ use std::collections::HashSet;
 pub struct Segment {
     /// Programmed N number.
     pub n: u32,
+    /// Where that stands in the text.
+    pub place: Place,
     /// Shape.
     pub kind: Kind,
     /// End point.
@@ -88,8 +90,8 @@ fn decode_axes<const AXES: usize>(
     let mut at = start;
     let mut program = Program::empty(machine);
     let mut weights = Weights::new();
-    // The axes as they are weighted, until a block has moved with it.
-    let mut weighted = Some(data.axes);
+    // The axes as they are weighted, and whether a block has moved with it.
+    let (mut axes, mut slope, mut changed) = (data.axes, machine.slope(), true);
     let mut warned = HashSet::new();
     let mut commands = 0;
     loop {
@@ -114,16 +116,24 @@ fn decode_axes<const AXES: usize>(
             }
             Step::Command(Command::Weight(_, weight)) => {
                 weights.set(&weight);
-                weighted = Some(std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel)));
+                axes = std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel));
+                changed = true;
+            }
+            Step::Command(Command::Slope(_, command)) => {
+                slope = if command.default { machine.slope() } else { command.kind.unwrap_or(slope) };
+                changed = true;
             }
             Step::Command(Command::Motion(motion)) => {
-                program.allow(weighted.take());
+                if std::mem::take(&mut changed) {
+                    program.allow(&axes, slope);
+                }
                 program.add(&motion, &at, &main);
                 at = motion.target;
             }
             Step::Command(Command::Dwell(head, DwellTime::Seconds(time))) => {
                 let kind = Kind::Dwell(time.to_num());
-                let segment = Segment { n: head.n, kind, end: numbers(&at), feed: None, stop: true };
+                let segment =
+                    Segment { n: head.n, place: head.place, kind, end: numbers(&at), feed: None, stop: true };
                 program.segments.push(segment);
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
@@ -208,9 +218,9 @@ impl Program {
     }
 
     /// Takes in what axes are allowed from a block on.
-    fn allow<const AXES: usize>(&mut self, axes: Option<[AxisData; AXES]>) {
-        for (k, axis) in axes.iter().flatten().enumerate() {
-            let now = limits(axis);
+    fn allow(&mut self, axes: &[AxisData], slope: SlopeType) {
+        for (k, axis) in axes.iter().enumerate() {
+            let now = limits(axis, slope);
             match self.limits.get_mut(k) {
                 Some(allowed) => *allowed = allowed.or(now),
                 None => self.limits.push(now),
@@ -220,7 +230,7 @@ impl Program {
 
     /// What the axis with this index may do.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
-        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis]))
+        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis], machine.slope()))
     }
 
     fn add<const AXES: usize>(
@@ -254,7 +264,14 @@ impl Program {
         };
         let feed = (motion.kind != MotionKind::Rapid).then(|| motion.feed.to_num());
         let end = numbers(&motion.target);
-        self.segments.push(Segment { n: motion.n, kind, end, feed, stop: motion.exact_stop });
+        self.segments.push(Segment {
+            n: motion.n,
+            place: motion.place,
+            kind,
+            end,
+            feed,
+            stop: motion.exact_stop,
+        });
         self.motions += 1;
     }
 
@@ -349,7 +366,9 @@ fn rapid(machine: &Machine, main: &[usize], travel: &[f64]) -> f64 {
     let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
     let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
     let speeds = machine.axes.iter().zip(travel).filter(|(_, travel)| **travel > 0.0);
-    speeds.map(|(axis, travel)| limits(axis).speed_rapid * path / travel).fold(f64::INFINITY, f64::min)
+    speeds
+        .map(|(axis, travel)| f64::from(axis.vb_eilgang) / 1e3 * path / travel)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Signed angle of an arc; a whole turn where start and end are one point.
