@@ -46,6 +46,14 @@ pub enum Kind {
     Dwell(f64),
 }
 
+/// The path speed of a block, per second.
+pub struct PathSpeed {
+    /// None in rapid motion.
+    pub programmed: Option<f64>,
+    /// What the axes allow in its direction.
+    pub limit: f64,
+}
+
 /// A decoded program.
 pub struct Program {
     /// Where all axes stand at first.
@@ -309,17 +317,51 @@ impl Program {
         )
     }
 
-    /// Programmed speed of every motion, mm/s; in rapid motion what the axes allow together.
-    pub fn speeds(&self, machine: &Machine) -> Vec<f64> {
+    /// The path speed of every motion.
+    pub fn speeds(&self, machine: &Machine) -> Vec<PathSpeed> {
         let main = machine.main_axes();
         let mut at = self.start.as_slice();
         let mut speeds = Vec::with_capacity(self.motions);
         for segment in self.motions() {
-            let travel: Vec<f64> = segment.end.iter().zip(at).map(|(to, from)| (to - from).abs()).collect();
+            let programmed = segment.feed.map(|feed| feed / 60.0);
+            speeds.push(PathSpeed { programmed, limit: self.limit(machine, &main, at, segment) });
             at = &segment.end;
-            speeds.push(segment.feed.map_or_else(|| rapid(machine, &main, &travel), |feed| feed / 60.0));
         }
         speeds
+    }
+
+    /// The path speed that the axes allow: their speeds, and on an arc the acceleration towards its centre.
+    fn limit(&self, machine: &Machine, main: &[usize], start: &[f64], segment: &Segment) -> f64 {
+        let mut travel: Vec<f64> =
+            segment.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
+        let mut arc = None;
+        if let Kind::Arc { plane, centre, clockwise } = segment.kind {
+            let [from, to] = [start, &segment.end].map(|point| plane.map(|axis| point[axis]));
+            let radius = (to[0] - centre[0]).hypot(to[1] - centre[1]);
+            let along = radius * sweep(from, to, centre, clockwise).abs();
+            travel[plane[0]] = along;
+            travel[plane[1]] = 0.0;
+            arc = Some((plane, radius, along));
+        }
+        let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
+        let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
+        let mut limit = f64::INFINITY;
+        if let Some((plane, radius, along)) = arc {
+            // At some point, or nearly, this axis too has all of the speed.
+            travel[plane[1]] = along;
+            for axis in plane {
+                let allowed = self.allowed(axis, machine);
+                let accel = allowed.accel_feed.min(allowed.brake_feed).min(allowed.accel);
+                limit = limit.min((accel * radius).sqrt() * path / along);
+            }
+        }
+        let moving = travel.iter().enumerate().filter(|(_, travel)| **travel > 0.0);
+        let speeds = moving.map(|(axis, travel)| {
+            let allowed = self.allowed(axis, machine);
+            let speed = if segment.feed.is_some() { allowed.speed } else { allowed.speed_rapid };
+            speed * path / travel
+        });
+        speeds.fold(limit, f64::min)
     }
 
     /// Up to three axes that show best what moves: the main axes, or others where no main axis moves.
@@ -359,16 +401,6 @@ impl Program {
 /// Ending of a counted word.
 pub fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
-}
-
-/// The fastest common speed of a straight rapid motion.
-fn rapid(machine: &Machine, main: &[usize], travel: &[f64]) -> f64 {
-    let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
-    let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
-    let speeds = machine.axes.iter().zip(travel).filter(|(_, travel)| **travel > 0.0);
-    speeds
-        .map(|(axis, travel)| f64::from(axis.vb_eilgang) / 1e3 * path / travel)
-        .fold(f64::INFINITY, f64::min)
 }
 
 /// Signed angle of an arc; a whole turn where start and end are one point.
@@ -425,6 +457,27 @@ mod tests {
         assert_eq!(arc(-10, false), [10.0, 10.0]);
         assert_eq!(arc(10, true), [10.0, 10.0]);
         assert_eq!(arc(-10, true), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn axes_limit_the_path_speed() {
+        let machine = Machine::built_in();
+        let program = Program::empty(&machine);
+        let limit = |kind, end: [f64; 3], feed| {
+            let end = end.to_vec();
+            let segment = Segment { n: 0, place: Place::default(), kind, end, feed, stop: false };
+            program.limit(&machine, &[0, 1, 2], &[10.0, 0.0, 0.0], &segment)
+        };
+        // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.
+        assert!((limit(Kind::Line, [13.0, 4.0, 0.0], Some(60.0)) - 1250.0).abs() < 1e-9);
+        assert!((limit(Kind::Line, [12.0, 1.0, 2.0], None) - 1500.0).abs() < 1e-9);
+        // 2000 mm/s² on a radius of 10 mm; a helix as steep as that is faster along its path.
+        let arc = || Kind::Arc { plane: [0, 1], centre: [0.0, 0.0], clockwise: false };
+        let flat = 20_000.0_f64.sqrt();
+        assert!((limit(arc(), [0.0, 10.0, 0.0], Some(60.0)) - flat).abs() < 1e-9);
+        let climb = 5.0 * std::f64::consts::PI;
+        let helix = limit(arc(), [0.0, 10.0, climb], Some(60.0));
+        assert!((helix - flat * 2.0_f64.sqrt()).abs() < 1e-9);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 mod canvas;
 mod chart;
+mod events;
 mod font;
 mod path;
 mod png;
@@ -13,8 +14,8 @@ mod svg;
 
 use crate::diagnose::Source;
 use crate::events::Event;
-use crate::machine::Machine;
-use crate::program::Program;
+use crate::machine::{Machine, slope_name};
+use crate::program::{Program, plural};
 use crate::statistics::Statistics;
 use canvas::{Anchor, Canvas, INK, Point, Rect, SOFT, TextStyle};
 pub use record::Picture;
@@ -91,13 +92,15 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
     let title = file.unwrap_or_else(|| source.name.as_str().into());
     canvas.text(Point(MARGIN, 40.0), &title, &TextStyle { size: 22.0, bold: true, ..TextStyle::new(INK) });
     let facts = format!(
-        "{:.3} s  ·  {} blocks  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms",
+        "{:.3} s  ·  {} block{}  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms  ·  slope {}",
         statistics.time_s(scene.machine),
         statistics.blocks(),
+        plural(statistics.blocks()),
         statistics.distance_mm(),
         scene.picture.unit,
         scene.machine.name,
         f64::from(scene.machine.channel.cycle_us) / 1e3,
+        slope_name(scene.machine.slope()),
     );
     canvas.text(Point(MARGIN, 62.0), &facts, &TextStyle { size: 13.0, ..TextStyle::new(SOFT) });
 
