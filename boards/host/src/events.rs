@@ -368,6 +368,37 @@ mod tests {
     }
 
     #[test]
+    fn a_standstill_is_known_to_last() {
+        let lasts = |text: &str, tick: u64| {
+            let events = read(text).unwrap_or_default();
+            let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
+            while schedule.due(tick, &control).is_some() {}
+            let commands = control.commands();
+            (!schedule.goes_on(&commands), schedule.cause(&commands).map(|event| event.line))
+        };
+        assert_eq!(lasts("1 feedhold\n2 override 50", 1000), (true, Some(1)));
+        assert_eq!(lasts("1 feedhold\n2 resume", 1000), (false, Some(1)));
+        assert_eq!(lasts("1 feedhold\n2 resume", 2000), (false, None));
+        assert_eq!(lasts("1 feedhold\n2 abort", 1000), (false, Some(1)));
+        assert_eq!(lasts("1 override 0\n2 override 0.1", 1000), (false, Some(1)));
+        assert_eq!(lasts("0 feedhold\n1 override 0\n2 resume", 1000), (true, Some(2)));
+        assert_eq!(lasts("0 feedhold\n1 override 0\n2 resume\n2 override 9", 1000), (false, Some(2)));
+    }
+
+    #[test]
+    fn a_late_planner_comes_back() {
+        let events = read("0.01 starve 0.0021\n0.012 starve 0.004").unwrap_or_default();
+        let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
+        let late: Vec<u64> = (0..30)
+            .filter(|&tick| {
+                while schedule.due(tick, &control).is_some() {}
+                schedule.is_late(tick)
+            })
+            .collect();
+        assert_eq!(late, (10..16).collect::<Vec<u64>>());
+    }
+
+    #[test]
     fn an_event_acts_at_the_tick_at_or_after_it() {
         let tick = |text: &str, cycle_us| read(text).unwrap_or_default()[0].tick(cycle_us);
         assert_eq!(

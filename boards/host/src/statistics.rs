@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn reactions_count_from_the_event() {
         let mut statistics = Statistics::new(&[Position::ZERO], 4);
-        let mut rows = |statistics: &mut Statistics, places: &[i64]| {
+        let rows = |statistics: &mut Statistics, places: &[i64]| {
             for &mm in places {
                 statistics.add(&row(mm, 0, 0), &[Position::ZERO], true);
             }
