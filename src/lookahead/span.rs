@@ -419,7 +419,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             return self.plan_again(from, to);
         }
-        if !firm && pass.cut > from {
+        if !firm && from < self.batch() && pass.cut > from {
             self.set_anchor(pass.cut);
             return self.plan_again(from, to);
         }
