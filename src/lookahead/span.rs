@@ -1,7 +1,8 @@
 //! The plan of the ring: speeds at the anchors, and which transitions are anchors.
 //!
 //! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
-//! block inside, the ends of the slowest such block become anchors, and both sides are planned again. Acceleration
+//! block inside, those ends of the slowest such block become anchors at which it is too fast (both, if it is too fast only
+//! between them), and all sides are planned again. Acceleration
 //! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
@@ -411,9 +412,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn inside_done(&mut self, pass: Inside) -> Pass {
         let Forward { from, next: to, firm, v_in, .. } = pass.forward;
-        if let Some((first, behind, _)) = pass.worst {
-            for block in [first, behind] {
-                if from < block && block < to {
+        if let Some((first, behind, v)) = pass.worst {
+            let [enters, leaves] = self.too_fast(&pass, first, behind, v);
+            for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
+                if needed && from < block && block < to {
                     self.set_anchor(block);
                 }
             }
@@ -424,6 +426,23 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.plan_again(from, to);
         }
         self.span_done(pass.forward, v_in)
+    }
+
+    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside.
+    fn too_fast(&self, pass: &Inside, first: usize, behind: usize, v: f32) -> [bool; 2] {
+        let Forward { from, next: to, .. } = pass.forward;
+        let mut at = 0;
+        let mut places = [0; 2];
+        for (k, block) in (from..behind).zip(self.blocks.iter().skip(from)) {
+            at += block.shape.length.to_bits();
+            if k + 1 == first {
+                places[0] = at;
+            }
+        }
+        places[1] = at;
+        let mut law = pass.law;
+        let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
+        [first > from && !law.keeps(v, enter, enter), behind < to && !law.keeps(v, leave, leave)]
     }
 
     fn set_anchor(&mut self, block: usize) {
