@@ -221,7 +221,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Goes on; `true` when the plan is complete.
     pub(super) fn step(&mut self) -> bool {
         self.pass = match self.pass {
-            Pass::Blocks(left, v_out) => self.blocks(left, v_out),
+            // Written in place: the other states are large.
+            Pass::Blocks(left, v_out) => return self.blocks(left, v_out),
             Pass::Backward(pass) => self.backward(pass),
             Pass::Forward(pass) => self.forward(pass),
             Pass::Inside(pass) => self.inside(pass),
@@ -230,11 +231,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         matches!(self.pass, Pass::Done)
     }
 
-    fn blocks(&mut self, mut left: usize, mut v_out: Speed) -> Pass {
+    fn blocks(&mut self, mut left: usize, mut v_out: Speed) -> bool {
         for _ in 0..STEPS {
             // The first block's start is already decided.
             if left <= 1 {
-                return Pass::Done;
+                self.pass = Pass::Done;
+                return true;
             }
             left -= 1;
             let last = left + 1 == self.blocks.len();
@@ -250,12 +252,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.kept = v < block.v_in;
             let v = v.max(block.v_in);
             if v == block.v_in {
-                return Pass::Done;
+                self.pass = Pass::Done;
+                return true;
             }
             block.v_in = v;
             v_out = v;
         }
-        Pass::Blocks(left, v_out)
+        self.pass = Pass::Blocks(left, v_out);
+        false
     }
 
     fn backward(&mut self, mut pass: Backward) -> Pass {
