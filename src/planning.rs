@@ -295,16 +295,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(Work::Working);
         };
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
-        self.planned = PlannedBlock {
-            block: self.blocks,
-            blocks: span.blocks as u32,
-            n: first.n,
-            place: first.place,
-            length: span.length,
-            v_in: span.v_in,
-            v_out: span.v_out,
-            ..self.planned
-        };
+        let planned = &mut self.planned;
+        (planned.block, planned.blocks) = (self.blocks, span.blocks as u32);
+        (planned.n, planned.place, planned.length) = (first.n, first.place, span.length);
+        (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
         if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.limits) {
             self.lookahead.clear();
             return Err(error);

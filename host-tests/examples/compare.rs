@@ -1,5 +1,5 @@
 //! The planner beside the optimum on the paths with changing feeds: `cargo run --release -p host-tests --example compare`.
-use host_tests::cases::feeds::{Feeds, accepted, PATHS, ACCELERATION};
+use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::machines;
 use host_tests::trace::run;
 fn main() {
@@ -24,10 +24,20 @@ fn main() {
         let t: f64 = r.blocks.iter().map(|b| b.time.to_bits() as f64 / 2f64.powi(36)).sum::<f64>() * 1e-3;
         let over = 100.0 * (t / rows[i as usize].time - 1.0);
         short = short.min(over);
-        if verbose { println!("{i} {} {over:.2}", rows[i as usize].blocks); }
-        sum += over; worst = worst.max(over);
-        if over > 3.0 { over3 += 1 }
-        if over > 6.0 { over6 += 1 }
+        if verbose {
+            println!("{i} {} {over:.2}", rows[i as usize].blocks);
+        }
+        sum += over;
+        worst = worst.max(over);
+        if over > 3.0 {
+            over3 += 1
+        }
+        if over > 6.0 {
+            over6 += 1
+        }
     }
-    println!("slope {slope}: mean {:.2} % worst {worst:.2} %, least {short:.4}; above 3 %: {over3}, above 6 %: {over6}", sum / PATHS as f64);
+    println!(
+        "slope {slope}: mean {:.2} % worst {worst:.2} %, least {short:.4}; above 3 %: {over3}, above 6 %: {over6}",
+        sum / PATHS as f64
+    );
 }

@@ -40,7 +40,9 @@ fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse().expect("a seed"));
     let first = seeds.next().unwrap_or(0);
     let (seeds, slope) = (first..seeds.next().unwrap_or(100), seeds.next().unwrap_or(1) as u8);
-    let faults =
-        [soak::<1>, soak::<2>, soak::<3>, soak::<6>].iter().map(|soak| soak(seeds.clone(), slope)).sum::<usize>();
+    let faults = [soak::<1>, soak::<2>, soak::<3>, soak::<6>]
+        .iter()
+        .map(|soak| soak(seeds.clone(), slope))
+        .sum::<usize>();
     std::process::exit(i32::from(faults > 0));
 }

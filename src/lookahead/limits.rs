@@ -20,6 +20,7 @@ use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
+use core::f32::consts::TAU;
 
 /// Factor on speeds and accelerations.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
@@ -190,7 +191,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 budget = min(budget, set.joint.budget);
             }
             let normal = min(normal, NORMAL_PART * a_max);
-            limits.bend(curvature, length, normal, a_max, budget, circle.share);
+            limits.bend(curvature, normal, a_max, budget, circle.share);
         }
         self.path.lower(&mut limits, feed.is_none(), element.circle.is_some());
         limits
@@ -389,13 +390,15 @@ impl Limits {
     /// v³κ² + 3vκ·a + j inside `budget` (their exact sum is a vector no longer than that).
     ///
     /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
-    /// one before, the one is taken with which the arc alone, from rest to rest with that acceleration, is fastest.
-    fn bend(&mut self, curvature: f32, length: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
+    /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
+    /// So an arc does not become slower where it is cut.
+    fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         self.v = min(self.v, sqrt_f32(normal / curvature));
         self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
         for j in &mut self.j {
             *j = min(*j, ARC_SLOPE_PART * budget / share);
         }
+        let length = TAU / curvature;
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = self.v;
         for _ in 0..ARC_SPEEDS {

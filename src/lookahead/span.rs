@@ -1,7 +1,8 @@
 //! The plan of the ring: speeds at the anchors, and which transitions are anchors.
 //!
 //! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
-//! block inside, the ends of the slowest such block become anchors, and both sides are planned again. Acceleration
+//! block inside, those ends of the slowest such block become anchors at which it is too fast (both, if it is too fast only
+//! between them), and all sides are planned again. Acceleration
 //! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
@@ -220,7 +221,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Goes on; `true` when the plan is complete.
     pub(super) fn step(&mut self) -> bool {
         self.pass = match self.pass {
-            Pass::Blocks(left, v_out) => self.blocks(left, v_out),
+            // Written in place: the other states are large.
+            Pass::Blocks(left, v_out) => return self.blocks(left, v_out),
             Pass::Backward(pass) => self.backward(pass),
             Pass::Forward(pass) => self.forward(pass),
             Pass::Inside(pass) => self.inside(pass),
@@ -229,11 +231,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         matches!(self.pass, Pass::Done)
     }
 
-    fn blocks(&mut self, mut left: usize, mut v_out: Speed) -> Pass {
+    fn blocks(&mut self, mut left: usize, mut v_out: Speed) -> bool {
         for _ in 0..STEPS {
             // The first block's start is already decided.
             if left <= 1 {
-                return Pass::Done;
+                self.pass = Pass::Done;
+                return true;
             }
             left -= 1;
             let last = left + 1 == self.blocks.len();
@@ -249,12 +252,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.kept = v < block.v_in;
             let v = v.max(block.v_in);
             if v == block.v_in {
-                return Pass::Done;
+                self.pass = Pass::Done;
+                return true;
             }
             block.v_in = v;
             v_out = v;
         }
-        Pass::Blocks(left, v_out)
+        self.pass = Pass::Blocks(left, v_out);
+        false
     }
 
     fn backward(&mut self, mut pass: Backward) -> Pass {
@@ -411,19 +416,37 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn inside_done(&mut self, pass: Inside) -> Pass {
         let Forward { from, next: to, firm, v_in, .. } = pass.forward;
-        if let Some((first, behind, _)) = pass.worst {
-            for block in [first, behind] {
-                if from < block && block < to {
+        if let Some((first, behind, v)) = pass.worst {
+            let [enters, leaves] = self.too_fast(&pass, first, behind, v);
+            for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
+                if needed && from < block && block < to {
                     self.set_anchor(block);
                 }
             }
             return self.plan_again(from, to);
         }
-        if !firm && pass.cut > from {
+        if !firm && from < self.batch() && pass.cut > from {
             self.set_anchor(pass.cut);
             return self.plan_again(from, to);
         }
         self.span_done(pass.forward, v_in)
+    }
+
+    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside.
+    fn too_fast(&self, pass: &Inside, first: usize, behind: usize, v: f32) -> [bool; 2] {
+        let Forward { from, next: to, .. } = pass.forward;
+        let mut at = 0;
+        let mut places = [0; 2];
+        for (k, block) in (from..behind).zip(self.blocks.iter().skip(from)) {
+            at += block.shape.length.to_bits();
+            if k + 1 == first {
+                places[0] = at;
+            }
+        }
+        places[1] = at;
+        let mut law = pass.law;
+        let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
+        [first > from && !law.keeps(v, enter, enter), behind < to && !law.keeps(v, leave, leave)]
     }
 
     fn set_anchor(&mut self, block: usize) {

@@ -168,9 +168,9 @@ impl Machine {
             limits.v = limits.v.min((ARC_TURN * jerk / (curvature * curvature)).cbrt());
             limits.j = limits.j.map(|j| j.min(ARC_SLOPE * jerk / share));
             // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the less. The
-            // speed that is best for the arc alone, from rest to rest with constant acceleration.
+            // speed that is best for the full circle, from rest to rest with constant acceleration.
             let slope = limits.a_up.min(limits.a_down);
-            let length = path_length(element);
+            let length = std::f64::consts::TAU / curvature;
             let choices = (0..ARC_SPEEDS).map(|i| {
                 let v = limits.v * ARC_SPEED_STEP.powi(i);
                 let across = v * v * curvature;

@@ -1,0 +1,113 @@
+//! HSC: acceleration runs across the ends of blocks. Cutting a path changes nothing, and the limits hold as ever.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::{Program, edges, machines, named};
+use host_tests::properties::{Verdict, verify};
+use std::f64::consts::TAU;
+
+fn hsc<const AXES: usize>(mut machine: MachineData<AXES>) -> MachineData<AXES> {
+    machine.channel.slope_profile = 3;
+    machine
+}
+
+fn good<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> Verdict {
+    verify::<AXES, 120>(program, &hsc(*machine)).unwrap_or_else(|fault| panic!("{fault}"))
+}
+
+/// 100 mm along X in `blocks` pieces of random lengths, the longest four times the shortest.
+fn cut(blocks: usize, seed: u64) -> Program {
+    let mut random = Random::new(seed);
+    let lengths: Vec<f64> = (0..blocks).map(|_| random.between(1.0, 4.0)).collect();
+    let total: f64 = lengths.iter().sum();
+    let mut program = Program::new(format!("line in {blocks} pieces"), 3);
+    let mut at = 0.0;
+    for length in &lengths[1..] {
+        at += length;
+        program = program.line(&[100.0 * at / total], 10_000.0);
+    }
+    program.line(&[100.0], 10_000.0)
+}
+
+#[test]
+fn a_line_cut_into_pieces_takes_the_same_time() {
+    let machine = machines::examples::<3>(1000);
+    let whole = good(&cut(1, 0), &machine).run.trace.ticks();
+    for (blocks, seed) in [(2, 1), (10, 2), (10, 3), (100, 4)] {
+        let ticks = good(&cut(blocks, seed), &machine).run.trace.ticks();
+        assert!(ticks.abs_diff(whole) <= 1, "{blocks} pieces: {ticks} ticks, one piece {whole}");
+    }
+}
+
+/// A full circle of radius 40 mm in so many arcs.
+fn circle(arcs: u32) -> Program {
+    let mut program = Program::new(format!("circle in {arcs} arcs"), 3);
+    for i in 1..=arcs {
+        let at = |i: u32| {
+            let angle = TAU * f64::from(i) / f64::from(arcs);
+            [40.0 * angle.sin(), 40.0 - 40.0 * angle.cos()].map(|x| (x * 1e6).round() / 1e6)
+        };
+        let [x, y] = at(i - 1);
+        program = program.arc(&at(i), [-x, 40.0 - y], false, 6000.0);
+    }
+    program
+}
+
+#[test]
+fn a_circle_cut_into_arcs_takes_the_same_time() {
+    let machine = machines::examples::<3>(1000);
+    let whole = good(&circle(1), &machine).run.trace.ticks();
+    for arcs in [2, 7, 360] {
+        let ticks = good(&circle(arcs), &machine).run.trace.ticks();
+        assert!(ticks.abs_diff(whole) <= 1, "{arcs} arcs: {ticks} ticks, one arc {whole}");
+    }
+}
+
+fn random<const AXES: usize>(seeds: std::ops::Range<u64>, cycle_us: u32) {
+    for seed in seeds {
+        let machines = [machines::even(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)];
+        let mix = if seed % 4 == 3 { Mix::surface(AXES, 400) } else { Mix::general(AXES, 60) };
+        good::<AXES>(&program(seed, mix), &machines[seed as usize % 3]);
+    }
+}
+
+#[test]
+fn random_programs_keep_their_limits() {
+    random::<1>(9100..9110, 1000);
+    random::<2>(9200..9210, 1000);
+    random::<3>(9300..9330, 1000);
+    random::<6>(9600..9606, 1000);
+    random::<3>(9700..9703, 100);
+    random::<3>(9704..9712, 4000);
+}
+
+#[test]
+fn arbitrary_machines_keep_their_limits() {
+    // `cargo run --release -p host-tests --example soak -- 0 5000 3` goes on with it.
+    for seed in 0..60 {
+        good::<1>(&program(seed, Mix::arbitrary(1, seed)), &machines::arbitrary(seed));
+        good::<3>(&program(seed, Mix::arbitrary(3, seed)), &machines::arbitrary(seed));
+    }
+}
+
+#[test]
+fn edges_keep_their_limits() {
+    for program in edges::three_axes() {
+        good::<3>(&program, &machines::uneven(1000));
+    }
+    for program in edges::rotary() {
+        good::<4>(&program, &machines::even(1000));
+    }
+}
+
+#[test]
+fn never_slower_than_with_zero_acceleration_at_every_block_end() {
+    for program in
+        [named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0), named::slot(6000.0, 3)]
+    {
+        let machine = machines::even::<3>(1000);
+        let trapez = verify::<3, 120>(&program, &machine).unwrap().run.trace.ticks();
+        let hsc = good(&program, &machine).run.trace.ticks();
+        println!("{}: {hsc} ticks, TRAPEZ {trapez}", program.name);
+        assert!(hsc <= trapez, "{}: {hsc} ticks, TRAPEZ {trapez}", program.name);
+    }
+}
