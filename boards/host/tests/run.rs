@@ -340,7 +340,7 @@ fn events(name: &str, text: &str) -> String {
 /// 100 mm in 20 blocks, then a corner.
 fn cut_line(name: &str) -> String {
     let blocks: String = (1..=20).map(|i| format!("N{} X{}\n", 10 + 10 * i, 5 * i)).collect();
-    written(name, &format!("%cut\nN10 G01 F6000\n{blocks}N300 Y10\nM30\n"))
+    written(name, &format!("%cut\nN10 G01 F30000\n{blocks}N300 Y10\nM30\n"))
 }
 
 #[test]
@@ -478,6 +478,16 @@ fn events_are_told_and_drawn_and_leave_the_rest_alone() {
     let output = command.args(["run", &program, "--events", &all]).output().expect("the simulator starts");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains(run.summary["digest"].as_str().unwrap_or("none")), "{text}");
+}
+
+#[test]
+fn the_shipped_events_are_accepted() {
+    let file = shipped("../../programs/first.events");
+    let run = run_with("shipped", &shipped("../../programs/first.nc"), None, &["--events", &file]);
+    let told = run.summary["events"].as_array().expect("a list");
+    let given = told.iter().filter(|event| event["tick"].is_u64()).count();
+    assert_eq!((told.len(), given), (8, 8));
+    assert!(run.stderr.is_empty(), "{}", run.stderr);
 }
 
 #[test]
