@@ -320,15 +320,16 @@ impl Summary {
             writeln!(out)?;
             writeln!(out, "  {dim}    event at{dim:#}")?;
             for event in self.events.iter().take(EVENTS) {
-                write!(out, "  {:>10.3} s  {:<18}", event.t_s, event.what)?;
-                match &event.reaction {
+                let outcome = match &event.reaction {
                     Some(Reaction { what, after_s, path_mm }) => {
-                        let (after, path) = (after_s * 1e3, path_mm);
-                        writeln!(out, "  {dim}{what} after{dim:#} {after} ms{dim},{dim:#} {path:.3} mm")?;
+                        let after = after_s * 1e3;
+                        format!("{dim}{what} after{dim:#} {after} ms{dim},{dim:#} {path_mm:.3} mm")
                     }
-                    None if event.tick.is_none() => writeln!(out, "  {dim}after the end{dim:#}")?,
-                    None => writeln!(out)?,
-                }
+                    None if event.tick.is_none() => format!("{dim}after the end{dim:#}"),
+                    None => String::new(),
+                };
+                let line = format!("  {:>10.3} s  {:<18}  {outcome}", event.t_s, event.what);
+                writeln!(out, "{}", line.trim_end())?;
             }
             if self.events.len() > EVENTS {
                 writeln!(out, "  {dim}… {} in all{dim:#}", self.events.len())?;

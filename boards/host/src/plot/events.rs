@@ -31,6 +31,7 @@ impl Marks {
         let cycle = scene.machine.cycle_s();
         let at = |tick: u64| x.at(tick as f64 * cycle);
         let font = Font::new(SIZE, false);
+        // Where labels and stems behind begin, per line.
         let mut starts = [f64::INFINITY; LINES];
         let mut marks: Vec<Mark> = Vec::new();
         // From the last to the first: a label stands above those behind it, and its stem beside them.
@@ -38,9 +39,13 @@ impl Marks {
             let Some(tick) = outcome.tick else { continue };
             let (x, text) = (at(tick), event.what.to_string());
             let width = font.width(&text);
-            let left = (x + 3.0).min(right - width);
-            let line = starts.iter().position(|&start| left + width + 8.0 <= start);
+            let left = if x + 3.0 + width <= right { x + 3.0 } else { x - 3.0 - width };
+            let fits = |line: &usize| {
+                left + width + 8.0 <= starts[*line] && starts[..*line].iter().all(|&start| x < start)
+            };
+            let line = (0..LINES).find(fits);
             if let Some(line) = line {
+                starts[..line].iter_mut().for_each(|start| *start = start.min(x));
                 starts[line] = left;
             }
             marks.push(Mark { x, label: line.map(|line| (line, left)), text });
