@@ -22,7 +22,7 @@ use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourSwitch, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
+    Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
     Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
@@ -334,7 +334,12 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
-            Command::Contour(_, Contour { switch: Some(ContourSwitch::Off), .. }) => {}
+            Command::Contour(head, contour) => {
+                if let Some(name) = not_available(contour) {
+                    return refuse(name);
+                }
+                self.planning.contour(contour, head.in_motion);
+            }
             Command::Spline(_, Spline::Off) => {}
             _ => return refuse(command.name()),
         }
@@ -351,4 +356,20 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         }
         Progress::Working
     }
+}
+
+/// What of contour mode this version does not have.
+fn not_available(contour: &Contour) -> Option<&'static str> {
+    match (contour.method, contour.action) {
+        (Some(ContourMethod::DistSoft), _) => return Some("#CONTOUR MODE [DIST_SOFT]"),
+        (Some(ContourMethod::DistMaster), _) => return Some("#CONTOUR MODE [DIST_MASTER]"),
+        (Some(ContourMethod::Ptp), _) => return Some("#CONTOUR MODE [PTP]"),
+        (_, Some(ContourAction::Pre)) => return Some("PRE_ACTION"),
+        (_, Some(ContourAction::Post)) => return Some("POST_ACTION"),
+        _ => {}
+    }
+    let lengths = [contour.path_dist, contour.track_dist, contour.sym_dist];
+    let shares = [contour.acc_max, contour.acc_min, contour.ramp_time, contour.dist_weight];
+    let dynamic = lengths.iter().chain(&shares).any(Option::is_some) || contour.merge.is_some();
+    dynamic.then_some("a keyword of DIST_SOFT, DIST_MASTER or PTP in #CONTOUR MODE")
 }

@@ -1,9 +1,10 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
-use crate::lookahead::{Dynamics, Lookahead, Release};
+use crate::lookahead::{Dynamics, Limits, Lookahead, Release};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Motion, MotionKind};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind};
+use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Event, Function, Phase, Sender, Slot};
@@ -58,6 +59,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     dynamics: Dynamics<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
+    contouring: Contouring<AXES>,
     lookahead: Lookahead<AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
@@ -71,8 +73,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
-    blocks: u32,
-    /// Blocks taken in.
+    /// Motion blocks taken in.
     taken: u32,
     planned: PlannedBlock,
     queue: Sender<'a, AXES>,
@@ -94,6 +95,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             main: machine.main_axes(),
             dynamics: Dynamics::new(machine),
             programmed: start,
+            contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
@@ -103,7 +105,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             rest: 0,
             position: start,
             distance: Distance::ZERO,
-            blocks: 0,
             taken: 0,
             planned: PlannedBlock::default(),
             queue,
@@ -123,7 +124,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(element) = path::line(from, to, &self.main)? {
-                    self.append(&element, motion, feed)?;
+                    self.append(&element, Form::Line, motion, feed)?;
+                } else if motion.exact_stop {
+                    // At the end of the block before.
+                    self.contouring.release(true);
+                    if !self.contouring.holds() {
+                        self.lookahead.stop_here();
+                    }
                 }
             }
             MotionKind::Arc { plane, clockwise, by } => {
@@ -134,18 +141,26 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     }
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
-                self.append(&element, motion, feed)?;
+                self.append(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
             }
         }
-        if motion.exact_stop {
-            self.lookahead.stop_here();
-        }
         Ok(())
+    }
+
+    /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
+    pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+        self.contouring.command(contour, in_motion);
+    }
+
+    /// The block taken in last gets no curve at its end.
+    pub fn keep_corner(&mut self) {
+        self.contouring.cancel();
     }
 
     fn append(
         &mut self,
         element: &Element<AXES>,
+        form: Form,
         motion: &Motion<AXES>,
         feed: Option<f32>,
     ) -> Result<(), MotionError> {
@@ -157,10 +172,35 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if to_f32(element.shape.length.to_bits()) > limits.v * SLOWEST {
             return Err(MotionError::TooSlow);
         }
-        self.lookahead.push(element, limits, feed.is_none(), &self.dynamics, motion.n, motion.place);
+        let data =
+            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
+        if self.contouring.is_idle() {
+            self.push(element, limits, &data);
+        } else {
+            let (from, to) = (self.programmed, motion.target);
+            self.contouring.take(&Block { element: *element, from, to, form, data })?;
+        }
         self.programmed = motion.target;
         self.taken = self.taken.wrapping_add(1);
         Ok(())
+    }
+
+    fn push(&mut self, element: &Element<AXES>, limits: Limits, data: &Data) {
+        let numbers = [data.number, data.n];
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
+        if data.stop {
+            self.lookahead.stop_here();
+        }
+    }
+
+    /// Takes over an element from contour mode.
+    fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
+        let Outgoing { element, data, curving } = outgoing;
+        let limits = match (&element.bounds, curving) {
+            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            _ => self.dynamics.element(element, data.feed),
+        };
+        self.push(element, limits, data);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one.
@@ -214,11 +254,25 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 Ok(Work::Working)
             }
             Stage::Releasing(left) => self.release(left),
-            Stage::Filling if self.flush && self.lookahead.is_empty() => Ok(self.come_to_rest()),
-            Stage::Filling if self.flush => Ok(self.begin_pass(usize::MAX)),
             Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass(self.lookahead.batch())),
-            Stage::Filling => Ok(Work::Hungry),
+            Stage::Filling => Ok(self.fill()),
         }
+    }
+
+    /// There is room in the look-ahead.
+    fn fill(&mut self) -> Work {
+        if let Some(outgoing) = self.contouring.outgoing() {
+            self.push_outgoing(&outgoing);
+            return Work::Working;
+        }
+        if !self.flush {
+            return Work::Hungry;
+        }
+        if self.contouring.holds() {
+            self.contouring.release(false);
+            return Work::Working;
+        }
+        if self.lookahead.is_empty() { self.come_to_rest() } else { self.begin_pass(usize::MAX) }
     }
 
     fn begin_pass(&mut self, batch: usize) -> Work {
@@ -244,7 +298,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let base = block.shape.base(&self.position);
         // There is room: asked above.
-        let (start, number) = (self.distance, self.blocks);
+        let (start, number) = (self.distance, block.number);
         let _ = self.queue.segments.push_with(|segment| {
             segment.shape = block.shape;
             segment.base = base;
@@ -255,7 +309,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.emitter.begin(&self.profile, self.distance, length);
         self.stops = v_out == Speed::ZERO;
         self.planned = PlannedBlock {
-            block: self.blocks,
+            block: block.number,
             n: block.n,
             place: block.place,
             length,
@@ -267,7 +321,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         };
         block.shape.at(length.to_bits(), &base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length.to_bits()));
-        self.blocks = self.blocks.wrapping_add(1);
         self.lookahead.drop_first();
         Ok(Work::Planned)
     }

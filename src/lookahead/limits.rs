@@ -14,7 +14,7 @@
 use crate::machine::{AxisData, MachineData};
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::path::{Element, End};
+use crate::path::{Bounds, Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
 
@@ -63,6 +63,18 @@ pub struct Limits {
     pub a_shared: f32,
 }
 
+/// What limits a curve that replaces a corner, beside the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curving {
+    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
+    pub jerk: u8,
+    /// CONST_VEL: its speed does not change.
+    pub constant: bool,
+}
+
+/// Largest change of the speed's square inside an element where the speed is to stay, relative.
+const CONSTANT: f32 = 1.0 / 8192.0;
+
 /// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
 #[derive(Clone, Copy, Debug)]
 struct Set {
@@ -72,6 +84,8 @@ struct Set {
     j: Ramps,
     /// `B`.
     budget: f32,
+    /// The least a / ramp time, at most `B`.
+    ramp_budget: f32,
     /// Speed step permitted at a knee.
     knee: f32,
     /// Acceleration left to the slope beside a knee.
@@ -103,14 +117,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
         let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        let mut limits = Limits {
-            v: SKIP * length,
-            a_up: f32::MAX,
-            a_down: f32::MAX,
-            j: [f32::MAX; 4],
-            j_shared: f32::MAX,
-            a_shared: f32::MAX,
-        };
+        let mut limits = Limits::none(SKIP * length);
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
@@ -137,6 +144,78 @@ impl<const AXES: usize> Dynamics<AXES> {
             let normal = min(normal, NORMAL_PART * a_max);
             limits.bend(curvature, length, normal, a_max, budget, circle.share);
         }
+        limits
+    }
+
+    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
+    /// its largest, share the acceleration a_max and the jerk budget:
+    ///
+    /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
+    ///
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    pub fn polynomial(
+        &self,
+        element: &Element<AXES>,
+        bounds: &Bounds<AXES>,
+        feed: Option<f32>,
+        curving: Curving,
+    ) -> Limits {
+        let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
+        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        let mut limits = Limits::none(SKIP * length);
+        if let Some(feed) = feed {
+            limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
+        }
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = sets(axis);
+            if *slope > 0.0 {
+                limits.restrict(&set, 1.0 / slope);
+            }
+            if *bend > 0.0 {
+                let normal = min(min(set.a_up, set.a_down), NORMAL_PART * axis.a_max);
+                limits.v = min(limits.v, sqrt_f32(normal / bend));
+            }
+            let budget = set.curving_budget(curving.jerk);
+            if budget < f32::MAX {
+                if *twist > 0.0 {
+                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                }
+                if *slope > 0.0 {
+                    let j = ARC_SLOPE_PART * budget / slope;
+                    for own in &mut limits.j {
+                        *own = min(*own, j);
+                    }
+                }
+            }
+        }
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = limits.v;
+        for _ in 0..ARC_SPEEDS {
+            let mut a = min(limits.a_up, limits.a_down);
+            for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+                if *slope > 0.0 {
+                    a = min(a, max(axis.a_max - bend * v * v, 0.0) / slope);
+                }
+                let budget = sets(axis).curving_budget(curving.jerk);
+                if *bend > 0.0 && budget < f32::MAX {
+                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    a = min(a, left / (3.0 * v * bend));
+                }
+            }
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        limits.v = best.1;
+        if curving.constant {
+            // Over its length the square of the speed changes by 2·a·length.
+            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+        }
+        limits.a_up = min(limits.a_up, best.2);
+        limits.a_down = min(limits.a_down, best.2);
         limits
     }
 
@@ -188,6 +267,17 @@ impl<const AXES: usize> Dynamics<AXES> {
 /// all of the budget is left to the slope.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
+impl Set {
+    /// The jerk that a curve in a corner may cause.
+    fn curving_budget(&self, check: u8) -> f32 {
+        match check {
+            0 => f32::MAX,
+            1 => self.budget,
+            _ => self.ramp_budget,
+        }
+    }
+}
+
 impl Axis {
     fn new(data: &AxisData, cycle_s: f32) -> Self {
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
@@ -201,10 +291,12 @@ impl Axis {
             let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
             let mut j = [0.0; 4];
             let mut budget = f32::MAX;
+            let mut ramp_budget = f32::MAX;
             let [mut shortest, mut longest] = [f32::MAX, 0.0];
             for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
                 *j = over(tr, k) * JERK_MARGIN;
                 budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
+                ramp_budget = min(ramp_budget, *j);
                 longest = max(longest, tr);
                 shortest = min(shortest, tr);
             }
@@ -212,7 +304,8 @@ impl Axis {
                 if data.a_trans_weight == 0 { 1.0 / longest } else { data.a_trans_weight as f32 * 1e-3 };
             let knee = min(min(a_up, a_down) * weight, KNEE_PART * a_max);
             let a_shared = if shortest < LONG_RAMP { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
-            Set { v: speed(v), a_up, a_down, j, budget, knee, a_shared }
+            let ramp_budget = min(ramp_budget, budget);
+            Set { v: speed(v), a_up, a_down, j, budget, ramp_budget, knee, a_shared }
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
         Self {
@@ -224,6 +317,12 @@ impl Axis {
 }
 
 impl Limits {
+    /// None but a speed.
+    fn none(v: f32) -> Self {
+        let most = f32::MAX;
+        Self { v, a_up: most, a_down: most, j: [most; 4], j_shared: most, a_shared: most }
+    }
+
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         Ramp::new(self.a_up, self.j[0], self.j[1])

@@ -10,7 +10,7 @@
 //! ends early at the first transition whose speed did not change.
 mod limits;
 
-pub use limits::{Dynamics, Limits};
+pub use limits::{Curving, Dynamics, Limits};
 pub(crate) use limits::{max, min};
 
 use crate::math::float::to_f32;
@@ -36,6 +36,8 @@ pub struct Block<const AXES: usize> {
     v_in: Speed,
     /// That speed was planned for a lower end speed than the one that is planned now.
     kept: bool,
+    /// Motion blocks before the one it belongs to.
+    pub number: u32,
     /// Programmed N number.
     pub n: u32,
     /// Where it stands in the text.
@@ -119,7 +121,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         mut limits: Limits,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        n: u32,
+        [number, n]: [u32; 2],
         place: Place,
     ) {
         let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
@@ -137,7 +139,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         self.last = Some(Last { exit: element.exit, length, rapid });
         let block =
-            Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, n, place };
+            Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, number, n, place };
         // There is room: the caller asked.
         let _ = self.blocks.push_back(block);
     }

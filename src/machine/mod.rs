@@ -121,12 +121,15 @@ pub struct ChannelData {
     pub feedrate_factor_milli: u32,
     /// P-CHAN-00071 `prog_start.slope.profile`: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
     pub slope_profile: u8,
+    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time,
+    /// 2 by the ramp times.
+    pub check_jerk_on_poly_path: u8,
 }
 
 impl ChannelData {
     /// The ISG defaults and a cycle of 1 ms.
     pub const fn new() -> Self {
-        Self { cycle_us: 1000, look_ahead: 120, feedrate_factor_milli: 100_000, slope_profile: 0 }
+        Self { cycle_us: 1000, look_ahead: 120, feedrate_factor_milli: 100_000, slope_profile: 0, check_jerk_on_poly_path: 1 }
     }
 }
 

@@ -93,6 +93,16 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         set: |t, milli| t.slope_profile = (milli / 1000) as u8,
         get: |t| t.slope_profile as i64 * 1000,
     },
+    Parameter {
+        id: "P-CHAN-00110",
+        name: "check_jerk_on_poly_path",
+        unit: "0 no, 1 geometric ramp time, 2 ramp times",
+        min_milli: 0,
+        max_milli: 2_000,
+        decimals: false,
+        set: |t, milli| t.check_jerk_on_poly_path = (milli / 1000) as u8,
+        get: |t| t.check_jerk_on_poly_path as i64 * 1000,
+    },
 ];
 
 /// A value outside a range that depends on another parameter.
