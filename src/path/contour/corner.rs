@@ -60,7 +60,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let curve = self.curve(&self.before.at(-c1), &self.behind.at(c2));
         let mut most = 0.0;
         if let Some(path) = tolerance.path {
-            most = curve.deviation(self.main, [&self.before, &self.behind], 0.5 * (c1 + c2)) / path;
+            most = curve.deviation(self.main, [&self.before, &self.behind], [c1, c2]) / path;
         }
         if tolerance.track > 0.0 {
             let [middle, ..] = curve.at(0.5);
@@ -144,7 +144,9 @@ impl<const AXES: usize> Course<AXES> {
                 return None;
             }
             let curve = Quintic::new(&a, &b, speed);
-            [(curve, [0.0, 0.5]), (curve, [0.5, 1.0])]
+            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as planned.
+            let u = min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+            [(curve, [0.0, u]), (curve, [u, 1.0])]
         };
         let mut course = Self { main: *main, origin: *origin, halves, at: *from, last: *to, parts: 1, done: 0 };
         while course.parts < MOST_PARTS && course.unevenness() > EVEN {

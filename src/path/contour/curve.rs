@@ -122,7 +122,7 @@ impl<const AXES: usize> Side<AXES> {
             s = side * max(side * s, 0.0);
             let site = self.at(s);
             away = plus(point, -1.0, &site.offset);
-            s += dot(main, &away, &site.tangent);
+            s += dot(main, &away, &site.tangent) / max(1.0 - dot(main, &away, &site.curvature), 0.25);
         }
         size(main, &away)
     }
@@ -224,38 +224,81 @@ impl<const AXES: usize> Quintic<AXES> {
         [above, below]
     }
 
-    /// The largest distance between curve and corner: from the corner point to the curve, and where a neighbour is
-    /// an arc, from points of the curve to the neighbours.
-    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: f32) -> f32 {
-        let mut u = 0.5;
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
+    pub fn nearest(&self, main: &Main, point: &[f32; AXES], mut u: f32) -> f32 {
         for _ in 0..NEAREST_STEPS {
             let [q, q1, q2] = self.at(u);
-            let slope = dot(main, &q1, &q1) + dot(main, &q, &q2);
+            let away = plus(&q, -1.0, point);
+            let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
             if slope > 0.0 {
-                u = min(max(u - dot(main, &q, &q1) / slope, 0.1), 0.9);
+                u = min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0);
             }
         }
-        let mut most = size(main, &self.at(u)[0]);
-        if sides.iter().any(|side| side.rate > 0.0) {
-            for i in 1..SAMPLES {
-                let u = i as f32 / SAMPLES as f32;
-                let q = self.at(u)[0];
-                let guess = reach * (2.0 * u - 1.0);
-                let [before, behind] = sides;
-                let before = before.distance(main, &q, min(guess, 0.0), -1.0);
-                let behind = behind.distance(main, &q, max(guess, 0.0), 1.0);
-                most = max(most, min(before, behind));
-            }
+        u
+    }
+
+    fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+        size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
+    }
+
+    /// The largest distance between curve and contour: from the corner to the curve, and where a neighbour is an arc,
+    /// from places along both, either way. `reach`: corner distances before and behind.
+    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> f32 {
+        let mut most = self.distance(main, &[0.0; AXES], 0.5);
+        let [before, behind] = sides;
+        if before.rate > 0.0 || behind.rate > 0.0 {
+            let block = |place: f32| if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) };
+            most = max(
+                most,
+                peak(|place| {
+                    let (q, s) = (self.at(0.5 + 0.5 * place)[0], block(place).1);
+                    let off = before.distance(main, &q, min(s, 0.0), -1.0);
+                    min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
+                }),
+            );
+            most = max(
+                most,
+                peak(|place| {
+                    let (side, s) = block(place);
+                    self.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
+                }),
+            );
         }
         most
     }
 }
 
-/// Newton's steps to the point of the curve nearest to the corner.
+/// The largest value over -1…1: the best of evenly spaced places, and uphill from there in ever shorter steps.
+fn peak(value: impl Fn(f32) -> f32) -> f32 {
+    let mut step = 1.0 / SAMPLES as f32;
+    let (mut top, mut best) = (0.0, 0.0);
+    for i in 1..2 * SAMPLES {
+        let place = i as f32 * step - 1.0;
+        let here = value(place);
+        if here > top {
+            (top, best) = (here, place);
+        }
+    }
+    for _ in 0..REFINEMENTS {
+        step *= 0.5;
+        for place in [best - step, best + step] {
+            let here = value(place);
+            if here > top {
+                (top, best) = (here, place);
+            }
+        }
+    }
+    top
+}
+
+/// How often the step is halved.
+const REFINEMENTS: usize = 4;
+
+/// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
 
-/// Places where the distance from an arc is measured.
-const SAMPLES: usize = 16;
+/// Places on each side of the corner where the distance from an arc is measured.
+const SAMPLES: usize = 8;
 
 /// Gauss's rule of eight points: places and weights of one half.
 const GAUSS: [(f32, f32); 4] = [
