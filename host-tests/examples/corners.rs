@@ -9,7 +9,7 @@ fn main() {
     let machine = machines::even::<3>(1000);
     let (mut faults, mut sharp, mut limited) = (0, 0, 0);
     let (mut most, mut least, mut uneven) = (0.0_f64, f64::INFINITY, 0.0_f64);
-    let mut elements = [0u32; 20];
+    let mut elements = [0u32; 40];
     for seed in first..last {
         if (seed - first) % 5000 == 4999 {
             println!("{} of {}", seed - first + 1, last - first);

@@ -232,7 +232,8 @@ pub fn dev(path_dev: i64) -> Contour {
 pub struct Seen {
     /// Deviation over tolerance.
     pub used: f64,
-    /// Something else than the tolerance limits the corner distance.
+    /// Something else than the tolerance limits the corner distance: half a block, a quarter of a turn, or blocks that come
+    /// so near to each other behind the corner that only a smaller curve is even.
     pub limited: bool,
     /// Largest difference between path speed and speed along the curve, relative.
     pub uneven: f64,
@@ -288,7 +289,6 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
         let (d0, d1) = (unit(s - h), unit(s + h));
         [unit(s), (0..3).map(|k| (d1[k] - d0[k]) / (2.0 * h) / length).collect()]
     };
-    let lengths = [before.main_length(), behind.main_length()];
     let first = curve[0].at(0.0);
     let last = curve[curve.len() - 1].at(1.0);
     let shares = [before.project(&first, 1.0 - 1e-9), behind.project(&last, 1e-9)];
@@ -327,41 +327,36 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
         most = most.max(0.0);
     }
     let to_curve = |point: &[f64]| {
-        let (i, least) = samples
+        let (i, _) = samples
             .iter()
             .enumerate()
             .map(|(i, q)| (i, distance(q, point)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .expect("samples");
-        // Between the samples the curve is nearly straight.
-        let near = |j: usize| {
-            let (a, b) = (&samples[i], &samples[j]);
-            let d: Vec<f64> = a.iter().zip(b).map(|(a, b)| b - a).collect();
-            let away: Vec<f64> = a.iter().zip(point).map(|(a, p)| p - a).collect();
-            let square = dot(&d, &d);
-            let u = if square > 0.0 { (dot(&away, &d) / square).clamp(0.0, 1.0) } else { 0.0 };
-            let foot: Vec<f64> = a.iter().zip(&d).map(|(a, d)| a + u * d).collect();
-            distance(&foot, point)
-        };
-        least.min(near(i.saturating_sub(1))).min(near((i + 1).min(samples.len() - 1)))
+        // Between the samples beside it the distance has one minimum.
+        let (piece, step) = (curve[i / (POINTS as usize + 1)], 1.0 / f64::from(POINTS));
+        let u = (i % (POINTS as usize + 1)) as f64 * step;
+        let [mut low, mut high] = [(u - step).max(0.0), (u + step).min(1.0)];
+        for _ in 0..30 {
+            let third = (high - low) / 3.0;
+            if distance(&piece.at(low + third), point) < distance(&piece.at(high - third), point) {
+                high -= third;
+            } else {
+                low += third;
+            }
+        }
+        distance(&piece.at(0.5 * (low + high)), point)
     };
     for i in 0..=POINTS {
         let u = f64::from(i) / f64::from(POINTS);
         most = most.max(to_curve(&before.at(shares[0] + (1.0 - shares[0]) * u)));
         most = most.max(to_curve(&behind.at(shares[1] * u)));
     }
-    if std::env::var("DBG").is_ok() {
-        let a: Vec<f64> = samples.iter().map(|q| from_block(before, q, shares[0].max(0.0)).min(from_block(behind, q, shares[1].min(1.0)))/tolerance).collect();
-        let m = a.iter().cloned().fold(0.0, f64::max);
-        eprintln!("tol {tolerance} lengths {lengths:?} shares {shares:?} c {:?} toC {} out {} at {:?} of {}", [lengths[0]*(1.0-shares[0]), lengths[1]*shares[1]], to_curve(&before.at(1.0))/tolerance, m, a.iter().position(|x| *x==m), a.len());
-        for i in 0..=16 { let u=f64::from(i)/16.0; eprint!("{:.4}/{:.4} ", to_curve(&before.at(shares[0] + (1.0 - shares[0]) * u))/tolerance, to_curve(&behind.at(shares[1] * u))/tolerance); }
-        eprintln!("{:?} {:?}", before.shape, behind.shape);
-    }
     seen.used = most / tolerance;
     let shares = [1.0 - shares[0], shares[1]];
     seen.limited = shares.iter().any(|s| *s > 0.4999);
-    for ((block, length), share) in [before, behind].into_iter().zip(lengths).zip(shares) {
-        let _ = length;
+    seen.limited |= curve.len() >= 16;
+    for (block, share) in [before, behind].into_iter().zip(shares) {
         if let crate::reference::geometry::Shape::Arc { sweep, .. } = block.shape {
             seen.limited |= sweep.abs() * share > std::f64::consts::FRAC_PI_2 * 0.9999;
         }

@@ -23,8 +23,11 @@ const NEAR: f32 = 1.2e-4;
 /// Trials for a corner distance.
 const TRIALS: usize = 16;
 
+/// What of [`AIM`] is left to elements beside the curve.
+const SLACK: f32 = 6e-5;
+
 /// Elements of half a curve at most.
-const MOST_PARTS: u32 = 8;
+const MOST_PARTS: u32 = 16;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
@@ -55,12 +58,18 @@ impl<const AXES: usize> Corner<'_, AXES> {
         Quintic::new(a, b, even_speed(self.main, a, b))
     }
 
-    /// How much of the tolerance a curve with these distances takes: 1 is all of it.
-    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2]) -> f32 {
+    /// How much of the tolerance a curve with these distances takes: 1 is all of it. And how far, mm, its elements may
+    /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest.
+    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2]) -> (f32, f32) {
         let curve = self.curve(&self.before.at(-c1), &self.behind.at(c2));
-        let mut most = 0.0;
+        let (mut most, mut slack) = (0.0, f32::MAX);
         if let Some(path) = tolerance.path {
-            most = curve.deviation(self.main, [&self.before, &self.behind], [c1, c2]) / path;
+            let sides = [&self.before, &self.behind];
+            let [corner, elsewhere] = curve.deviation(self.main, sides, [c1, c2]);
+            most = max(corner, elsewhere) / path;
+            if elsewhere > 0.0 {
+                slack = max(path - elsewhere, SLACK * path);
+            }
         }
         if tolerance.track > 0.0 {
             let [middle, ..] = curve.at(0.5);
@@ -68,22 +77,24 @@ impl<const AXES: usize> Corner<'_, AXES> {
                 most = max(most, max(*x, -*x) / tolerance.track);
             }
         }
-        most
+        (most, slack)
     }
 
     /// The largest part, at most 1, of the distances with which the curve stays inside the tolerance: regula falsi
-    /// with the Illinois rule. Blocks left out between the two are neglected.
-    pub fn reach(&self, tolerance: &Tolerance, distances: [f32; 2]) -> Option<f32> {
+    /// with the Illinois rule; and how far its elements may be beside it. Blocks left out between the two are neglected.
+    pub fn reach(&self, tolerance: &Tolerance, distances: [f32; 2]) -> Option<(f32, f32)> {
         let scaled = |part: f32| distances.map(|c| c * part);
-        let whole = self.use_of(tolerance, distances);
+        let (whole, slack) = self.use_of(tolerance, distances);
         if whole <= AIM + NEAR {
-            return Some(1.0);
+            return Some((1.0, slack));
         }
+        let mut room = 0.0;
         let ([mut low, mut high], [mut under, mut over]) = ([0.0, 1.0], [-AIM, whole - AIM]);
         let mut side = 0;
         for _ in 0..TRIALS {
             let part = low + (high - low) * (-under / (over - under));
-            let off = self.use_of(tolerance, scaled(part)) - AIM;
+            let (used, slack) = self.use_of(tolerance, scaled(part));
+            let off = used - AIM;
             if off > 0.0 {
                 (high, over) = (part, off);
                 if side == 1 {
@@ -91,18 +102,18 @@ impl<const AXES: usize> Corner<'_, AXES> {
                 }
                 side = 1;
             } else {
-                (low, under) = (part, off);
+                (low, under, room) = (part, off, slack);
                 if side == -1 {
                     over *= 0.5;
                 }
                 side = -1;
             }
             if off > -NEAR && off < NEAR {
-                return Some(part);
+                return Some((part, slack));
             }
         }
         // Not that near, but inside.
-        if low > 0.0 { Some(low) } else { None }
+        if low > 0.0 { Some((low, room)) } else { None }
     }
 }
 
@@ -125,14 +136,15 @@ pub struct Course<const AXES: usize> {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> Course<AXES> {
-    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `None` where it
-    /// cannot be made.
+    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. Elements are at most
+    /// `slack` (mm) beside it. `None` where it cannot be made.
     pub fn new(
         main: &Main,
         origin: &[Position; AXES],
         from: &Knot<AXES>,
         to: &Knot<AXES>,
         interim: Option<&[f32; AXES]>,
+        slack: f32,
     ) -> Option<Self> {
         let [a, b] = [from, to].map(|knot| site_of(knot, origin));
         let halves = if let Some(point) = interim {
@@ -149,31 +161,43 @@ impl<const AXES: usize> Course<AXES> {
             [(curve, [0.0, u]), (curve, [u, 1.0])]
         };
         let mut course = Self { main: *main, origin: *origin, halves, at: *from, last: *to, parts: 1, done: 0 };
-        while course.parts < MOST_PARTS && course.unevenness() > EVEN {
+        while !course.is_fine(slack) {
+            if course.parts >= MOST_PARTS {
+                // Through a given point the curve is what it is.
+                return interim.map(|_| course);
+            }
             course.parts *= 2;
         }
         Some(course)
     }
 
-    /// Ends and arc length of element `i`, as sites.
-    fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
-        // The joint between the halves begins the second one.
-        let half = usize::from(i >= self.parts);
-        let (curve, [u0, u1]) = &self.halves[half];
-        let within = (i - if half == 1 { self.parts } else { 0 }) as f32;
-        let u = [within, within + 1.0].map(|i| u0 + (u1 - u0) * (i / self.parts as f32));
-        (u.map(|u| curve.site(&self.main, u)), curve.length(&self.main, u[0], u[1]))
+    /// The curve of element `i`, and its parameter at the share `t` of the element.
+    fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
+        let [first, second] = &self.halves;
+        let ((curve, [u0, u1]), within) =
+            if i < self.parts { (first, i) } else { (second, i - self.parts) };
+        (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
     }
 
-    /// Largest relative error of the path speed in all elements.
-    fn unevenness(&self) -> f32 {
-        let mut most = 0.0;
-        for i in 0..2 * self.parts {
+    /// Ends and arc length of element `i`.
+    fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
+        let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
+        ([u0, u1].map(|u| curve.site(&self.main, u)), curve.length(&self.main, u0, u1))
+    }
+
+    /// Whether all elements have the right path speed, and are not too far beside the curve.
+    fn is_fine(&self, slack: f32) -> bool {
+        (0..2 * self.parts).all(|i| {
             let ([a, b], length) = self.part(i);
-            let [above, below] = Quintic::new(&a, &b, length).unevenness(&self.main, length);
-            most = max(most, max(above, below));
-        }
-        most
+            let element = Quintic::new(&a, &b, length);
+            let [above, below] = element.unevenness(&self.main, length);
+            let beside = |t: f32| {
+                let (curve, u) = self.place(i, t);
+                curve.distance(&self.main, &element.at(t)[0], u)
+            };
+            max(above, below) <= EVEN
+                && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack)
+        })
     }
 
     /// Whether the next element belongs to the first half.

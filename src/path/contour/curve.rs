@@ -115,7 +115,8 @@ impl<const AXES: usize> Side<AXES> {
     }
 
     /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
-    fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
+    /// Distance of a point from the curve.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
         let mut s = guess;
         let mut away = [0.0; AXES];
         for _ in 0..FOOT_STEPS {
@@ -237,14 +238,16 @@ impl<const AXES: usize> Quintic<AXES> {
         u
     }
 
-    fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+    /// Distance of a point from the curve, beginning to search at `u`.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
         size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
     }
 
     /// The largest distance between curve and contour: from the corner to the curve, and where a neighbour is an arc,
-    /// from places along both, either way. `reach`: corner distances before and behind.
-    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> f32 {
-        let mut most = self.distance(main, &[0.0; AXES], 0.5);
+    /// from places along both, either way; the two apart. `reach`: corner distances before and behind.
+    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> [f32; 2] {
+        let corner = self.distance(main, &[0.0; AXES], 0.5);
+        let mut most = 0.0;
         let [before, behind] = sides;
         if before.rate > 0.0 || behind.rate > 0.0 {
             let block = |place: f32| if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) };
@@ -264,7 +267,7 @@ impl<const AXES: usize> Quintic<AXES> {
                 }),
             );
         }
-        most
+        [corner, most]
     }
 }
 

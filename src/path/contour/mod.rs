@@ -121,6 +121,9 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
+/// How often a corner is made smaller.
+const SMALLER: usize = 8;
+
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
@@ -202,10 +205,10 @@ impl<const AXES: usize> Contouring<AXES> {
     fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>) -> Result<(), PathError> {
         let mut element = held.block.element;
         let data = held.block.data;
-        if let Some(rule) = held.rule
-            && let Some(cut) = self.corner(&held, next, &rule)
-        {
-            let rest = element.shape.length.to_bits() - cut.before;
+        let mut cut = held.rule.and_then(|rule| self.corner(&held, next, &rule));
+        for _ in 0..SMALLER {
+            let Some(reach) = &mut cut else { break };
+            let rest = element.shape.length.to_bits() - reach.before;
             let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
             let mut from = Knot { position: held.block.from, end: element.entry };
             if rest > 0 {
@@ -213,14 +216,14 @@ impl<const AXES: usize> Contouring<AXES> {
                 from.end = element.end_at(rest);
             }
             let mut begin = next.block.from;
-            if cut.behind > 0 {
-                next.block.element.shape.at(cut.behind, &next_base, &mut begin);
+            if reach.behind > 0 {
+                next.block.element.shape.at(reach.behind, &next_base, &mut begin);
             }
             let renewed = next.renewed(&begin, &self.main)?;
             let to = Knot { position: begin, end: renewed.entry };
             let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
-            let interim = cut.interim.as_ref();
-            if let Some(course) = Course::new(&self.main, &held.block.to, &from, &to, interim) {
+            let interim = reach.interim.as_ref();
+            if let Some(course) = Course::new(&self.main, &held.block.to, &from, &to, interim, reach.slack) {
                 self.course = Some((course, [data, next.block.data], curving));
                 next.block.element = renewed;
                 next.block.from = begin;
@@ -229,7 +232,10 @@ impl<const AXES: usize> Contouring<AXES> {
                 }
                 element.shape.length = Distance::from_bits(rest);
                 element.exit = from.end;
+                break;
             }
+            // An arc may come back so near to the other block that no even curve joins them there.
+            [reach.before, reach.behind] = [reach.before, reach.behind].map(|c| c - c / 4);
         }
         self.before = Some(Outgoing { element, data, curving: None });
         Ok(())
@@ -256,12 +262,14 @@ impl<const AXES: usize> Contouring<AXES> {
                 *whole = false;
             }
         }
+        let mut slack = f32::MAX;
         let mut distances = rule.distances(most);
         let corner = Corner { main: &self.main, before, behind };
         let tolerance = rule.tolerance();
         if !position && (tolerance.path.is_some() || tolerance.track > 0.0) {
-            let part = corner.reach(&tolerance, distances)?;
+            let (part, room) = corner.reach(&tolerance, distances)?;
             distances = distances.map(|c| c * part);
+            slack = room;
         }
         if !position && max(distances[0], distances[1]) < SHORTEST {
             return None;
@@ -273,7 +281,7 @@ impl<const AXES: usize> Contouring<AXES> {
                 ((distances[i] * ONE_44) as i64).min(length / 2)
             }
         };
-        let mut cut = Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None };
+        let mut cut = Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None, slack };
         let left = held.block.element.shape.length.to_bits();
         if left - cut.before <= held.length >> SLIVER {
             cut.before = left;
@@ -292,11 +300,13 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 }
 
-/// What a corner takes from its blocks, LSB 2^-44 mm, and the point it is to go through, from the corner.
+/// What a corner takes from its blocks, LSB 2^-44 mm, the point it is to go through, from the corner, and how far beside the
+/// curve its elements may be, mm.
 struct Cut<const AXES: usize> {
     before: i64,
     behind: i64,
     interim: Option<[f32; AXES]>,
+    slack: f32,
 }
 
 impl<const AXES: usize> Held<AXES> {
