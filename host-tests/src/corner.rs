@@ -333,19 +333,24 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
             .map(|(i, q)| (i, distance(q, point)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .expect("samples");
-        // Between the samples beside it the distance has one minimum.
-        let (piece, step) = (curve[i / (POINTS as usize + 1)], 1.0 / f64::from(POINTS));
-        let u = (i % (POINTS as usize + 1)) as f64 * step;
-        let [mut low, mut high] = [(u - step).max(0.0), (u + step).min(1.0)];
-        for _ in 0..30 {
-            let third = (high - low) / 3.0;
-            if distance(&piece.at(low + third), point) < distance(&piece.at(high - third), point) {
-                high -= third;
-            } else {
-                low += third;
+        // Between the samples beside it the distance has one minimum; they may belong to two elements.
+        let per = POINTS as usize + 1;
+        let in_piece = |i: usize| {
+            let (piece, step) = (curve[i / per], 1.0 / f64::from(POINTS));
+            let u = (i % per) as f64 * step;
+            let [mut low, mut high] = [(u - step).max(0.0), (u + step).min(1.0)];
+            for _ in 0..30 {
+                let third = (high - low) / 3.0;
+                if distance(&piece.at(low + third), point) < distance(&piece.at(high - third), point) {
+                    high -= third;
+                } else {
+                    low += third;
+                }
             }
-        }
-        distance(&piece.at(0.5 * (low + high)), point)
+            distance(&piece.at(0.5 * (low + high)), point)
+        };
+        let beside = [i.saturating_sub(1), i, (i + 1).min(samples.len() - 1)];
+        beside.into_iter().map(in_piece).fold(f64::INFINITY, f64::min)
     };
     for i in 0..=POINTS {
         let u = f64::from(i) / f64::from(POINTS);
