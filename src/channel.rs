@@ -22,8 +22,8 @@ use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
-    Step, Text,
+    Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup,
+    SlopeType, Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -60,6 +60,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             cycle_us: machine.channel.cycle_us,
             source: Source::Open,
             held: None,
+            released: 0,
         };
         Ok((planner, Interpolator::new(receiver, start)))
     }
@@ -210,6 +211,9 @@ impl core::fmt::Display for Error {
             Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
             Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
             Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
+            Self::Motion(_, MotionError::Released) => {
+                f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
+            }
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
             ),
@@ -239,6 +243,8 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     source: Source,
     /// A function that the ring of events did not take.
     held: Option<(u32, Function)>,
+    /// Axes given away by #PUT AX, bit i for axis i.
+    released: u32,
 }
 
 impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCKS> {
@@ -309,6 +315,9 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
             Command::Motion(motion) => {
+                if self.planning.moves(motion, self.released) {
+                    return Err(Error::Motion(motion.place, MotionError::Released));
+                }
                 self.planning.take(motion).map_err(|e| Error::Motion(motion.place, e))?;
             }
             Command::Dwell(_, DwellTime::Seconds(time)) => {
@@ -331,6 +340,14 @@ impl<T: Text, const AXES: usize, const BLOCKS: usize> Planner<'_, T, AXES, BLOCK
                 Some(SlopeType::Sin2) => return refuse("#SLOPE TYPE=SIN2"),
                 Some(SlopeType::Hsc) => return refuse("#SLOPE TYPE=HSC"),
             },
+            Command::PutAxes(_, axes) => {
+                self.released |= axes;
+                self.planning.keep_corner();
+            }
+            Command::CallAxes(_, axes) => {
+                self.released &= !axes;
+                self.planning.keep_corner();
+            }
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}

@@ -45,6 +45,8 @@ pub enum MotionError {
     NoFeed,
     /// It would take more than 2^26 ticks.
     TooSlow,
+    /// It moves an axis that was given away.
+    Released,
 }
 
 impl From<PathError> for MotionError {
@@ -145,6 +147,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
         }
         Ok(())
+    }
+
+    /// Whether the block moves one of these axes: bit i for axis i.
+    pub fn moves(&self, motion: &Motion<AXES>, axes: u32) -> bool {
+        let ends = motion.target.iter().zip(&self.programmed);
+        axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
     }
 
     /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.

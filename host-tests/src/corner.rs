@@ -52,7 +52,14 @@ fn direction(r: &mut Random) -> Vector {
 
 /// From the corner along `t` (or to it, with `sense` -1) over about `length`: the other end and the block. An arc in the plane
 /// in which `t` lies best.
-fn side(r: &mut Random, corner: &[i64], t: &Vector, length: f64, sense: f64, arc: bool) -> (Vec<i64>, Kind, [i64; 2]) {
+fn side(
+    r: &mut Random,
+    corner: &[i64],
+    t: &Vector,
+    length: f64,
+    sense: f64,
+    arc: bool,
+) -> (Vec<i64>, Kind, [i64; 2]) {
     let nm = |mm: f64| (mm * NM as f64).round() as i64;
     if !arc {
         let end = corner.iter().zip(t).map(|(c, t)| c + nm(sense * length * t)).collect();
@@ -67,7 +74,8 @@ fn side(r: &mut Random, corner: &[i64], t: &Vector, length: f64, sense: f64, arc
     let clockwise = r.once_in(2);
     let turn = if clockwise { -1.0 } else { 1.0 };
     // Left normal for a counter-clockwise arc.
-    let centre = [corner[p] + nm(-turn * radius * t[q] / inside), corner[q] + nm(turn * radius * t[p] / inside)];
+    let centre =
+        [corner[p] + nm(-turn * radius * t[q] / inside), corner[q] + nm(turn * radius * t[p] / inside)];
     let sweep = (length * inside / radius).min(5.0);
     let from = [corner[p] - centre[0], corner[q] - centre[1]].map(|x| x as f64 / NM as f64);
     let (sin, cos) = (sense * turn * sweep).sin_cos();
@@ -150,9 +158,12 @@ impl<const AXES: usize> Piece<AXES> {
         const SECOND: [f64; 6] = [3.75, -77.0 / 6.0, 107.0 / 6.0, -13.0, 61.0 / 12.0, -5.0 / 6.0];
         // Five steps of a fifth.
         let step = self.length() / 5.0;
-        let points: Vec<Vec<f64>> =
-            (0..6).map(|i| self.at(if at_end { 1.0 - f64::from(i) * 0.2 } else { f64::from(i) * 0.2 })).collect();
-        let sum = |weights: &[f64; 6], k: usize| weights.iter().zip(&points).map(|(w, p)| w * (p[k] - points[0][k])).sum::<f64>();
+        let points: Vec<Vec<f64>> = (0..6)
+            .map(|i| self.at(if at_end { 1.0 - f64::from(i) * 0.2 } else { f64::from(i) * 0.2 }))
+            .collect();
+        let sum = |weights: &[f64; 6], k: usize| {
+            weights.iter().zip(&points).map(|(w, p)| w * (p[k] - points[0][k])).sum::<f64>()
+        };
         let sign = if at_end { -1.0 } else { 1.0 };
         let first = (0..AXES).map(|k| sign * sum(&FIRST, k) / step).collect();
         let second = (0..AXES).map(|k| sum(&SECOND, k) / (step * step)).collect();
@@ -169,7 +180,13 @@ pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
     let mut out = Vec::new();
     for (number, block) in program.moves.iter().enumerate() {
         let to: [Position; AXES] = std::array::from_fn(|k| position(block.target[k]));
-        let data = Data { feed: Some(block.feed as f32), n: 0, place: Place::NONE, number: number as u32, stop: block.stop };
+        let data = Data {
+            feed: Some(block.feed as f32),
+            n: 0,
+            place: Place::NONE,
+            number: number as u32,
+            stop: block.stop,
+        };
         let (element, form): (Element<AXES>, Form) = match block.kind {
             Kind::Arc { plane, clockwise, by: By::Offset(offset) } => {
                 let axes = plane.axes();
@@ -293,22 +310,30 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
     let last = curve[curve.len() - 1].at(1.0);
     let shares = [before.project(&first, 1.0 - 1e-9), behind.project(&last, 1e-9)];
     let mut previous = (neighbour(before, shares[0]), [0.0; 2]);
-    let kappa = curve.iter().map(|p| p.out.element.bounds.map_or(0.0, |b| b.bend.iter().fold(0.0_f32, |a, b| a.max(*b)))).fold(0.0, f32::max);
+    let kappa = curve
+        .iter()
+        .map(|p| p.out.element.bounds.map_or(0.0, |b| b.bend.iter().fold(0.0_f32, |a, b| a.max(*b))))
+        .fold(0.0, f32::max);
     for (i, piece) in curve.iter().enumerate() {
         let (ends, noise) = piece.ends(false);
         for order in 0..2 {
-            let off = if order == 0 { apart(&ends[0], &previous.0[0]) } else { distance(&ends[1], &previous.0[1]) };
+            let off =
+                if order == 0 { apart(&ends[0], &previous.0[0]) } else { distance(&ends[1], &previous.0[1]) };
             // A millionth, or 10^-5 of the largest curvature, and what rounding makes of either side.
             let allowed = 2.0 * (noise[order] + previous.1[order]) + [1e-6, 1e-5 * f64::from(kappa)][order];
             if off > allowed {
-                return Err(format!("joint {i}, order {order}: {off} above {allowed}; {:?} {:?}", ends[order], previous.0[order]));
+                return Err(format!(
+                    "joint {i}, order {order}: {off} above {allowed}; {:?} {:?}",
+                    ends[order], previous.0[order]
+                ));
             }
         }
         previous = piece.ends(true);
     }
     let rest = neighbour(behind, shares[1]);
     for order in 0..2 {
-        let off = if order == 0 { apart(&previous.0[0], &rest[0]) } else { distance(&previous.0[1], &rest[1]) };
+        let off =
+            if order == 0 { apart(&previous.0[0], &rest[0]) } else { distance(&previous.0[1], &rest[1]) };
         let allowed = 2.0 * previous.1[order] + [1e-6, 1e-5 * f64::from(kappa)][order];
         if off > allowed {
             return Err(format!("last joint, order {order}: {off} above {allowed}"));
@@ -317,13 +342,15 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
 
     // Deviation: both ways between curve and contour.
     const POINTS: u32 = 64;
-    let samples: Vec<Vec<f64>> = curve
-        .iter()
-        .flat_map(|p| (0..=POINTS).map(|i| p.at(f64::from(i) / f64::from(POINTS))))
-        .collect();
+    let samples: Vec<Vec<f64>> =
+        curve.iter().flat_map(|p| (0..=POINTS).map(|i| p.at(f64::from(i) / f64::from(POINTS)))).collect();
     let mut most = 0.0_f64;
     for q in &samples {
-        most = most.max(from_block(before, q, shares[0].max(0.0)).min(from_block(behind, q, shares[1].min(1.0))));
+        most = most.max(from_block(before, q, shares[0].max(0.0)).min(from_block(
+            behind,
+            q,
+            shares[1].min(1.0),
+        )));
         most = most.max(0.0);
     }
     let to_curve = |point: &[f64]| {

@@ -138,8 +138,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         self.stop = false;
         self.last = Some(Last { exit: element.exit, length, rapid });
-        let block =
-            Block { shape: element.shape, limits, length, cap, v_in: Speed::ZERO, kept: false, number, n, place };
+        let block = Block {
+            shape: element.shape,
+            limits,
+            length,
+            cap,
+            v_in: Speed::ZERO,
+            kept: false,
+            number,
+            n,
+            place,
+        };
         // There is room: the caller asked.
         let _ = self.blocks.push_back(block);
     }

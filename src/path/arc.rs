@@ -222,7 +222,8 @@ impl<const AXES: usize> Element<AXES> {
         let t0 = circle.plane.map(|k| self.entry.tangent.get(k).map_or(0.0, |t| *t as f64));
         let outward = (t0[0] * r0[0] + t0[1] * r0[1]) / first;
         let unit = r.map(|x| x / length);
-        let tangent = [-unit[1] * along * ONE_40 + unit[0] * outward, unit[0] * along * ONE_40 + unit[1] * outward];
+        let tangent =
+            [-unit[1] * along * ONE_40 + unit[0] * outward, unit[0] * along * ONE_40 + unit[1] * outward];
         let bend = -along * along / length;
         for i in 0..2 {
             if let (Some(t), Some(c)) =

@@ -219,7 +219,9 @@ impl<const AXES: usize> Shape<AXES> {
             }
             Curve::Poly { power, down } => {
                 let linear = base.iter().zip(&self.gain);
-                for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
+                for ((x, (base, gain)), (power, down)) in
+                    out.iter_mut().zip(linear).zip(power.iter().zip(down))
+                {
                     *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
                 }
                 return;
@@ -231,7 +233,6 @@ impl<const AXES: usize> Shape<AXES> {
             }
         }
     }
-
 }
 
 impl Arc {

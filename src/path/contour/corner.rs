@@ -160,7 +160,8 @@ impl<const AXES: usize> Course<AXES> {
             let u = min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
             [(curve, [0.0, u]), (curve, [u, 1.0])]
         };
-        let mut course = Self { main: *main, origin: *origin, halves, at: *from, last: *to, parts: 1, done: 0 };
+        let mut course =
+            Self { main: *main, origin: *origin, halves, at: *from, last: *to, parts: 1, done: 0 };
         while !course.is_fine(slack) {
             if course.parts >= MOST_PARTS {
                 // Through a given point the curve is what it is.
@@ -174,8 +175,7 @@ impl<const AXES: usize> Course<AXES> {
     /// The curve of element `i`, and its parameter at the share `t` of the element.
     fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
         let [first, second] = &self.halves;
-        let ((curve, [u0, u1]), within) =
-            if i < self.parts { (first, i) } else { (second, i - self.parts) };
+        let ((curve, [u0, u1]), within) = if i < self.parts { (first, i) } else { (second, i - self.parts) };
         (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
     }
 

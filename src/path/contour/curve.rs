@@ -250,7 +250,9 @@ impl<const AXES: usize> Quintic<AXES> {
         let mut most = 0.0;
         let [before, behind] = sides;
         if before.rate > 0.0 || behind.rate > 0.0 {
-            let block = |place: f32| if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) };
+            let block = |place: f32| {
+                if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
+            };
             most = max(
                 most,
                 peak(|place| {

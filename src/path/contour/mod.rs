@@ -5,6 +5,10 @@
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
 //! behind the corner is made anew from where the corner's curve ends.
 //!
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
+//! to the first one that ends beyond the limit. A short block to begin with is joined to the line behind it. Where no
+//! curve comes of it, a straight line stands for the blocks left out.
+//!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
 //! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
 //! corner between them, inside the second one they do not.
@@ -15,7 +19,7 @@ mod parameters;
 pub use parameters::Parameters;
 
 use self::corner::{Corner, Course, turn};
-use self::curve::Side;
+use self::curve::{Main, Side, size};
 use super::poly::Knot;
 use super::{Element, PathError, arc, line};
 use crate::lookahead::{Curving, max};
@@ -77,8 +81,8 @@ struct Held<const AXES: usize> {
     length: i64,
     /// How its end is rounded; not at all without.
     rule: Option<Parameters>,
-    /// End of the blocks left out behind it.
-    skipped: Option<[Position; AXES]>,
+    /// End of the blocks left out behind it, and what goes with the last of them.
+    skipped: Option<([Position; AXES], Data)>,
 }
 
 /// What goes on to the look-ahead.
@@ -101,8 +105,10 @@ pub struct Contouring<const AXES: usize> {
     on: bool,
     /// G61, for the next motion block.
     once: bool,
-    /// What goes out, in this order: the block before a corner, its curve, the block behind it.
+    /// What goes out, in this order: the block before a corner, its curve or what stands for blocks left out, the block
+    /// behind it.
     before: Option<Outgoing<AXES>>,
+    bridge: Option<Outgoing<AXES>>,
     course: Option<(Course<AXES>, [Data; 2], Curving)>,
     held: Option<Held<AXES>>,
 }
@@ -124,6 +130,9 @@ const REVERSAL: f32 = 1.0 / 1024.0;
 /// How often a corner is made smaller.
 const SMALLER: usize = 8;
 
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
+const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
+
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
@@ -134,7 +143,16 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Off; `check_jerk` is P-CHAN-00110.
     pub fn new(main: [Option<usize>; 3], check_jerk: u8) -> Self {
         let parameters = Parameters::new(check_jerk);
-        Self { main, parameters, on: false, once: false, before: None, course: None, held: None }
+        Self {
+            main,
+            parameters,
+            on: false,
+            once: false,
+            before: None,
+            bridge: None,
+            course: None,
+            held: None,
+        }
     }
 
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
@@ -166,7 +184,8 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether a block can go past this stage: nothing is held back, and its end is not rounded.
     pub fn is_idle(&self) -> bool {
-        self.held.is_none() && self.before.is_none() && self.course.is_none() && !self.on && !self.once
+        let empty = self.held.is_none() && self.before.is_none() && self.bridge.is_none();
+        empty && self.course.is_none() && !self.on && !self.once
     }
 
     /// Takes in the next block; only when [`Self::outgoing`] has no more.
@@ -181,6 +200,34 @@ impl<const AXES: usize> Contouring<AXES> {
             rule: if rounds { Some(self.parameters) } else { None },
             skipped: None,
         };
+        if let Some(held) = &mut self.held
+            && let Some(rule) = held.rule
+        {
+            if rounds && held.leaves_out(&next.block, &rule, &self.main) {
+                held.skipped = Some((block.to, block.data));
+                return Ok(());
+            }
+            let straight = held.block.form == Form::Line && block.form == Form::Line;
+            let from = if straight && held.is_short(&rule) {
+                Some(held.block.from)
+            } else if held.skipped.is_some() && next.length < SYSTEM_LEAST {
+                Some(held.block.to)
+            } else {
+                None
+            };
+            if let Some(from) = from
+                && let Some(element) = line(&from, &block.to, &self.main)?
+            {
+                next.block = Block { element, from, form: Form::Line, ..*block };
+                next.length = element.shape.length.to_bits();
+                if from == held.block.to {
+                    held.skipped = None;
+                } else {
+                    // The short one to begin with is part of it.
+                    self.held = None;
+                }
+            }
+        }
         if let Some(held) = self.held.take() {
             self.join(held, &mut next)?;
         }
@@ -192,7 +239,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn release(&mut self, stop: bool) {
         if let Some(held) = &mut self.held {
             held.rule = None;
-            held.block.data.stop |= stop;
+            held.skipped.as_mut().map_or(&mut held.block.data, |(_, data)| data).stop |= stop;
         }
     }
 
@@ -238,6 +285,7 @@ impl<const AXES: usize> Contouring<AXES> {
             [reach.before, reach.behind] = [reach.before, reach.behind].map(|c| c - c / 4);
         }
         self.before = Some(Outgoing { element, data, curving: None });
+        self.bridge = held.bridge(&self.main);
         Ok(())
     }
 
@@ -281,7 +329,8 @@ impl<const AXES: usize> Contouring<AXES> {
                 ((distances[i] * ONE_44) as i64).min(length / 2)
             }
         };
-        let mut cut = Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None, slack };
+        let mut cut =
+            Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None, slack };
         let left = held.block.element.shape.length.to_bits();
         if left - cut.before <= held.length >> SLIVER {
             cut.before = left;
@@ -310,14 +359,52 @@ struct Cut<const AXES: usize> {
 }
 
 impl<const AXES: usize> Held<AXES> {
+    /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
+    fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
+        let mut travel = [0.0; AXES];
+        for (travel, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
+            *travel = to_f32(to.to_bits().saturating_sub(from.to_bits())) * LSB_32;
+        }
+        let mut others = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+        size(main, &travel) <= rule.relevant_path && others.all(|(_, x)| max(*x, -*x) <= rule.relevant_track)
+    }
+
+    /// Whether the next block is left out: it is short, and ends no further from the end of this one.
+    fn leaves_out(&self, next: &Block<AXES>, rule: &Parameters, main: &Main) -> bool {
+        let arc = next.form != Form::Line;
+        let short = !arc || to_f32(next.element.shape.length.to_bits()) * LSB_44 <= rule.relevant_path;
+        rule.method != ContourMethod::Pos
+            && short
+            && Self::is_irrelevant(&next.from, &next.to, rule, main)
+            && Self::is_irrelevant(&self.block.to, &next.to, rule, main)
+    }
+
+    /// Whether it is too short to begin a curve.
+    fn is_short(&self, rule: &Parameters) -> bool {
+        rule.method != ContourMethod::Pos && to_f32(self.length) * LSB_44 <= rule.relevant_path
+    }
+
+    /// The line in place of the blocks left out.
+    fn bridge(&self, main: &Main) -> Option<Outgoing<AXES>> {
+        let (to, data) = self.skipped?;
+        let element = line(&self.block.to, &to, main).ok().flatten()?;
+        Some(Outgoing { element, data, curving: None })
+    }
+
     /// The rest of the block from a point on it.
-    fn renewed(&self, from: &[Position; AXES], main: &[Option<usize>; 3]) -> Result<Element<AXES>, PathError> {
+    fn renewed(
+        &self,
+        from: &[Position; AXES],
+        main: &[Option<usize>; 3],
+    ) -> Result<Element<AXES>, PathError> {
         if *from == self.block.from {
             return Ok(self.block.element);
         }
         match self.block.form {
             Form::Line => Ok(line(from, &self.block.to, main)?.unwrap_or(self.block.element)),
-            Form::Arc { centre, plane, clockwise } => arc(from, &self.block.to, centre, plane, clockwise, main),
+            Form::Arc { centre, plane, clockwise } => {
+                arc(from, &self.block.to, centre, plane, clockwise, main)
+            }
         }
     }
 }
@@ -331,11 +418,19 @@ impl<const AXES: usize> Contouring<AXES> {
         if let Some((course, data, curving)) = &mut self.course {
             let data = data[usize::from(!course.is_before())];
             if let Some(element) = course.next() {
-                return Some(Outgoing { element, data: Data { stop: false, ..data }, curving: Some(*curving) });
+                return Some(Outgoing {
+                    element,
+                    data: Data { stop: false, ..data },
+                    curving: Some(*curving),
+                });
             }
             self.course = None;
         }
+        if let Some(bridge) = self.bridge.take() {
+            return Some(bridge);
+        }
         let held = self.held.take_if(|held| held.rule.is_none())?;
+        self.bridge = held.bridge(&self.main);
         Some(Outgoing { element: held.block.element, data: held.block.data, curving: None })
     }
 }
