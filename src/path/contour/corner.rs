@@ -4,8 +4,7 @@
 //! curvatures, and with a speed over its parameter that makes it even: through a corner of 90° its arc length
 //! goes with the parameter to 0.2 %. Two of them meet where the interim point is given. Elements are cut from it at
 //! places of which position, direction and curvature are computed once for both neighbours, and each is again a
-//! polynomial, now over its own arc length. With as many elements as needed their path speed is right to
-//! [`EVEN`].
+//! polynomial, now over its own arc length; as many of them as it takes for the right path speed.
 use super::curve::{Main, Quintic, Side, Site, dot, even_speed, plus, size};
 use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
@@ -13,8 +12,11 @@ use crate::path::poly::{Knot, poly};
 use crate::path::{Element, End};
 use crate::quantity::Position;
 
-/// Largest relative difference between path speed and speed along the curve.
+/// Largest relative difference between path speed and speed along the curve; half of it where the speed is to be
+/// constant.
 pub const EVEN: f32 = 9e-4;
+/// See [`EVEN`].
+pub const CONSTANT: f32 = 4e-4;
 
 /// Part of a tolerance that is aimed at, and how closely: the rest is for rounding.
 const AIM: f32 = 1.0 - 2e-4;
@@ -136,15 +138,15 @@ pub struct Course<const AXES: usize> {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> Course<AXES> {
-    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. Elements are at most
-    /// `slack` (mm) beside it. `None` where it cannot be made.
+    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. The path speed in
+    /// its elements is right to `even` (relative), and they are at most `slack` (mm) beside it. `None` where it cannot be made.
     pub fn new(
         main: &Main,
         origin: &[Position; AXES],
         from: &Knot<AXES>,
         to: &Knot<AXES>,
         interim: Option<&[f32; AXES]>,
-        slack: f32,
+        [even, slack]: [f32; 2],
     ) -> Option<Self> {
         let [a, b] = [from, to].map(|knot| site_of(knot, origin));
         let halves = if let Some(point) = interim {
@@ -162,7 +164,7 @@ impl<const AXES: usize> Course<AXES> {
         };
         let mut course =
             Self { main: *main, origin: *origin, halves, at: *from, last: *to, parts: 1, done: 0 };
-        while !course.is_fine(slack) {
+        while !course.is_fine(even, slack) {
             if course.parts >= MOST_PARTS {
                 // Through a given point the curve is what it is.
                 return interim.map(|_| course);
@@ -186,7 +188,7 @@ impl<const AXES: usize> Course<AXES> {
     }
 
     /// Whether all elements have the right path speed, and are not too far beside the curve.
-    fn is_fine(&self, slack: f32) -> bool {
+    fn is_fine(&self, even: f32, slack: f32) -> bool {
         (0..2 * self.parts).all(|i| {
             let ([a, b], length) = self.part(i);
             let element = Quintic::new(&a, &b, length);
@@ -195,7 +197,7 @@ impl<const AXES: usize> Course<AXES> {
                 let (curve, u) = self.place(i, t);
                 curve.distance(&self.main, &element.at(t)[0], u)
             };
-            max(above, below) <= EVEN
+            max(above, below) <= even
                 && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack)
         })
     }

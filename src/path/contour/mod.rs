@@ -18,7 +18,7 @@ mod parameters;
 
 pub use parameters::Parameters;
 
-use self::corner::{Corner, Course, turn};
+use self::corner::{CONSTANT, Corner, Course, EVEN, turn};
 use self::curve::{Main, Side, size};
 use super::poly::Knot;
 use super::{Element, PathError, arc, line};
@@ -270,7 +270,8 @@ impl<const AXES: usize> Contouring<AXES> {
             let to = Knot { position: begin, end: renewed.entry };
             let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
             let interim = reach.interim.as_ref();
-            if let Some(course) = Course::new(&self.main, &held.block.to, &from, &to, interim, reach.slack) {
+            let even = if curving.constant { CONSTANT } else { EVEN };
+            if let Some(course) = Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack]) {
                 self.course = Some((course, [data, next.block.data], curving));
                 next.block.element = renewed;
                 next.block.from = begin;
@@ -285,7 +286,9 @@ impl<const AXES: usize> Contouring<AXES> {
             [reach.before, reach.behind] = [reach.before, reach.behind].map(|c| c - c / 4);
         }
         self.before = Some(Outgoing { element, data, curving: None });
-        self.bridge = held.bridge(&self.main);
+        if self.course.is_none() {
+            self.bridge = held.bridge(&self.main);
+        }
         Ok(())
     }
 
