@@ -129,7 +129,13 @@ pub struct ChannelData {
 impl ChannelData {
     /// The ISG defaults and a cycle of 1 ms.
     pub const fn new() -> Self {
-        Self { cycle_us: 1000, look_ahead: 120, feedrate_factor_milli: 100_000, slope_profile: 0, check_jerk_on_poly_path: 1 }
+        Self {
+            cycle_us: 1000,
+            look_ahead: 120,
+            feedrate_factor_milli: 100_000,
+            slope_profile: 0,
+            check_jerk_on_poly_path: 1,
+        }
     }
 }
 

@@ -154,7 +154,7 @@ impl<const AXES: usize> Course<AXES> {
             [(first, [0.0, 1.0]), (second, [0.0, 1.0])]
         } else {
             let speed = even_speed(main, &a, &b);
-            if !(speed > 0.0) {
+            if speed <= 0.0 {
                 return None;
             }
             let curve = Quintic::new(&a, &b, speed);
@@ -238,11 +238,12 @@ fn through<const AXES: usize>(
     b: &Site<AXES>,
 ) -> Option<[Quintic<AXES>; 2]> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
-    let mut lengths = [size(main, &travel[0]), size(main, &travel[1])];
+    let chords = [size(main, &travel[0]), size(main, &travel[1])];
+    let mut lengths = chords;
     let mut curves = None;
     for _ in 0..=LENGTHS {
         let [h1, h2] = lengths;
-        if !(h1 > 0.0 && h2 > 0.0) {
+        if h1 <= 0.0 || h2 <= 0.0 {
             return None;
         }
         let (r1, r2) = (1.0 / h1, 1.0 / h2);
@@ -269,7 +270,11 @@ fn through<const AXES: usize>(
         }
         let first = Quintic::new(a, &middle, h1);
         let second = Quintic::new(&middle, b, h2);
-        lengths = [first.length(main, 0.0, 1.0), second.length(main, 0.0, 1.0)];
+        // No longer than twice the way: what is longer would swing out the further.
+        lengths = [
+            min(first.length(main, 0.0, 1.0), 2.0 * chords[0]),
+            min(second.length(main, 0.0, 1.0), 2.0 * chords[1]),
+        ];
         curves = Some([first, second]);
     }
     curves

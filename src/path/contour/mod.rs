@@ -271,7 +271,9 @@ impl<const AXES: usize> Contouring<AXES> {
             let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
             let interim = reach.interim.as_ref();
             let even = if curving.constant { CONSTANT } else { EVEN };
-            if let Some(course) = Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack]) {
+            if let Some(course) =
+                Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack])
+            {
                 self.course = Some((course, [data, next.block.data], curving));
                 next.block.element = renewed;
                 next.block.from = begin;
