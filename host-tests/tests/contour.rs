@@ -231,7 +231,7 @@ fn distances_stay_inside_half_a_block_and_what_is_to_remain() {
     let all = run(&text(""));
     assert!((all.lengths(10)[0] - 80.0).abs() < 1e-9, "{:?}", all.lengths(10));
     let curve: f64 = all.lengths(20).iter().sum();
-    assert!(all.lengths(20).len() % 2 == 0 && curve < 40.0, "{:?}", all.lengths(20));
+    assert!(all.lengths(20).len().is_multiple_of(2) && curve < 40.0, "{:?}", all.lengths(20));
     // 10 % remain: 45 % for each corner.
     let part = run(&text("REMAIN_PART=10"));
     assert!((part.lengths(10)[0] - 82.0).abs() < 1e-4, "{:?}", part.lengths(10));
@@ -468,4 +468,23 @@ fn tracking_axes_bend_along_and_keep_their_tolerance() {
     assert_eq!(round(&straight, &machine, &dev(1_000_000)).len(), 2);
     let bound = round(&straight, &machine, &Contour { track_dev: degrees(100_000), ..dev(1_000_000) });
     assert!(bound.len() > 2 && (0.0995..=0.1).contains(&off(&bound)), "{}", bound.len());
+}
+
+#[test]
+fn what_cannot_be_a_curve_stays_a_corner() {
+    for mode in [
+        "DEV PATH_DEV=0",
+        "DEV REMAIN_PART=100",
+        "DIST PRE_DIST=0 POST_DIST=0",
+        "POS PRE_DIST=1 POST_DIST=1 X90000 Y-90000 Z0",
+    ] {
+        let run = run(&format!("#CONTOUR MODE [{mode}]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n"));
+        assert!(run.distance([100.0, 0.0]) < 1e-2 && run.blocks.len() == 2, "{mode}: {}", run.blocks.len());
+        assert_eq!(run.trace.mm(run.trace.len() - 1), [100.0, 100.0, 0.0]);
+    }
+    // A long way round is one where there is room for it.
+    let far = run(
+        "#CONTOUR MODE [POS PRE_DIST=1 POST_DIST=1 X400 Y-300 Z50]\nN10 G01 X100 G61 F60000\nN20 Y100\nM30\n",
+    );
+    assert!(far.distance([400.0, -300.0]) < 1.0);
 }

@@ -28,6 +28,9 @@ const TRIALS: usize = 16;
 /// What of [`AIM`] is left to elements beside the curve.
 const SLACK: f32 = 6e-5;
 
+/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
+const HEAVIEST: f32 = 4096.0;
+
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
 
@@ -167,7 +170,7 @@ impl<const AXES: usize> Course<AXES> {
         while !course.is_fine(even, slack) {
             if course.parts >= MOST_PARTS {
                 // Through a given point the curve is what it is.
-                return interim.map(|_| course);
+                return if interim.is_some() && course.fits() { Some(course) } else { None };
             }
             course.parts *= 2;
         }
@@ -197,8 +200,17 @@ impl<const AXES: usize> Course<AXES> {
                 let (curve, u) = self.place(i, t);
                 curve.distance(&self.main, &element.at(t)[0], u)
             };
-            max(above, below) <= even
+            element.weight() < HEAVIEST
+                && max(above, below) <= even
                 && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack)
+        })
+    }
+
+    /// Whether the format of a polynomial holds every element.
+    fn fits(&self) -> bool {
+        (0..2 * self.parts).all(|i| {
+            let ([a, b], length) = self.part(i);
+            Quintic::new(&a, &b, length).weight() < HEAVIEST
         })
     }
 

@@ -171,6 +171,17 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power }
     }
 
+    /// The largest sum of the coefficients of an axis, and of the travel.
+    pub fn weight(&self) -> f32 {
+        let [_, rest @ ..] = &self.power;
+        let mut most = 0.0;
+        for k in 0..AXES {
+            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| max(*x, -*x));
+            most = max(most, rest.iter().map(size).sum());
+        }
+        most
+    }
+
     /// Point, first and second derivative.
     pub fn at(&self, u: f32) -> [[f32; AXES]; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
