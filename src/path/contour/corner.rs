@@ -64,17 +64,19 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 
     /// How much of the tolerance a curve with these distances takes: 1 is all of it. And how far, mm, its elements may
-    /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest.
-    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2]) -> (f32, f32) {
+    /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest. `along`: beside
+    /// arcs it is looked for elsewhere too, which is a hundred times the work.
+    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2], along: bool) -> (f32, f32) {
         let curve = self.curve(&self.before.at(-c1), &self.behind.at(c2));
         let (mut most, mut slack) = (0.0, f32::MAX);
         if let Some(path) = tolerance.path {
-            let sides = [&self.before, &self.behind];
-            let [corner, elsewhere] = curve.deviation(self.main, sides, [c1, c2]);
-            most = max(corner, elsewhere) / path;
-            if elsewhere > 0.0 {
+            let mut off = curve.distance(self.main, &[0.0; AXES], 0.5);
+            if along {
+                let elsewhere = curve.deviation(self.main, [&self.before, &self.behind], [c1, c2]);
+                off = max(off, elsewhere);
                 slack = max(path - elsewhere, SLACK * path);
             }
+            most = off / path;
         }
         if tolerance.track > 0.0 {
             let [middle, ..] = curve.at(0.5);
@@ -85,11 +87,22 @@ impl<const AXES: usize> Corner<'_, AXES> {
         (most, slack)
     }
 
-    /// The largest part, at most 1, of the distances with which the curve stays inside the tolerance: regula falsi
-    /// with the Illinois rule; and how far its elements may be beside it. Blocks left out between the two are neglected.
+    /// The largest part, at most 1, of the distances with which the curve stays inside the tolerance, and how far its
+    /// elements may be beside it. Blocks left out between the two are neglected.
     pub fn reach(&self, tolerance: &Tolerance, distances: [f32; 2]) -> Option<(f32, f32)> {
+        let (first, slack) = self.search(tolerance, distances, false)?;
+        if tolerance.path.is_none() || (self.before.rate == 0.0 && self.behind.rate == 0.0) {
+            return Some((first, slack));
+        }
+        // Mostly that is it.
+        let (second, slack) = self.search(tolerance, distances.map(|c| c * first), true)?;
+        Some((first * second, slack))
+    }
+
+    /// Regula falsi with the Illinois rule.
+    fn search(&self, tolerance: &Tolerance, distances: [f32; 2], along: bool) -> Option<(f32, f32)> {
         let scaled = |part: f32| distances.map(|c| c * part);
-        let (whole, slack) = self.use_of(tolerance, distances);
+        let (whole, slack) = self.use_of(tolerance, distances, along);
         if whole <= AIM + NEAR {
             return Some((1.0, slack));
         }
@@ -98,7 +111,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let mut side = 0;
         for _ in 0..TRIALS {
             let part = low + (high - low) * (-under / (over - under));
-            let (used, slack) = self.use_of(tolerance, scaled(part));
+            let (used, slack) = self.use_of(tolerance, scaled(part), along);
             let off = used - AIM;
             if off > 0.0 {
                 (high, over) = (part, off);
