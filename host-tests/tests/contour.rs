@@ -131,6 +131,30 @@ fn switches_in_blocks_and_between_them_round_the_same_corners() {
 }
 
 #[test]
+fn on_and_off_by_command_and_whatever_the_feed() {
+    let text = |on: &str, off: &str, feed: u32| {
+        format!("N10 G01 X0 Y0 F{feed}\n{on}\nN30 X50\nN40 Y50\nN50 X0\nN60 Y0\n{off}\nN70 X10\nM30\n")
+    };
+    let command = run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0]", "#CONTOUR MODE OFF", 6000));
+    let words = run(&text("#CONTOUR MODE [DEV PATH_DEV=1.0]\nG261", "G260", 6000));
+    assert_eq!(command.digest, words.digest);
+    assert!(command.distance([0.0, 50.0]) > 0.999 && command.distance([0.0, 0.0]) == 0.0);
+    let slow = run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0]", "#CONTOUR MODE OFF", 500));
+    for n in [30, 40, 50, 60] {
+        assert_eq!(command.lengths(n), slow.lengths(n));
+    }
+}
+
+#[test]
+fn straight_on_and_straight_back_get_no_curve() {
+    for text in ["G261\nN10 G01 X10 F1000\nN20 X20\nM30\n", "G261\nN10 G01 X10 F1000\nN20 X2\nM30\n"] {
+        let run = run(text);
+        assert_eq!(run.blocks.len(), 2, "{text}");
+        assert!(run.distance([10.0, 0.0]) < 0.02);
+    }
+}
+
+#[test]
 fn the_last_block_of_a_program_ends_where_it_should() {
     for text in [
         "N10 G01 G61 X10 F1000\nM30\n",
@@ -207,7 +231,7 @@ fn distances_stay_inside_half_a_block_and_what_is_to_remain() {
     let all = run(&text(""));
     assert!((all.lengths(10)[0] - 80.0).abs() < 1e-9, "{:?}", all.lengths(10));
     let curve: f64 = all.lengths(20).iter().sum();
-    assert!(all.lengths(20).len() % 2 == 0 && curve < 40.0, "{:?}", all.lengths(20));
+    assert!(all.lengths(20).len().is_multiple_of(2) && curve < 40.0, "{:?}", all.lengths(20));
     // 10 % remain: 45 % for each corner.
     let part = run(&text("REMAIN_PART=10"));
     assert!((part.lengths(10)[0] - 82.0).abs() < 1e-4, "{:?}", part.lengths(10));
@@ -255,6 +279,15 @@ fn short_blocks_are_left_out() {
         ended.trace.mm(ended.trace.len() - 1),
         [5.5, 0.3, 0.0].map(|x: f64| set_point((x * 1e6) as i64) as f64 / (1u64 << 32) as f64)
     );
+    // A way out of the sphere below 16 µm becomes a line from where the blocks left out began.
+    let replaced = super_short("N05 X5.6 Y0.79\nN06 X5.6 Y0.795\nN07 X5.607 Y0.805\nN08 X9 Y9\n");
+    assert!([5, 6].iter().all(|n| replaced.lengths(*n).is_empty()), "{:?}", replaced.lengths(6));
+    let curve_and_rest: f64 = replaced.lengths(7).iter().sum();
+    assert!(curve_and_rest > 0.5, "{:?}", replaced.lengths(7));
+    // Other parameters end it where it is.
+    let changed = super_short("N05 X5.3 Y0.4\n#CONTOUR MODE [PATH_DEV=0.5]\nN06 Y9\nN07 X9\n");
+    let there = changed.distance([5.3, 0.4]);
+    assert!(there < 0.01 && changed.lengths(5).len() == 1 && changed.lengths(6).len() > 1, "{there}");
     // Below 32 µm everything is short, whatever is programmed.
     let tiny = run_tiny();
     assert!(tiny.lengths(20).is_empty());
@@ -435,4 +468,23 @@ fn tracking_axes_bend_along_and_keep_their_tolerance() {
     assert_eq!(round(&straight, &machine, &dev(1_000_000)).len(), 2);
     let bound = round(&straight, &machine, &Contour { track_dev: degrees(100_000), ..dev(1_000_000) });
     assert!(bound.len() > 2 && (0.0995..=0.1).contains(&off(&bound)), "{}", bound.len());
+}
+
+#[test]
+fn what_cannot_be_a_curve_stays_a_corner() {
+    for mode in [
+        "DEV PATH_DEV=0",
+        "DEV REMAIN_PART=100",
+        "DIST PRE_DIST=0 POST_DIST=0",
+        "POS PRE_DIST=1 POST_DIST=1 X90000 Y-90000 Z0",
+    ] {
+        let run = run(&format!("#CONTOUR MODE [{mode}]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n"));
+        assert!(run.distance([100.0, 0.0]) < 1e-2 && run.blocks.len() == 2, "{mode}: {}", run.blocks.len());
+        assert_eq!(run.trace.mm(run.trace.len() - 1), [100.0, 100.0, 0.0]);
+    }
+    // A long way round is one where there is room for it.
+    let far = run(
+        "#CONTOUR MODE [POS PRE_DIST=1 POST_DIST=1 X400 Y-300 Z50]\nN10 G01 X100 G61 F60000\nN20 Y100\nM30\n",
+    );
+    assert!(far.distance([400.0, -300.0]) < 1.0);
 }

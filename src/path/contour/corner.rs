@@ -28,6 +28,9 @@ const TRIALS: usize = 16;
 /// What of [`AIM`] is left to elements beside the curve.
 const SLACK: f32 = 6e-5;
 
+/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
+const HEAVIEST: f32 = 4096.0;
+
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
 
@@ -61,17 +64,19 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 
     /// How much of the tolerance a curve with these distances takes: 1 is all of it. And how far, mm, its elements may
-    /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest.
-    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2]) -> (f32, f32) {
+    /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest. `along`: beside
+    /// arcs it is looked for elsewhere too, which is a hundred times the work.
+    fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2], along: bool) -> (f32, f32) {
         let curve = self.curve(&self.before.at(-c1), &self.behind.at(c2));
         let (mut most, mut slack) = (0.0, f32::MAX);
         if let Some(path) = tolerance.path {
-            let sides = [&self.before, &self.behind];
-            let [corner, elsewhere] = curve.deviation(self.main, sides, [c1, c2]);
-            most = max(corner, elsewhere) / path;
-            if elsewhere > 0.0 {
+            let mut off = curve.distance(self.main, &[0.0; AXES], 0.5);
+            if along {
+                let elsewhere = curve.deviation(self.main, [&self.before, &self.behind], [c1, c2]);
+                off = max(off, elsewhere);
                 slack = max(path - elsewhere, SLACK * path);
             }
+            most = off / path;
         }
         if tolerance.track > 0.0 {
             let [middle, ..] = curve.at(0.5);
@@ -82,11 +87,22 @@ impl<const AXES: usize> Corner<'_, AXES> {
         (most, slack)
     }
 
-    /// The largest part, at most 1, of the distances with which the curve stays inside the tolerance: regula falsi
-    /// with the Illinois rule; and how far its elements may be beside it. Blocks left out between the two are neglected.
+    /// The largest part, at most 1, of the distances with which the curve stays inside the tolerance, and how far its
+    /// elements may be beside it. Blocks left out between the two are neglected.
     pub fn reach(&self, tolerance: &Tolerance, distances: [f32; 2]) -> Option<(f32, f32)> {
+        let (first, slack) = self.search(tolerance, distances, false)?;
+        if tolerance.path.is_none() || (self.before.rate == 0.0 && self.behind.rate == 0.0) {
+            return Some((first, slack));
+        }
+        // Mostly that is it.
+        let (second, slack) = self.search(tolerance, distances.map(|c| c * first), true)?;
+        Some((first * second, slack))
+    }
+
+    /// Regula falsi with the Illinois rule.
+    fn search(&self, tolerance: &Tolerance, distances: [f32; 2], along: bool) -> Option<(f32, f32)> {
         let scaled = |part: f32| distances.map(|c| c * part);
-        let (whole, slack) = self.use_of(tolerance, distances);
+        let (whole, slack) = self.use_of(tolerance, distances, along);
         if whole <= AIM + NEAR {
             return Some((1.0, slack));
         }
@@ -95,7 +111,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let mut side = 0;
         for _ in 0..TRIALS {
             let part = low + (high - low) * (-under / (over - under));
-            let (used, slack) = self.use_of(tolerance, scaled(part));
+            let (used, slack) = self.use_of(tolerance, scaled(part), along);
             let off = used - AIM;
             if off > 0.0 {
                 (high, over) = (part, off);
@@ -154,7 +170,7 @@ impl<const AXES: usize> Course<AXES> {
             [(first, [0.0, 1.0]), (second, [0.0, 1.0])]
         } else {
             let speed = even_speed(main, &a, &b);
-            if !(speed > 0.0) {
+            if speed <= 0.0 {
                 return None;
             }
             let curve = Quintic::new(&a, &b, speed);
@@ -167,7 +183,7 @@ impl<const AXES: usize> Course<AXES> {
         while !course.is_fine(even, slack) {
             if course.parts >= MOST_PARTS {
                 // Through a given point the curve is what it is.
-                return interim.map(|_| course);
+                return if interim.is_some() && course.fits() { Some(course) } else { None };
             }
             course.parts *= 2;
         }
@@ -197,8 +213,17 @@ impl<const AXES: usize> Course<AXES> {
                 let (curve, u) = self.place(i, t);
                 curve.distance(&self.main, &element.at(t)[0], u)
             };
-            max(above, below) <= even
+            element.weight() < HEAVIEST
+                && max(above, below) <= even
                 && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack)
+        })
+    }
+
+    /// Whether the format of a polynomial holds every element.
+    fn fits(&self) -> bool {
+        (0..2 * self.parts).all(|i| {
+            let ([a, b], length) = self.part(i);
+            Quintic::new(&a, &b, length).weight() < HEAVIEST
         })
     }
 
@@ -238,11 +263,12 @@ fn through<const AXES: usize>(
     b: &Site<AXES>,
 ) -> Option<[Quintic<AXES>; 2]> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
-    let mut lengths = [size(main, &travel[0]), size(main, &travel[1])];
+    let chords = [size(main, &travel[0]), size(main, &travel[1])];
+    let mut lengths = chords;
     let mut curves = None;
     for _ in 0..=LENGTHS {
         let [h1, h2] = lengths;
-        if !(h1 > 0.0 && h2 > 0.0) {
+        if h1 <= 0.0 || h2 <= 0.0 {
             return None;
         }
         let (r1, r2) = (1.0 / h1, 1.0 / h2);
@@ -269,7 +295,11 @@ fn through<const AXES: usize>(
         }
         let first = Quintic::new(a, &middle, h1);
         let second = Quintic::new(&middle, b, h2);
-        lengths = [first.length(main, 0.0, 1.0), second.length(main, 0.0, 1.0)];
+        // No longer than twice the way: what is longer would swing out the further.
+        lengths = [
+            min(first.length(main, 0.0, 1.0), 2.0 * chords[0]),
+            min(second.length(main, 0.0, 1.0), 2.0 * chords[1]),
+        ];
         curves = Some([first, second]);
     }
     curves

@@ -171,6 +171,17 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power }
     }
 
+    /// The largest sum of the coefficients of an axis, and of the travel.
+    pub fn weight(&self) -> f32 {
+        let [_, rest @ ..] = &self.power;
+        let mut most = 0.0;
+        for k in 0..AXES {
+            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| max(*x, -*x));
+            most = max(most, rest.iter().map(size).sum());
+        }
+        most
+    }
+
     /// Point, first and second derivative.
     pub fn at(&self, u: f32) -> [[f32; AXES]; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
@@ -243,41 +254,31 @@ impl<const AXES: usize> Quintic<AXES> {
         size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
     }
 
-    /// The largest distance between curve and contour: from the corner to the curve, and where a neighbour is an arc,
-    /// from places along both, either way; the two apart. `reach`: corner distances before and behind.
-    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> [f32; 2] {
-        let corner = self.distance(main, &[0.0; AXES], 0.5);
-        let mut most = 0.0;
+    /// The largest distance between curve and contour from places along both, either way. `reach`: corner distances
+    /// before and behind.
+    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> f32 {
         let [before, behind] = sides;
-        if before.rate > 0.0 || behind.rate > 0.0 {
-            let block = |place: f32| {
-                if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
-            };
-            most = max(
-                most,
-                peak(|place| {
-                    let (q, s) = (self.at(0.5 + 0.5 * place)[0], block(place).1);
-                    let off = before.distance(main, &q, min(s, 0.0), -1.0);
-                    min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
-                }),
-            );
-            most = max(
-                most,
-                peak(|place| {
-                    let (side, s) = block(place);
-                    self.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
-                }),
-            );
-        }
-        [corner, most]
+        let block = |place: f32| {
+            if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
+        };
+        let outward = peak(|place| {
+            let (q, s) = (self.at(0.5 + 0.5 * place)[0], block(place).1);
+            let off = before.distance(main, &q, min(s, 0.0), -1.0);
+            min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
+        });
+        let inward = peak(|place| {
+            let (side, s) = block(place);
+            self.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
+        });
+        max(inward, outward)
     }
 }
 
-/// The largest value over -1…1: the best of evenly spaced places, and uphill from there in ever shorter steps.
+/// The largest value over -1…1: the best of evenly spaced places beside 0, and uphill from there in ever shorter steps.
 fn peak(value: impl Fn(f32) -> f32) -> f32 {
     let mut step = 1.0 / SAMPLES as f32;
     let (mut top, mut best) = (0.0, 0.0);
-    for i in 1..2 * SAMPLES {
+    for i in (1..2 * SAMPLES).filter(|i| *i != SAMPLES) {
         let place = i as f32 * step - 1.0;
         let here = value(place);
         if here > top {

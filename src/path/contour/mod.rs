@@ -191,7 +191,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Takes in the next block; only when [`Self::outgoing`] has no more.
     ///
     /// # Errors
-    /// The rest of the block behind a corner has no curve; in that case nothing is rounded.
+    /// The line in place of blocks left out is too long.
     pub fn take(&mut self, block: &Block<AXES>) -> Result<(), PathError> {
         let rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
         let mut next = Held {
@@ -229,7 +229,7 @@ impl<const AXES: usize> Contouring<AXES> {
             }
         }
         if let Some(held) = self.held.take() {
-            self.join(held, &mut next)?;
+            self.join(held, &mut next);
         }
         self.held = Some(next);
         Ok(())
@@ -249,7 +249,7 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// The block that is left of `held` goes out, with a curve to `next` if there is one.
-    fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>) -> Result<(), PathError> {
+    fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>) {
         let mut element = held.block.element;
         let data = held.block.data;
         let mut cut = held.rule.and_then(|rule| self.corner(&held, next, &rule));
@@ -266,7 +266,7 @@ impl<const AXES: usize> Contouring<AXES> {
             if reach.behind > 0 {
                 next.block.element.shape.at(reach.behind, &next_base, &mut begin);
             }
-            let renewed = next.renewed(&begin, &self.main)?;
+            let Ok(renewed) = next.renewed(&begin, &self.main) else { break };
             let to = Knot { position: begin, end: renewed.entry };
             let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
             let interim = reach.interim.as_ref();
@@ -278,7 +278,7 @@ impl<const AXES: usize> Contouring<AXES> {
                 next.block.element = renewed;
                 next.block.from = begin;
                 if rest == 0 {
-                    return Ok(());
+                    return;
                 }
                 element.shape.length = Distance::from_bits(rest);
                 element.exit = from.end;
@@ -291,7 +291,6 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.course.is_none() {
             self.bridge = held.bridge(&self.main);
         }
-        Ok(())
     }
 
     /// Whether and how far a curve reaches into both blocks.

@@ -105,7 +105,8 @@ impl Parameters {
     /// the largest angle.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
-        !tangential && turn.cosine >= REVERSAL && (with_arc || turn.sine <= self.max_angle)
+        let tolerated = self.method != ContourMethod::Dev || self.path_dev > 0.0;
+        tolerated && !tangential && turn.cosine >= REVERSAL && (with_arc || turn.sine <= self.max_angle)
     }
 
     /// Corner distances that are asked for, or allowed where a tolerance decides.
