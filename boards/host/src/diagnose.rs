@@ -40,10 +40,16 @@ impl Source {
         std::iter::once(0).chain(ends.map(|at| at + 1))
     }
 
+    /// All lines, without what ends them.
+    pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
+        self.line_starts().map(|start| {
+            let line = self.text[start..].split(|byte| matches!(byte, b'\n' | b'\r')).next();
+            line.unwrap_or(b"")
+        })
+    }
+
     fn line(&self, number: usize) -> &[u8] {
-        let start = self.line_starts().nth(number.saturating_sub(1)).unwrap_or(self.text.len());
-        let line = self.text[start..].split(|byte| matches!(byte, b'\n' | b'\r')).next();
-        line.unwrap_or(b"")
+        self.lines().nth(number.saturating_sub(1)).unwrap_or(b"")
     }
 }
 

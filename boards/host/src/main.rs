@@ -6,6 +6,7 @@
 mod contour;
 mod decimal;
 mod diagnose;
+mod events;
 mod files;
 mod machine;
 mod output;
@@ -18,10 +19,12 @@ mod trace;
 
 use clap::{Parser, Subcommand};
 use diagnose::Diagnostic;
+use events::Script;
 use files::Files;
-use machine::Machine;
+use machine::{Machine, Overrides};
 use output::Outputs;
 use program::Undecoded;
+use run::Wanted;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -49,15 +52,34 @@ struct Input {
     /// Machine data (TOML); without it the built-in three-axis machine.
     #[arg(long, value_name = "FILE.toml")]
     machine: Option<PathBuf>,
+    /// Slope at program start, in place of P-CHAN-00071.
+    #[arg(long, value_enum)]
+    slope: Option<Slope>,
+    /// Blocks of look-ahead, in place of P-STUP-00071 (P-CHAN-00653).
+    #[arg(long, value_name = "N")]
+    look_ahead: Option<u32>,
     /// Commands (motions, functions, switches) after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
+}
+
+/// The slopes of P-CHAN-00071 in their order.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Slope {
+    Step,
+    Trapez,
+    Sin2,
+    Hsc,
 }
 
 #[derive(clap::Args)]
 struct Run {
     #[command(flatten)]
     input: Input,
+    /// Events from outside, one per line: `<seconds> override <percent>`, `feedhold`, `resume`, `abort`,
+    /// `reduced on|off`, `starve <seconds>`.
+    #[arg(long, value_name = "FILE")]
+    events: Option<PathBuf>,
     /// Every set point of every tick, as exact decimals.
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
@@ -91,37 +113,47 @@ fn main() -> ExitCode {
 /// What stops a run, at least one.
 type Refusal = Vec<Diagnostic>;
 
-fn load(machine: Option<&std::path::Path>) -> Result<Machine, Refusal> {
-    match machine {
-        Some(path) => machine::load(path),
-        None => Ok(Machine::built_in()),
+fn load(input: &Input) -> Result<Machine, Refusal> {
+    let overrides = Overrides { slope: input.slope.map(|slope| slope as u8), look_ahead: input.look_ahead };
+    if let Some(path) = &input.machine {
+        return machine::load(path, &overrides);
     }
+    let mut machine = Machine::built_in();
+    overrides.apply(&mut machine.channel)?;
+    Ok(machine)
 }
 
 fn run(arguments: &Run) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(&input.program)?;
-    let machine = load(input.machine.as_deref())?;
-    let program = match program::decode(&files, &machine, input.max_commands) {
+    let machine = load(input)?;
+    let script = arguments.events.as_deref().map(Script::read).transpose()?;
+    let mut program = match program::decode(&files, &machine, input.max_commands) {
         Ok(program) => program,
         // An earlier command may be refused by the planner: the first one counts.
         Err(Undecoded::Refused(refusal)) => {
             let empty = program::Program::empty(&machine);
-            let earlier = run::simulate(&files, &machine, &empty, None, false).err();
+            let earlier = run::simulate(&files, &machine, &empty, Wanted::default()).err();
             return Err(earlier.unwrap_or(refusal));
         }
         Err(Undecoded::Endless(endless)) => return Err(endless),
     };
     // Only now all files of the program are known.
-    let inputs = [&input.program].into_iter().chain(&input.machine).cloned();
+    let inputs = [&input.program].into_iter().chain(&input.machine).chain(&arguments.events).cloned();
     let mut outputs = Outputs::new(inputs.chain(files.called()));
     let trace = match arguments.trace.as_deref() {
         Some(path) => Some((path, outputs.create(path)?)),
         None => None,
     };
-    let (result, picture) = run::simulate(&files, &machine, &program, trace, arguments.plot.is_some())?;
+    let wanted = Wanted { trace, picture: arguments.plot.is_some(), script: script.as_ref() };
+    let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
+    if let Some(script) = &script {
+        let end = result.time_s(&machine);
+        program.warnings.extend(script.unused(&result.outcomes, end));
+    }
+    let events = script.as_ref().map_or(&[][..], |script| &script.events);
 
-    let summary = summary::Summary::new(&files, &machine, &program, &result);
+    let summary = summary::Summary::new(&files, &machine, &program, events, &result);
     if let Some(path) = &arguments.contour {
         outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
     }
@@ -129,8 +161,13 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         outputs.write(path, summary.to_json().as_bytes())?;
     }
     if let (Some(target), Some(picture)) = (&arguments.plot, picture) {
-        let scene =
-            plot::Scene { machine: &machine, program: &program, statistics: &result, picture: &picture };
+        let scene = plot::Scene {
+            machine: &machine,
+            program: &program,
+            statistics: &result,
+            picture: &picture,
+            events,
+        };
         outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
     outputs.commit()?;
@@ -144,7 +181,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
 
 fn check(input: &Input) -> Result<(), Refusal> {
     let files = Files::read(&input.program)?;
-    let machine = load(input.machine.as_deref())?;
+    let machine = load(input)?;
     let decoded = program::decode(&files, &machine, input.max_commands);
     let program = decoded.map_err(|(Undecoded::Refused(why) | Undecoded::Endless(why))| why)?;
     for warning in &program.warnings {

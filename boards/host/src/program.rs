@@ -8,7 +8,7 @@ use glidepath::channel::Error;
 use glidepath::lookahead::Weights;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
+    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -17,6 +17,8 @@ use std::collections::HashSet;
 pub struct Segment {
     /// Programmed N number.
     pub n: u32,
+    /// Where that stands in the text.
+    pub place: Place,
     /// Shape.
     pub kind: Kind,
     /// End point.
@@ -42,6 +44,14 @@ pub enum Kind {
     },
     /// No motion for so many seconds.
     Dwell(f64),
+}
+
+/// The path speed of a block, per second.
+pub struct PathSpeed {
+    /// None in rapid motion.
+    pub programmed: Option<f64>,
+    /// What the axes allow in its direction.
+    pub limit: f64,
 }
 
 /// A decoded program.
@@ -88,8 +98,8 @@ fn decode_axes<const AXES: usize>(
     let mut at = start;
     let mut program = Program::empty(machine);
     let mut weights = Weights::new();
-    // The axes as they are weighted, until a block has moved with it.
-    let mut weighted = Some(data.axes);
+    // The axes as they are weighted, and whether a block has moved with it.
+    let (mut axes, mut slope, mut changed) = (data.axes, machine.slope(), true);
     let mut warned = HashSet::new();
     let mut commands = 0;
     loop {
@@ -114,16 +124,24 @@ fn decode_axes<const AXES: usize>(
             }
             Step::Command(Command::Weight(_, weight)) => {
                 weights.set(&weight);
-                weighted = Some(std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel)));
+                axes = std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel));
+                changed = true;
+            }
+            Step::Command(Command::Slope(_, command)) => {
+                slope = if command.default { machine.slope() } else { command.kind.unwrap_or(slope) };
+                changed = true;
             }
             Step::Command(Command::Motion(motion)) => {
-                program.allow(weighted.take());
+                if std::mem::take(&mut changed) {
+                    program.allow(&axes, slope);
+                }
                 program.add(&motion, &at, &main);
                 at = motion.target;
             }
             Step::Command(Command::Dwell(head, DwellTime::Seconds(time))) => {
                 let kind = Kind::Dwell(time.to_num());
-                let segment = Segment { n: head.n, kind, end: numbers(&at), feed: None, stop: true };
+                let segment =
+                    Segment { n: head.n, place: head.place, kind, end: numbers(&at), feed: None, stop: true };
                 program.segments.push(segment);
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
@@ -208,9 +226,9 @@ impl Program {
     }
 
     /// Takes in what axes are allowed from a block on.
-    fn allow<const AXES: usize>(&mut self, axes: Option<[AxisData; AXES]>) {
-        for (k, axis) in axes.iter().flatten().enumerate() {
-            let now = limits(axis);
+    fn allow(&mut self, axes: &[AxisData], slope: SlopeType) {
+        for (k, axis) in axes.iter().enumerate() {
+            let now = limits(axis, slope);
             match self.limits.get_mut(k) {
                 Some(allowed) => *allowed = allowed.or(now),
                 None => self.limits.push(now),
@@ -220,7 +238,7 @@ impl Program {
 
     /// What the axis with this index may do.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
-        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis]))
+        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis], machine.slope()))
     }
 
     fn add<const AXES: usize>(
@@ -254,7 +272,14 @@ impl Program {
         };
         let feed = (motion.kind != MotionKind::Rapid).then(|| motion.feed.to_num());
         let end = numbers(&motion.target);
-        self.segments.push(Segment { n: motion.n, kind, end, feed, stop: motion.exact_stop });
+        self.segments.push(Segment {
+            n: motion.n,
+            place: motion.place,
+            kind,
+            end,
+            feed,
+            stop: motion.exact_stop,
+        });
         self.motions += 1;
     }
 
@@ -292,17 +317,51 @@ impl Program {
         )
     }
 
-    /// Programmed speed of every motion, mm/s; in rapid motion what the axes allow together.
-    pub fn speeds(&self, machine: &Machine) -> Vec<f64> {
+    /// The path speed of every motion.
+    pub fn speeds(&self, machine: &Machine) -> Vec<PathSpeed> {
         let main = machine.main_axes();
         let mut at = self.start.as_slice();
         let mut speeds = Vec::with_capacity(self.motions);
         for segment in self.motions() {
-            let travel: Vec<f64> = segment.end.iter().zip(at).map(|(to, from)| (to - from).abs()).collect();
+            let programmed = segment.feed.map(|feed| feed / 60.0);
+            speeds.push(PathSpeed { programmed, limit: self.limit(machine, &main, at, segment) });
             at = &segment.end;
-            speeds.push(segment.feed.map_or_else(|| rapid(machine, &main, &travel), |feed| feed / 60.0));
         }
         speeds
+    }
+
+    /// The path speed that the axes allow: their speeds, and on an arc the acceleration towards its centre.
+    fn limit(&self, machine: &Machine, main: &[usize], start: &[f64], segment: &Segment) -> f64 {
+        let mut travel: Vec<f64> =
+            segment.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
+        let mut arc = None;
+        if let Kind::Arc { plane, centre, clockwise } = segment.kind {
+            let [from, to] = [start, &segment.end].map(|point| plane.map(|axis| point[axis]));
+            let radius = (to[0] - centre[0]).hypot(to[1] - centre[1]);
+            let along = radius * sweep(from, to, centre, clockwise).abs();
+            travel[plane[0]] = along;
+            travel[plane[1]] = 0.0;
+            arc = Some((plane, radius, along));
+        }
+        let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
+        let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
+        let mut limit = f64::INFINITY;
+        if let Some((plane, radius, along)) = arc {
+            // At some point, or nearly, this axis too has all of the speed.
+            travel[plane[1]] = along;
+            for axis in plane {
+                let allowed = self.allowed(axis, machine);
+                let accel = allowed.accel_feed.min(allowed.brake_feed).min(allowed.accel);
+                limit = limit.min((accel * radius).sqrt() * path / along);
+            }
+        }
+        let moving = travel.iter().enumerate().filter(|(_, travel)| **travel > 0.0);
+        let speeds = moving.map(|(axis, travel)| {
+            let allowed = self.allowed(axis, machine);
+            let speed = if segment.feed.is_some() { allowed.speed } else { allowed.speed_rapid };
+            speed * path / travel
+        });
+        speeds.fold(limit, f64::min)
     }
 
     /// Up to three axes that show best what moves: the main axes, or others where no main axis moves.
@@ -342,14 +401,6 @@ impl Program {
 /// Ending of a counted word.
 pub fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
-}
-
-/// The fastest common speed of a straight rapid motion.
-fn rapid(machine: &Machine, main: &[usize], travel: &[f64]) -> f64 {
-    let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
-    let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
-    let speeds = machine.axes.iter().zip(travel).filter(|(_, travel)| **travel > 0.0);
-    speeds.map(|(axis, travel)| limits(axis).speed_rapid * path / travel).fold(f64::INFINITY, f64::min)
 }
 
 /// Signed angle of an arc; a whole turn where start and end are one point.
@@ -406,6 +457,27 @@ mod tests {
         assert_eq!(arc(-10, false), [10.0, 10.0]);
         assert_eq!(arc(10, true), [10.0, 10.0]);
         assert_eq!(arc(-10, true), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn axes_limit_the_path_speed() {
+        let machine = Machine::built_in();
+        let program = Program::empty(&machine);
+        let limit = |kind, end: [f64; 3], feed| {
+            let end = end.to_vec();
+            let segment = Segment { n: 0, place: Place::default(), kind, end, feed, stop: false };
+            program.limit(&machine, &[0, 1, 2], &[10.0, 0.0, 0.0], &segment)
+        };
+        // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.
+        assert!((limit(Kind::Line, [13.0, 4.0, 0.0], Some(60.0)) - 1250.0).abs() < 1e-9);
+        assert!((limit(Kind::Line, [12.0, 1.0, 2.0], None) - 1500.0).abs() < 1e-9);
+        // 2000 mm/s² on a radius of 10 mm; a helix as steep as that is faster along its path.
+        let arc = || Kind::Arc { plane: [0, 1], centre: [0.0, 0.0], clockwise: false };
+        let flat = 20_000.0_f64.sqrt();
+        assert!((limit(arc(), [0.0, 10.0, 0.0], Some(60.0)) - flat).abs() < 1e-9);
+        let climb = 5.0 * std::f64::consts::PI;
+        let helix = limit(arc(), [0.0, 10.0, climb], Some(60.0));
+        assert!((helix - flat * 2.0_f64.sqrt()).abs() < 1e-9);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The board itself: memory, clock and drive loop.
 use crate::diagnose::Diagnostic;
+use crate::events::{Event, Schedule, Script, What};
 use crate::files::Files;
 use crate::machine::{Machine, with_axes};
 use crate::output;
@@ -8,7 +9,7 @@ use crate::program::{self, Program};
 use crate::statistics::Statistics;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Planner, Progress};
-use glidepath::quantity::Position;
+use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::tick::{Interpolator, State, Telemetry};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::File;
@@ -19,26 +20,35 @@ use std::time::{Duration, Instant};
 /// The largest look-ahead this board is compiled for, blocks.
 pub const BLOCKS: usize = 500;
 
-/// Runs the program to its end. `trace` receives a row per tick; a [`Picture`] is recorded if wanted.
+/// What a run is to show, and what is to happen in it.
+#[derive(Default)]
+pub struct Wanted<'a> {
+    /// Receives a row per tick.
+    pub trace: Option<(&'a Path, File)>,
+    /// A [`Picture`] is recorded.
+    pub picture: bool,
+    /// Events from outside.
+    pub script: Option<&'a Script>,
+}
+
+/// Runs the program to its end.
 ///
 /// # Errors
-/// Program or machine data refused; the trace file cannot be written.
+/// Program or machine data refused; the trace file cannot be written; the motion stands still for ever.
 pub fn simulate(
     files: &Files,
     machine: &Machine,
     program: &Program,
-    trace: Option<(&Path, File)>,
-    picture: bool,
+    wanted: Wanted<'_>,
 ) -> Result<(Statistics, Option<Picture>), Vec<Diagnostic>> {
-    with_axes!(machine, simulate_axes(files, machine, program, trace, picture))
+    with_axes!(machine, simulate_axes(files, machine, program, wanted))
 }
 
 fn simulate_axes<const AXES: usize>(
     files: &Files,
     machine: &Machine,
     program: &Program,
-    trace: Option<(&Path, File)>,
-    picture: bool,
+    wanted: Wanted<'_>,
 ) -> Result<(Statistics, Option<Picture>), Vec<Diagnostic>> {
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
@@ -48,69 +58,121 @@ fn simulate_axes<const AXES: usize>(
         .split(&data, start, files)
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
-    let trace_path = trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
+    let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
-    let trace = trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
+    let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
+    let events = wanted.script.map_or(&[][..], |script| &script.events);
     let recorder = Recorder {
-        statistics: Statistics::new(&start),
+        statistics: Statistics::new(&start, events.len()),
         trace,
-        picture: picture.then(|| Picture::new(machine, program.shown_axes(machine))),
+        picture: wanted.picture.then(|| Picture::new(machine, program.shown_axes(machine))),
         cycle_s: machine.cycle_s(),
     };
-    drive(planner, interpolator, recorder, Bar::new(program.motions)).map_err(|stop| match stop {
+    let schedule = Schedule::new(events, machine.channel.cycle_us);
+    let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
+    let bar = Bar::new(program.motions);
+    drive(planner, interpolator, recorder, schedule, patience, bar).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
         )],
+        Stop::Held { since, cause } => {
+            let at = since as f64 * machine.cycle_s();
+            let message = format!("the motion stands still from {at:.3} s on and no later event lets it go on");
+            let diagnostic = Diagnostic::error(message);
+            vec![match wanted.script.zip(cause) {
+                Some((script, event)) => {
+                    let way_out = if event.what == What::FeedHold { "resume" } else { "override above 0" };
+                    let expected = format!("expected a later {way_out} or abort");
+                    script.at(&event, diagnostic).expected(expected)
+                }
+                None => diagnostic,
+            }]
+        }
     })
 }
+
+/// Idle ticks after which something is wrong.
+const PATIENCE: u64 = 1000;
 
 enum Stop {
     Refused(Box<glidepath::channel::Error>),
     Unwritable(io::Error),
     Starved,
+    /// From that tick on, by that event.
+    Held {
+        since: u64,
+        cause: Option<Event>,
+    },
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then time passes
-/// by one tick: the motion never starves, and the set points are those of any controller that is fast enough.
+/// by one tick: the motion never starves, unless an event wants it, and the set points are those of any controller
+/// that is fast enough.
+///
+/// A motion that rests because of an event goes on taking time: the set points stay where they are, tick by tick.
+/// `patience` is the longest rest, in ticks, that a program may contain of its own.
 fn drive<const AXES: usize>(
     mut planner: Planner<'_, &Files, AXES, BLOCKS>,
     mut interpolator: Interpolator<'_, AXES>,
     mut recorder: Recorder,
+    mut schedule: Schedule<'_>,
+    patience: u64,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
+    let control = planner.control();
     let mut done = false;
     let mut idle = 0;
     loop {
-        while !done {
+        let tick = recorder.statistics.ticks;
+        while let Some((index, what)) = schedule.due(tick, control) {
+            recorder.statistics.happens(index, what);
+        }
+        let late = schedule.is_late(tick);
+        if !late {
+            recorder.statistics.catches_up();
+        }
+        while !done && !late {
             match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
                 // The decode pass has collected the warnings.
                 Progress::Working | Progress::Warning(_) => {}
                 Progress::Planned => {
-                    bar.at(recorder.statistics.blocks.len());
-                    recorder.statistics.blocks.push(*planner.planned());
+                    let planned = planner.planned();
+                    bar.at(u64::from(planned.block) + u64::from(planned.blocks));
+                    recorder.statistics.spans.push(*planned);
                 }
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }
         }
-        match interpolator.tick() {
-            State::Active => {
-                idle = 0;
-                let telemetry = interpolator.telemetry();
-                recorder.tick(&telemetry, interpolator.set_points()).map_err(Stop::Unwritable)?;
-                while let Some(event) = interpolator.event() {
-                    recorder.statistics.output(event);
-                }
+        let commands = control.commands();
+        let held = commands.hold || commands.feed == 0;
+        let state = interpolator.tick();
+        let mut telemetry = interpolator.telemetry();
+        if state == State::Idle {
+            if done {
+                break;
             }
-            State::Idle if done => break,
-            State::Idle => {
+            if !late && !held {
                 idle += 1;
-                if idle > 1000 {
+                if idle > PATIENCE {
                     return Err(Stop::Starved);
                 }
+                continue;
             }
+            (telemetry.speed, telemetry.accel) = (Speed::ZERO, Accel::ZERO);
+        }
+        idle = 0;
+        recorder.tick(&telemetry, interpolator.set_points(), held || late).map_err(Stop::Unwritable)?;
+        while let Some(event) = interpolator.event() {
+            recorder.statistics.output(event);
+        }
+        let rest = recorder.statistics.rest;
+        let enough = if state == State::Idle { !late } else { rest > patience };
+        if held && rest > 0 && enough && !schedule.goes_on(&commands) {
+            let since = recorder.statistics.ticks.saturating_sub(1 + rest);
+            return Err(Stop::Held { since, cause: schedule.cause(&commands).cloned() });
         }
     }
     bar.finish();
@@ -126,8 +188,9 @@ struct Recorder {
 }
 
 impl Recorder {
-    fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position]) -> io::Result<()> {
-        self.statistics.add(telemetry.distance, set_points);
+    /// A row; `held`: an event wants the motion to stand still.
+    fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position], held: bool) -> io::Result<()> {
+        self.statistics.add(telemetry, set_points, held);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
@@ -141,7 +204,7 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points).map_err(Stop::Unwritable)?;
+            self.tick(&Telemetry::default(), set_points, false).map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
         if let Some(trace) = self.trace {
@@ -163,17 +226,17 @@ impl Bar {
         Self { start: Instant::now(), motions, shown: None }
     }
 
-    fn at(&mut self, block: usize) {
+    fn at(&mut self, block: u64) {
         match &self.shown {
-            Some(bar) => bar.set_position(block as u64),
-            None if block.is_multiple_of(64) && self.start.elapsed() > Duration::from_secs(1) => {
+            Some(bar) => bar.set_position(block),
+            None if self.start.elapsed() > Duration::from_secs(1) => {
                 let bar = ProgressBar::with_draw_target(
                     Some(self.motions as u64),
                     ProgressDrawTarget::stderr_with_hz(10),
                 );
                 let style = ProgressStyle::with_template("{bar:40.cyan} {pos}/{len} blocks, {eta} to go");
                 bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-                bar.set_position(block as u64);
+                bar.set_position(block);
                 self.shown = Some(bar);
             }
             None => {}

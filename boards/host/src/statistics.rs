@@ -1,9 +1,11 @@
 //! What a run was like: peaks by finite differences of the set points, distances, the digest.
+use crate::events::What;
 use crate::machine::Machine;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
-use glidepath::quantity::{Distance, Position};
+use glidepath::quantity::{Position, Speed};
 use glidepath::queue::Event;
+use glidepath::tick::Telemetry;
 
 /// Set points of one axis, seen one after the other.
 #[derive(Clone, Debug, Default)]
@@ -73,45 +75,151 @@ fn rates(differences: [f64; 3], cycle_s: f64) -> [f64; 3] {
 pub struct Statistics {
     /// One per axis.
     pub axes: Vec<AxisStatistics>,
-    /// Active ticks, which is rows of a trace: the first is the rest at the start.
+    /// Rows of a trace: active ticks and those that an event makes idle. The first is the rest at the start.
     pub ticks: u64,
-    /// Over the set points of all active ticks.
+    /// Over the set points of all rows.
     pub digest: Digest,
-    /// Path length, LSB of [`Distance`], without its wrap.
+    /// Path length, LSB of [`Distance`](glidepath::quantity::Distance), without its wrap.
     pub distance: i128,
-    /// The time law of each motion block.
-    pub blocks: Vec<PlannedBlock>,
+    /// The time laws, in the order of the motion blocks they cover.
+    pub spans: Vec<PlannedBlock>,
+    /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around that
+    /// point.
+    pub transitions: Vec<Speed>,
+    /// The highest path speed of all ticks.
+    pub fastest: Speed,
     /// Technology functions, with the tick at which they were due.
     pub functions: Vec<(u64, Event)>,
-    last_distance: Distance,
-    /// Whether the last tick moved.
-    moved: bool,
+    /// What became of each event from outside.
+    pub outcomes: Vec<Outcome>,
+    /// Rows at rest up to now.
+    pub rest: u64,
+    /// Rows at rest because of an event.
+    pub held: u64,
+    /// Stretches of these: tick of the first row and of the last one.
+    pub holds: Vec<[u64; 2]>,
+    awaited: Vec<Awaited>,
+    last: Telemetry,
+}
+
+/// What became of an event.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    /// The tick before which it was given; none if the program had ended before.
+    pub tick: Option<u64>,
+    /// What came of it.
+    pub reaction: Option<Reaction>,
+}
+
+/// A reaction that is waited for.
+struct Awaited {
+    /// Index of the event.
+    index: usize,
+    what: What,
+    effect: Effect,
+    /// At the event.
+    tick: u64,
+    distance: i128,
+}
+
+/// What an event brings about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// The set points rest.
+    Standstill,
+    /// They move.
+    Motion,
+}
+
+/// When that was reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reaction {
+    /// What was reached.
+    pub effect: Effect,
+    /// Ticks from the event to the last row that moved, or to the first one that moves.
+    pub ticks: u64,
+    /// Path moved until then, LSB of [`Distance`](glidepath::quantity::Distance).
+    pub distance: i128,
 }
 
 impl Statistics {
-    /// Of a machine that stands still.
-    pub fn new(start: &[Position]) -> Self {
+    /// Of a machine that stands still; so many events are to come.
+    pub fn new(start: &[Position], events: usize) -> Self {
         Self {
             axes: start.iter().map(|&position| AxisStatistics::at_rest(position)).collect(),
             ticks: 0,
             digest: Digest::new(),
             distance: 0,
-            blocks: Vec::new(),
+            spans: Vec::new(),
+            transitions: Vec::new(),
+            fastest: Speed::ZERO,
             functions: Vec::new(),
-            last_distance: Distance::ZERO,
-            moved: false,
+            outcomes: vec![Outcome::default(); events],
+            rest: 0,
+            held: 0,
+            holds: Vec::new(),
+            awaited: Vec::new(),
+            last: Telemetry::default(),
         }
     }
 
-    /// Takes in one active tick.
-    pub fn add(&mut self, distance: Distance, set_points: &[Position]) {
-        self.ticks += 1;
+    /// The event with this index happens before the tick to come.
+    pub fn happens(&mut self, index: usize, what: What) {
+        let ended = match what {
+            What::FeedHold | What::Override(0) => Some(Effect::Motion),
+            What::Resume | What::Override(_) => Some(Effect::Standstill),
+            What::Abort | What::Reduced(_) | What::Starve(_) => None,
+        };
+        self.awaited.retain(|other| Some(other.effect) != ended);
+        let effect = match what {
+            What::FeedHold | What::Abort | What::Override(0) | What::Starve(_) => Some(Effect::Standstill),
+            What::Resume => Some(Effect::Motion),
+            What::Override(_) | What::Reduced(_) => None,
+        };
+        let (tick, distance) = (self.ticks, self.distance);
+        self.outcomes[index].tick = Some(tick);
+        self.awaited.extend(effect.map(|effect| Awaited { index, what, effect, tick, distance }));
+    }
+
+    /// The planner is no longer late.
+    pub fn catches_up(&mut self) {
+        self.awaited.retain(|awaited| !matches!(awaited.what, What::Starve(_)));
+    }
+
+    /// Takes in a row; `held`: an event wants the motion to stand still.
+    pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], held: bool) {
         self.digest.add(set_points);
-        self.moved = distance != self.last_distance;
-        self.distance += i128::from(distance.to_bits().wrapping_sub(self.last_distance.to_bits()));
-        self.last_distance = distance;
+        let moved = telemetry.distance != self.last.distance;
+        let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
+        self.distance += i128::from(step);
+        for _ in self.last.block..telemetry.block {
+            self.transitions.push(telemetry.speed.min(self.last.speed));
+        }
+        self.fastest = self.fastest.max(telemetry.speed);
+        self.last = *telemetry;
         for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
             axis.add(set_point);
+        }
+        self.react(moved);
+        self.rest = if moved { 0 } else { self.rest + 1 };
+        if held && !moved {
+            self.held += 1;
+            match self.holds.last_mut() {
+                Some([_, last]) if *last + 1 == self.ticks => *last = self.ticks,
+                _ => self.holds.push([self.ticks; 2]),
+            }
+        }
+        self.ticks += 1;
+    }
+
+    fn react(&mut self, moved: bool) {
+        let reached = if moved { Effect::Motion } else { Effect::Standstill };
+        let (now, at) = (self.ticks, self.distance);
+        for awaited in self.awaited.extract_if(.., |awaited| awaited.effect == reached) {
+            // At a standstill, the row before was the last one that moved.
+            let ticks = (now - awaited.tick).saturating_sub(u64::from(!moved));
+            let reaction = Reaction { effect: reached, ticks, distance: at - awaited.distance };
+            self.outcomes[awaited.index].reaction = Some(reaction);
         }
     }
 
@@ -134,11 +242,16 @@ impl Statistics {
         self.distance as f64 / (1_u64 << 44) as f64
     }
 
+    /// Motion blocks that the set points have come to.
+    pub fn blocks(&self) -> usize {
+        if self.spans.is_empty() { 0 } else { self.transitions.len() + 1 }
+    }
+
     /// Program time: from the first set point to the end of the time law, which lies at the last set point or, where
     /// that ends a motion, less than a tick before it.
     pub fn time_s(&self, machine: &Machine) -> f64 {
-        let early = match self.blocks.last() {
-            Some(block) if self.moved => block.wait.0.to_num::<f64>(),
+        let early = match self.spans.last() {
+            Some(span) if self.rest == 0 => span.wait.0.to_num::<f64>(),
             _ => 0.0,
         };
         (self.ticks.saturating_sub(1) as f64 - early) * f64::from(machine.channel.cycle_us) / 1e6
@@ -148,18 +261,62 @@ impl Statistics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glidepath::quantity::Distance;
+
+    fn row(mm: i64, block: u32, speed: i64) -> Telemetry {
+        let (distance, speed) = (Distance::from_bits(mm << 44), Speed::from_bits(speed));
+        Telemetry { distance, block, speed, ..Telemetry::default() }
+    }
 
     #[test]
     fn peaks_are_differences_and_see_a_hard_stop() {
-        let mut statistics = Statistics::new(&[Position::ZERO]);
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
         // 1 mm per tick from rest, and a jump to rest.
         for i in 1..=10 {
-            statistics.add(Distance::from_bits(i << 44), &[Position::from_num(-i)]);
+            statistics.add(&row(i, 0, 0), &[Position::from_num(-i)], false);
         }
         statistics.finish(&[Position::from_num(-10)]);
         let axis = &statistics.axes[0];
         assert_eq!(axis.peak(0.001), [1e3, 1e6, 1e9]);
         assert_eq!((axis.travel(), axis.range()), (10.0, [-10.0, 0.0]));
         assert_eq!((statistics.ticks, statistics.distance_mm()), (10, 10.0));
+    }
+
+    #[test]
+    fn transitions_have_the_lower_speed_of_the_ticks_around_them() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
+        for (block, speed) in [(0, 0), (0, 5), (1, 3), (1, 4), (4, 7), (4, 0)] {
+            statistics.add(&row(0, block, speed), &[Position::ZERO], false);
+        }
+        assert_eq!(statistics.transitions, [3, 4, 4, 4].map(Speed::from_bits));
+        assert_eq!(statistics.fastest, Speed::from_bits(7));
+    }
+
+    #[test]
+    fn reactions_count_from_the_event() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 4);
+        let rows = |statistics: &mut Statistics, places: &[i64]| {
+            for &mm in places {
+                statistics.add(&row(mm, 0, 0), &[Position::ZERO], true);
+            }
+        };
+        rows(&mut statistics, &[0, 2]);
+        statistics.happens(0, What::FeedHold);
+        rows(&mut statistics, &[4, 5, 5, 5, 5]);
+        statistics.happens(1, What::Resume);
+        rows(&mut statistics, &[5, 6]);
+        // The planner comes back before anything stands still; then a hold is lifted too early.
+        statistics.happens(2, What::Starve(1));
+        rows(&mut statistics, &[7]);
+        statistics.catches_up();
+        statistics.happens(3, What::FeedHold);
+        statistics.happens(1, What::Resume);
+        rows(&mut statistics, &[7, 7]);
+        let reaction = |effect, ticks, mm: i128| Some(Reaction { effect, ticks, distance: mm << 44 });
+        let seen: Vec<_> = statistics.outcomes.iter().map(|outcome| outcome.reaction).collect();
+        let expected = [reaction(Effect::Standstill, 1, 3), reaction(Effect::Motion, 1, 1), None, None];
+        assert_eq!(seen, expected);
+        assert_eq!((statistics.held, &statistics.holds[1]), (7, &[4, 7]));
+        assert_eq!((statistics.rest, statistics.ticks), (2, 12));
     }
 }

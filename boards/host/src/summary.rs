@@ -1,10 +1,10 @@
 //! What a run comes down to, for people and for programs.
+use crate::events::Event;
 use crate::files::Files;
-use crate::machine::Machine;
-use crate::program::{Program, plural};
-use crate::statistics::Statistics;
+use crate::machine::{Machine, slope_name};
+use crate::program::{Program, Segment, plural};
+use crate::statistics::{Effect, Statistics};
 use anstyle::Style;
-use glidepath::channel::PlannedBlock;
 use glidepath::machine::AxisKind;
 use glidepath::quantity::{Speed, Time};
 use glidepath::queue::Function;
@@ -14,16 +14,24 @@ use std::fmt::Write;
 /// Slowest corners that are shown.
 const CORNERS: usize = 5;
 
+/// Events that are shown.
+const EVENTS: usize = 12;
+
 /// The summary of a run. Speeds in mm/s, accelerations in mm/s², jerk in mm/s³; degrees for rotary axes.
 #[derive(Serialize)]
 pub struct Summary {
     program: String,
     machine: String,
+    /// At program start.
+    slope: &'static str,
+    look_ahead: u32,
     program_time_s: f64,
     ticks: u64,
     cycle_s: f64,
     blocks: usize,
     dwell_s: f64,
+    /// At rest because of an event.
+    held_s: f64,
     path_mm: f64,
     v_path_max: f64,
     /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
@@ -34,7 +42,28 @@ pub struct Summary {
     slowest_corners: Vec<Corner>,
     warnings: Vec<Warning>,
     functions: Vec<Output>,
-    plan: Vec<Block>,
+    events: Vec<Happening>,
+    plan: Vec<Span>,
+}
+
+/// An event from outside.
+#[derive(Serialize)]
+struct Happening {
+    /// As the file has it.
+    t_s: f64,
+    /// The first tick that it acts on; none if the program had ended before.
+    tick: Option<u64>,
+    what: String,
+    line: usize,
+    reaction: Option<Reaction>,
+}
+
+/// From that tick on.
+#[derive(Serialize)]
+struct Reaction {
+    what: &'static str,
+    after_s: f64,
+    path_mm: f64,
 }
 
 /// A technology function.
@@ -84,9 +113,12 @@ struct Warning {
     text: String,
 }
 
+/// A time law.
 #[derive(Serialize)]
-struct Block {
+struct Span {
+    /// The first of its motion blocks, and how many there are.
     block: u32,
+    blocks: u32,
     n: u32,
     line: u32,
     /// Where that is a called file.
@@ -107,7 +139,13 @@ fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::
 
 impl Summary {
     /// Of a run that went to its end.
-    pub fn new(files: &Files, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
+    pub fn new(
+        files: &Files,
+        machine: &Machine,
+        program: &Program,
+        events: &[Event],
+        statistics: &Statistics,
+    ) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
         let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
@@ -129,12 +167,13 @@ impl Summary {
             };
             (data.name.as_str().to_owned(), axis)
         });
-        let plan = statistics.blocks.iter().map(|block| Block {
+        let plan = statistics.spans.iter().map(|block| Span {
             block: block.block,
+            blocks: block.blocks,
             n: block.n,
             line: block.place.line,
             file: files.name(block.place.file),
-            length_mm: block.length.to_bits() as f64 / (1_u64 << 44) as f64,
+            length_mm: mm(block.length.to_bits().into()),
             v_in: speed(block.v_in),
             v_peak: speed(block.v_peak),
             v_out: speed(block.v_out),
@@ -146,9 +185,9 @@ impl Summary {
             let file = warning.source().filter(|name| *name != files.main.name).map(str::to_owned);
             Warning { id: warning.id.clone(), line, column, file, text: warning.message.clone() }
         });
-        let plan: Vec<Block> = plan.collect();
+        let plan: Vec<Span> = plan.collect();
         let functions = statistics.functions.iter().map(|(tick, event)| Output {
-            t_s: (*tick as f64 * f64::from(machine.channel.cycle_us)) / 1e6,
+            t_s: in_seconds(*tick, machine),
             n: event.n,
             function: match event.function {
                 Function::M(code) => format!("M{code}"),
@@ -157,23 +196,48 @@ impl Summary {
                 Function::Tool(tool) => format!("T{tool}"),
             },
         });
-        let (stops, slowest_corners) = corners(&statistics.blocks, files, speed);
+        // Events change the speeds that were planned.
+        let planned = events.is_empty();
+        let (stops, slowest_corners) = corners(files, program, statistics, planned, speed);
+        let events = events.iter().zip(&statistics.outcomes).map(|(event, outcome)| Happening {
+            t_s: event.time_ns as f64 / 1e9,
+            tick: outcome.tick,
+            what: event.what.to_string(),
+            line: event.line,
+            reaction: outcome.reaction.map(|reaction| Reaction {
+                what: match reaction.effect {
+                    Effect::Standstill => "standstill",
+                    Effect::Motion => "motion",
+                },
+                after_s: in_seconds(reaction.ticks, machine),
+                path_mm: mm(reaction.distance),
+            }),
+        });
+        let v_path_max = if planned {
+            plan.iter().map(|span| span.v_peak).fold(0.0, f64::max)
+        } else {
+            speed(statistics.fastest)
+        };
         Self {
             program: files.main.name.clone(),
             machine: machine.name.clone(),
+            slope: slope_name(machine.slope()),
+            look_ahead: machine.channel.look_ahead,
             program_time_s: statistics.time_s(machine),
             ticks: statistics.ticks,
             cycle_s,
-            blocks: statistics.blocks.len(),
+            blocks: statistics.blocks(),
             dwell_s: program.dwell_s(),
+            held_s: in_seconds(statistics.held, machine),
             path_mm: statistics.distance_mm(),
-            v_path_max: plan.iter().map(|block| block.v_peak).fold(0.0, f64::max),
+            v_path_max,
             digest: format!("{:016x}", statistics.digest.value()),
             axes: axes.collect(),
             stops,
             slowest_corners,
             warnings: warnings.collect(),
             functions: functions.collect(),
+            events: events.collect(),
             plan,
         }
     }
@@ -197,7 +261,8 @@ impl Summary {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let bold = Style::new().bold();
         let dim = Style::new().dimmed();
-        writeln!(out, "{bold}{}{bold:#} {dim}on{dim:#} {}", self.program, self.machine)?;
+        write!(out, "{bold}{}{bold:#} {dim}on{dim:#} {}", self.program, self.machine)?;
+        writeln!(out, "{dim}, slope{dim:#} {}{dim}, look-ahead{dim:#} {}", self.slope, self.look_ahead)?;
         writeln!(out)?;
         let cycle = self.cycle_s * 1e3;
         writeln!(
@@ -212,8 +277,11 @@ impl Summary {
         if self.dwell_s > 0.0 {
             write!(out, ", {:.3} s of dwell", self.dwell_s)?;
         }
+        if self.held_s > 0.0 {
+            write!(out, ", {:.3} s held", self.held_s)?;
+        }
         writeln!(out)?;
-        let moving = self.program_time_s - self.dwell_s;
+        let moving = self.program_time_s - self.dwell_s - self.held_s;
         let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
         writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
         if !self.functions.is_empty() {
@@ -247,6 +315,24 @@ impl Summary {
                 axis.j_max,
                 share(axis.j_max, axis.j_limit, unit),
             )?;
+        }
+        if !self.events.is_empty() {
+            writeln!(out)?;
+            writeln!(out, "  {dim}    event at{dim:#}")?;
+            for event in self.events.iter().take(EVENTS) {
+                write!(out, "  {:>10.3} s  {:<18}", event.t_s, event.what)?;
+                match &event.reaction {
+                    Some(Reaction { what, after_s, path_mm }) => {
+                        let (after, path) = (after_s * 1e3, path_mm);
+                        writeln!(out, "  {dim}{what} after{dim:#} {after} ms{dim},{dim:#} {path:.3} mm")?;
+                    }
+                    None if event.tick.is_none() => writeln!(out, "  {dim}after the end{dim:#}")?,
+                    None => writeln!(out)?,
+                }
+            }
+            if self.events.len() > EVENTS {
+                writeln!(out, "  {dim}… {} in all{dim:#}", self.events.len())?;
+            }
         }
         if !self.slowest_corners.is_empty() {
             writeln!(out)?;
@@ -292,18 +378,48 @@ fn share(value: f64, limit: f64, unit: &str) -> String {
     }
 }
 
+fn in_seconds(ticks: u64, machine: &Machine) -> f64 {
+    (ticks as f64 * f64::from(machine.channel.cycle_us)) / 1e6
+}
+
+fn mm(bits: i128) -> f64 {
+    bits as f64 / (1_u64 << 44) as f64
+}
+
 /// Number of standstills between blocks, and the slowest transitions, standstills first.
-fn corners(blocks: &[PlannedBlock], files: &Files, speed: impl Fn(Speed) -> f64) -> (usize, Vec<Corner>) {
-    let mut pairs: Vec<(&PlannedBlock, &PlannedBlock)> = blocks.iter().zip(blocks.iter().skip(1)).collect();
-    let stops = pairs.iter().filter(|(before, _)| before.v_out == Speed::ZERO).count();
-    pairs.sort_by_key(|(before, _)| before.v_out);
-    let corners = pairs.into_iter().take(CORNERS).map(|(before, after)| Corner {
-        v: speed(before.v_out),
-        block: before.block,
-        n: before.n,
-        line: before.place.line,
-        file: files.name(before.place.file),
-        next_n: after.n,
-    });
-    (stops, corners.collect())
+///
+/// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end of a
+/// span it is the `planned` one, if that came true.
+fn corners(
+    files: &Files,
+    program: &Program,
+    statistics: &Statistics,
+    planned: bool,
+    speed: impl Fn(Speed) -> f64,
+) -> (usize, Vec<Corner>) {
+    let mut speeds: Vec<(Speed, usize)> = statistics.transitions.iter().copied().zip(0..).collect();
+    if planned {
+        for span in &statistics.spans {
+            let last = span.block as usize + span.blocks.max(1) as usize - 1;
+            if let Some((v, _)) = speeds.get_mut(last) {
+                *v = span.v_out;
+            }
+        }
+    }
+    let stops = speeds.iter().filter(|(v, _)| *v == Speed::ZERO).count();
+    speeds.sort_unstable();
+    let mut corners = Vec::new();
+    let motions: Vec<&Segment> = program.motions().collect();
+    for &(v, index) in speeds.iter().take(CORNERS) {
+        let (Some(before), Some(after)) = (motions.get(index), motions.get(index + 1)) else { continue };
+        corners.push(Corner {
+            v: speed(v),
+            block: index as u32,
+            n: before.n,
+            line: before.place.line,
+            file: files.name(before.place.file),
+            next_n: after.n,
+        });
+    }
+    (stops, corners)
 }

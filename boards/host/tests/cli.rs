@@ -274,19 +274,22 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             "step",
             "[axis.X]\n[channel.prog_start.slope]\nprofile = 0\n",
             3,
-            &["(P-CHAN-00071) = 0: out of range", " 1 (TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available"],
+            &[
+                "(P-CHAN-00071) = 0: out of range",
+                " 1 (TRAPEZ) or 3 (HSC): 0 STEP and 2 SIN2 are not available",
+            ],
         ),
         (
             "slopes",
             "[axis.X]\n[channel.prog_start.slope]\nprofile = 7\n",
             3,
-            &["(P-CHAN-00071) = 7: out of range", " 1 (TRAPEZ): 0 STEP"],
+            &["(P-CHAN-00071) = 7: out of range", " 1 (TRAPEZ) or 3 (HSC): "],
         ),
         (
             "unset",
             "[axis.X]\n[channel]\ncycle_us = 1000\n",
             2,
-            &["(P-CHAN-00071) = 0 (the default): out of range", " 1 (TRAPEZ): 0 STEP"],
+            &["(P-CHAN-00071) = 0 (the default): out of range", " 1 (TRAPEZ) or 3 (HSC): "],
         ),
         (
             "decimals",
@@ -316,6 +319,72 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
     assert!(machine_refusal("empty", slope).contains("a machine needs an axis"));
     let seven: String = ('A'..='G').map(|letter| format!("[axis.{letter}]\n")).collect();
     assert!(machine_refusal("seven", &seven).contains("7 axes: this simulator is built for 1 to 6"));
+}
+
+#[test]
+fn options_in_place_of_machine_data_are_checked_alike() {
+    let directory = directory("overrides");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    // STEP, which is ISG's default, and a look-ahead that no version of this simulator has memory for.
+    let bare = file(&directory, "bare.toml", b"[channel]\nlook_ahead = 9000\n[axis.X]\n");
+    for (slope, profile) in [("step", 0), ("trapez", 1), ("sin2", 2), ("hsc", 3)] {
+        let text = format!("[channel.prog_start.slope]\nprofile = {profile}\n[axis.X]\n");
+        let machine = file(&directory, "m.toml", text.as_bytes());
+        let by_file = glidepath(&["check", &program, "--machine", &machine]);
+        let by_option =
+            glidepath(&["check", &program, "--machine", &bare, "--slope", slope, "--look-ahead", "60"]);
+        assert_eq!(by_file.status.code(), by_option.status.code(), "{slope}: {}", stderr(&by_option));
+        if by_file.status.code() == Some(1) {
+            let (by_file, by_option) = (stderr(&by_file), stderr(&by_option));
+            let message =
+                |text: &str| text.lines().next()?.split_once("channel.").map(|(_, it)| it.to_owned());
+            assert!(
+                message(&by_file).is_some_and(|it| message(&by_option) == Some(it)),
+                "{by_file}{by_option}"
+            );
+            assert!(by_option.starts_with("error: --slope: channel.prog_start.slope.profile"), "{by_option}");
+        }
+    }
+    for depth in ["9", "501"] {
+        let text = refusal(&["run", &program, "--look-ahead", depth]);
+        let expected = format!("--look-ahead: channel.look_ahead (P-STUP-00071) = {depth}: out of range");
+        assert!(text.contains(&expected) && text.contains("10…500 blocks"), "{text}");
+    }
+    let unknown = glidepath(&["run", &program, "--slope", "square"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("step, trapez, sin2, hsc"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn events_are_refused_with_line_column_word_and_what_was_expected() {
+    let directory = directory("events-refused");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    let cases = [
+        ("soon abort", "1:1", "`soon`", "a time in seconds"),
+        ("; first\r\n 0.5 halt", "2:6", "`halt`", "override, feedhold, resume, abort, reduced or starve"),
+        ("0.5 resum", "1:5", "`resum`", "is resume meant?"),
+        ("0.5 # nothing", "1:4", "the event is missing", "override, feedhold"),
+        ("0.5 override 200.1", "1:14", "`200.1`", "percent, 0…200"),
+        ("0.5 override 99.95", "1:14", "`99.95`", "one decimal at most"),
+        ("0.5 reduced", "1:12", "on or off is missing", "on or off"),
+        ("0.5 starve 0", "1:12", "`0`", "seconds without the planner, above 0"),
+        ("0.5 feedhold now", "1:14", "`now`", "the end of the line"),
+        ("2 feedhold\n1.5 resume", "2:1", "a time before the one above", "2 of line 1 or later"),
+    ];
+    for (text, place, word, expected) in cases {
+        let events = file(&directory, "e.txt", text.as_bytes());
+        let told = refusal(&["run", &program, "--events", &events]);
+        assert!(told.contains(&format!(" --> {events}:{place}\n")), "{text}: {told}");
+        assert!(told.contains(word) && told.contains(expected), "{text}: {told}");
+        assert_eq!(told.matches("error").count(), 1, "{text}: {told}");
+    }
+    let two = file(&directory, "e.txt", b"1 halt\n2 resume\n3 stop\n");
+    assert_eq!(refusal(&["run", &program, "--events", &two]).matches("error").count(), 2);
+    // No output takes the place of the file.
+    let good = file(&directory, "e.txt", b"0 override 50\n");
+    let kept = refusal(&["run", &program, "--events", &good, "--trace", &good]);
+    assert!(kept.contains("reads or writes it already"), "{kept}");
+    assert!(refusal(&["run", &program, "--events", "no such file"]).contains("cannot read no such file"));
 }
 
 #[test]

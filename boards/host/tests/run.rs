@@ -35,11 +35,15 @@ struct Row {
 }
 
 fn run(name: &str, program: &str, machine: Option<&str>) -> Run {
+    run_with(name, program, machine, &[])
+}
+
+fn run_with(name: &str, program: &str, machine: Option<&str>, options: &[&str]) -> Run {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("run-{name}"));
     let _ = fs::remove_dir_all(&directory);
     fs::create_dir_all(&directory).expect("a directory for the test");
     let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
-    command.arg("run").arg(program);
+    command.arg("run").arg(program).args(options);
     if let Some(machine) = machine {
         command.arg("--machine").arg(machine);
     }
@@ -324,4 +328,185 @@ fn limits_of_the_summary_are_weighted() {
     assert!((number(&axis["a_max"]) - 3000.0).abs() < 30.0, "{axis}");
     let jerk = number(&axis["j_max"]);
     assert!((jerk - 3000.0 / 0.075).abs() < 0.01 * jerk, "{axis}");
+}
+
+/// A file of events that the test writes itself.
+fn events(name: &str, text: &str) -> String {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.events"));
+    fs::write(&path, text).expect("events for the test");
+    path.to_str().expect("a path of plain characters").to_owned()
+}
+
+/// 100 mm in 20 blocks, then a corner.
+fn cut_line(name: &str) -> String {
+    let blocks: String = (1..=20).map(|i| format!("N{} X{}\n", 10 + 10 * i, 5 * i)).collect();
+    written(name, &format!("%cut\nN10 G01 F30000\n{blocks}N300 Y10\nM30\n"))
+}
+
+#[test]
+fn options_do_what_the_machine_file_does() {
+    let program = cut_line("options");
+    let text = fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
+    let text = text.replace("look_ahead = 120 ", "look_ahead = 11 ").replace("profile = 1 ", "profile = 3 ");
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("options.toml");
+    fs::write(&machine, text).expect("a machine for the test");
+    let by_file = run("by-file", &program, machine.to_str());
+    let by_option = run_with("by-option", &program, None, &["--slope", "hsc", "--look-ahead", "11"]);
+    assert_eq!(by_file.summary["digest"], by_option.summary["digest"]);
+    let plain = run("no-option", &program, None);
+    let deep = run_with("deep", &program, None, &["--slope", "hsc"]);
+    for (other, slope, depth) in [(&plain, "TRAPEZ", 120), (&deep, "HSC", 120), (&by_file, "HSC", 11)] {
+        assert_eq!((&other.summary["slope"], &other.summary["look_ahead"]), (&json!(slope), &json!(depth)));
+    }
+    assert_ne!(by_option.summary["digest"], deep.summary["digest"]);
+    assert_ne!(plain.summary["digest"], deep.summary["digest"]);
+}
+
+#[test]
+fn blocks_of_a_span_are_counted_and_their_corners_are_seen() {
+    let run = run_with("spans", &cut_line("spans"), None, &["--slope", "hsc"]);
+    assert_eq!(run.summary["blocks"], json!(21));
+    let spans: Vec<[u64; 2]> = run.summary["plan"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(|span| ["block", "blocks"].map(|field| span[field].as_u64().expect("a number")))
+        .collect();
+    // One behind the other, over all blocks, and fewer than these.
+    let mut next = 0;
+    for [block, blocks] in &spans {
+        assert_eq!(*block, next);
+        next += blocks;
+    }
+    assert!(next == 21 && spans.len() < 21, "{spans:?}");
+
+    let rows = &run.trace.rows;
+    let corners = run.summary["slowest_corners"].as_array().expect("a list");
+    assert_eq!(corners.len(), 5);
+    let mut inside = 0;
+    for corner in corners {
+        let block = corner["block"].as_u64().expect("a number");
+        let after = rows.iter().position(|row| u64::from(row.block) > block).expect("it has an end");
+        let seen = rows[after - 1].v_mm_s.min(rows[after].v_mm_s);
+        let v = number(&corner["v"]);
+        assert_eq!(corner["n"], json!(20 + 10 * block));
+        assert_eq!(corner["line"], json!(3 + block));
+        if spans.iter().any(|[first, blocks]| first + blocks == block + 1) {
+            // 2000 mm/s² for less than a tick.
+            assert!((v - seen).abs() <= 2.0, "{corner} {seen}");
+        } else {
+            inside += 1;
+            assert!((v - seen).abs() <= 1e-9 && v > 10.0, "{corner} {seen}");
+        }
+    }
+    assert!(inside > 0, "{corners:?}");
+}
+
+#[test]
+fn a_late_planner_takes_time_and_loses_nothing() {
+    let program = shipped("../../programs/short_blocks.nc");
+    let plain = run("in-time", &program, None);
+    let late = events("late", "; long enough for any queue\n2 starve 30\n");
+    let run = run_with("late", &program, None, &["--events", &late]);
+    let rows = &run.trace.rows;
+    assert_eq!(run.summary["ticks"], json!(rows.len()));
+    for (tick, row) in rows.iter().enumerate() {
+        let t: f64 = row.t_s.parse().expect("a number");
+        assert!((t - tick as f64 * 0.001).abs() < 1e-9, "{tick} {t}");
+    }
+    // From the standstill to the end of the 30 s nothing moves, and nothing is said to move.
+    let event = &run.summary["events"][0];
+    assert_eq!(
+        (&event["what"], &event["tick"], &event["line"]),
+        (&json!("planner late 30 s"), &json!(2000), &json!(2))
+    );
+    let reaction = &event["reaction"];
+    assert_eq!(reaction["what"], json!("standstill"));
+    let still = 2000 + (number(&reaction["after_s"]) * 1000.0).round() as usize;
+    assert!(rows[still - 1].axes != rows[still].axes && rows[1999].s_mm < rows[still].s_mm);
+    assert!((rows[still].s_mm - rows[1999].s_mm - number(&reaction["path_mm"])).abs() < 1e-9);
+    for row in &rows[still + 1..32_000] {
+        assert_eq!((&row.axes, row.v_mm_s, row.a_mm_s2), (&rows[still].axes, 0.0, 0.0), "{}", row.t_s);
+    }
+    assert!(rows[32_001].axes != rows[still].axes);
+    assert!((number(&run.summary["held_s"]) - (32_000 - still - 1) as f64 * 0.001).abs() < 0.002);
+    let ends = |rows: &[Row]| rows[rows.len() - 1].axes.clone();
+    assert_eq!(ends(rows), ends(&plain.trace.rows));
+    assert_eq!(run.summary["blocks"], plain.summary["blocks"]);
+    assert!((number(&run.summary["path_mm"]) - number(&plain.summary["path_mm"])).abs() < 1e-9);
+}
+
+#[test]
+fn events_are_told_and_drawn_and_leave_the_rest_alone() {
+    let program = shipped("../../programs/first.nc");
+    let plain = run("no-events", &program, None);
+    let none = run_with("only-comments", &program, None, &["--events", &events("none", "# nothing\n\n")]);
+    assert_eq!(plain.summary, none.summary);
+
+    let all = events(
+        "all",
+        "0.5 override 62.5\n1 feedhold\n1.0001 resume\n8 reduced on\n8 reduced off ; at once\n100000 abort\n",
+    );
+    let run = run_with("all", &program, None, &["--events", &all]);
+    let told: Vec<_> = run.summary["events"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(|event| (event["tick"].as_u64(), event["what"].as_str().unwrap_or_default()))
+        .collect();
+    let expected = [
+        (Some(500), "override 62.5 %"),
+        (Some(1000), "feed hold"),
+        (Some(1001), "resume"),
+        (Some(8000), "reduced on"),
+        (Some(8000), "reduced off"),
+        (None, "abort"),
+    ];
+    assert_eq!(told, expected);
+    assert!(
+        run.stderr.contains("all.events:6:8") && run.stderr.contains("before this event"),
+        "{}",
+        run.stderr
+    );
+    let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    for (tick, what) in expected {
+        assert!(run.stdout.contains(what), "{}", run.stdout);
+        assert_eq!(svg.contains(&format!(">{what}</text>")), tick.is_some(), "{what}");
+    }
+    // Drawing looks on.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let output = command.args(["run", &program, "--events", &all]).output().expect("the simulator starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains(run.summary["digest"].as_str().unwrap_or("none")), "{text}");
+}
+
+#[test]
+fn the_shipped_events_are_accepted() {
+    let file = shipped("../../programs/first.events");
+    let run = run_with("shipped", &shipped("../../programs/first.nc"), None, &["--events", &file]);
+    let told = run.summary["events"].as_array().expect("a list");
+    let given = told.iter().filter(|event| event["tick"].is_u64()).count();
+    assert_eq!((told.len(), given), (8, 8));
+    assert!(run.stderr.is_empty(), "{}", run.stderr);
+}
+
+#[test]
+fn pictures_show_limits_beside_values() {
+    let run = run("limits", &shipped("../../programs/first.nc"), None);
+    let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    for text in ["limit of the axes", "programmed", "slope 2\u{202f}000, with contour 6\u{202f}000"] {
+        assert!(svg.contains(&format!("{text}</text>")), "{text}");
+    }
+    // An axis of its own dynamics has a line of its own, in its colour.
+    let slow = fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
+    let at = slow.find("[axis.Z.slope_profil]").expect("a table");
+    let slow = format!("{}{}", &slow[..at], slow[at..].replace("= 2000", "= 1500"));
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("slow.toml");
+    fs::write(&machine, slow).expect("a machine for the test");
+    let other = crate::run("slow", &shipped("../../programs/first.nc"), machine.to_str());
+    let other = fs::read_to_string(other.directory.join("p.svg")).expect("it was asked for");
+    let dashed = |svg: &str, colour: &str| {
+        svg.lines().filter(|line| line.contains("dasharray=\"6 4\"") && line.contains(colour)).count()
+    };
+    assert_eq!((dashed(&svg, "#3a9d5d"), dashed(&other, "#3a9d5d")), (0, 4));
 }

@@ -9,35 +9,100 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Parameters of which this simulator takes less than ISG's range: name, smallest, largest, and why.
-const NARROWER: &[(&str, i64, i64, &str)] = &[
-    ("look_ahead", 10, BLOCKS as i64, "blocks, this simulator is built for no more"),
-    (
-        "prog_start.slope.profile",
-        1,
-        1,
-        "(TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available in this version",
-    ),
-];
-
-/// The range a parameter is held against, in thousandths, and in words.
-fn range_of<Target>(parameter: &Parameter<Target>) -> (i64, i64, String) {
-    if let Some((_, min, max, why)) = NARROWER.iter().find(|(name, ..)| *name == parameter.name) {
-        let range = if min == max { min.to_string() } else { format!("{min}…{max}") };
-        return (min * 1000, max * 1000, format!("{range} {why}"));
-    }
-    // Some units are explanations.
-    let unit = parameter.unit;
-    let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
-    let (min, max) = (parameter.min_milli, parameter.max_milli);
-    (min, max, format!("{}…{} {unit}", thousandths(min), thousandths(max)))
+/// What a parameter may be.
+struct Allowed {
+    /// In thousandths.
+    min: i64,
+    max: i64,
+    /// Of the whole numbers between them only these, where there are any.
+    only: &'static [i64],
+    /// The same in words.
+    words: String,
 }
 
-/// Reads a machine file.
+impl Allowed {
+    fn takes(&self, milli: i128) -> bool {
+        let (min, max) = (i128::from(self.min), i128::from(self.max));
+        (min..=max).contains(&milli)
+            && (self.only.is_empty() || self.only.iter().any(|&one| milli == i128::from(one) * 1000))
+    }
+
+    /// ISG's range.
+    fn known<Target>(parameter: &Parameter<Target>) -> Self {
+        // Some units are explanations.
+        let unit = parameter.unit;
+        let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
+        let (min, max) = (parameter.min_milli, parameter.max_milli);
+        let words = format!("{}…{} {unit}", thousandths(min), thousandths(max));
+        Self { min, max, only: &[], words }
+    }
+
+    /// What this simulator takes, which of some parameters is less.
+    fn here<Target>(parameter: &Parameter<Target>) -> Self {
+        match parameter.name {
+            LOOK_AHEAD => Self {
+                min: 10_000,
+                max: BLOCKS as i64 * 1000,
+                only: &[],
+                words: format!("10…{BLOCKS} blocks, this simulator is built for no more"),
+            },
+            SLOPE => Self { only: SLOPES, words: SLOPES_IN_WORDS.into(), ..Self::known(parameter) },
+            _ => Self::known(parameter),
+        }
+    }
+}
+
+const LOOK_AHEAD: &str = "look_ahead";
+const SLOPE: &str = "prog_start.slope.profile";
+/// Slopes that this version has.
+const SLOPES: &[i64] = &[1, 3];
+const SLOPES_IN_WORDS: &str = "1 (TRAPEZ) or 3 (HSC): 0 STEP and 2 SIN2 are not available in this version";
+
+/// Channel parameters that the command line sets in place of the machine data.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// P-CHAN-00071.
+    pub slope: Option<u8>,
+    /// P-STUP-00071.
+    pub look_ahead: Option<u32>,
+}
+
+impl Overrides {
+    fn value(&self, name: &str) -> Option<i64> {
+        match name {
+            LOOK_AHEAD => self.look_ahead.map(i64::from),
+            SLOPE => self.slope.map(i64::from),
+            _ => None,
+        }
+    }
+
+    /// Sets them.
+    ///
+    /// # Errors
+    /// Out of range, as in a machine file.
+    pub fn apply(&self, channel: &mut ChannelData) -> Result<(), Vec<Diagnostic>> {
+        let mut refused = Vec::new();
+        for parameter in CHANNEL {
+            let Some(value) = self.value(parameter.name) else { continue };
+            let allowed = Allowed::here(parameter);
+            if allowed.takes(i128::from(value) * 1000) {
+                (parameter.set)(channel, value * 1000);
+            } else {
+                let option = if parameter.name == SLOPE { "--slope" } else { "--look-ahead" };
+                let label = label("channel", parameter.id, parameter.name);
+                let message = format!("{option}: {label} = {value}: out of range");
+                refused.push(Diagnostic::error(message).expected(allowed.words));
+            }
+        }
+        if refused.is_empty() { Ok(()) } else { Err(refused) }
+    }
+}
+
+/// Reads a machine file. What the command line sets may be anything of ISG's range there.
 ///
 /// # Errors
 /// Everything that is wrong with it, one message each.
-pub fn load(path: &Path) -> Result<Machine, Vec<Diagnostic>> {
+pub fn load(path: &Path, overrides: &Overrides) -> Result<Machine, Vec<Diagnostic>> {
     let source = Source::read(path)?;
     let text = match std::str::from_utf8(&source.text) {
         Ok(text) => text,
@@ -47,7 +112,7 @@ pub fn load(path: &Path) -> Result<Machine, Vec<Diagnostic>> {
             return Err(vec![Diagnostic::error(message).at(&source, line, column, 1)]);
         }
     };
-    let mut loader = Loader { source: &source, refused: Vec::new() };
+    let mut loader = Loader { source: &source, overrides, refused: Vec::new() };
     let machine = loader.machine(text);
     if loader.refused.is_empty() {
         Ok(Machine { name: source.name.clone(), ..machine })
@@ -65,10 +130,18 @@ struct Entry<'a> {
 
 struct Loader<'a> {
     source: &'a Source,
+    overrides: &'a Overrides,
     refused: Vec<Diagnostic>,
 }
 
 impl Loader<'_> {
+    fn allowed<Target>(&self, parameter: &Parameter<Target>) -> Allowed {
+        match self.overrides.value(parameter.name) {
+            Some(_) => Allowed::known(parameter),
+            None => Allowed::here(parameter),
+        }
+    }
+
     fn machine(&mut self, text: &str) -> Machine {
         let mut machine = Machine { axes: Vec::new(), channel: ChannelData::new(), name: String::new() };
         let document = match DeTable::parse(text) {
@@ -107,6 +180,9 @@ impl Loader<'_> {
                 }
             }
         }
+        if let Err(refused) = self.overrides.apply(&mut machine.channel) {
+            self.refused.extend(refused);
+        }
         for (key, value) in document.get_ref() {
             if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {
                 for (name, table) in axes {
@@ -135,16 +211,16 @@ impl Loader<'_> {
             return;
         }
         for parameter in CHANNEL {
-            let (min, max, range) = range_of(parameter);
+            let allowed = Allowed::here(parameter);
             let value = (parameter.get)(channel);
-            if value < min || value > max {
+            if !allowed.takes(i128::from(value)) {
                 let label = label("channel", parameter.id, parameter.name);
                 let message = format!("{label} = {} (the default): out of range", thousandths(value));
                 match document.iter().find(|(key, _)| key.get_ref() == "channel") {
-                    Some((key, _)) => self.refuse(&key.span(), message, &range),
+                    Some((key, _)) => self.refuse(&key.span(), message, &allowed.words),
                     None => {
                         let message = format!("{}: {message}", self.source.name);
-                        self.refused.push(Diagnostic::error(message).expected(range));
+                        self.refused.push(Diagnostic::error(message).expected(allowed.words));
                     }
                 }
             }
@@ -246,7 +322,8 @@ impl Loader<'_> {
             self.set_word(table, entry, parameter, target);
             return;
         }
-        let (min, max, range) = range_of(parameter);
+        let allowed = self.allowed(parameter);
+        let range = &allowed.words;
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
         let text = self.text(&entry.value.span()).to_owned();
@@ -262,8 +339,8 @@ impl Loader<'_> {
                 let message = format!("{label} = {text}: too many decimals");
                 self.refuse(&entry.value.span(), message, &format!("three decimals at most, {range}"));
             }
-            Ok(value) if value < i128::from(min) || value > i128::from(max) => {
-                self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), &range);
+            Ok(value) if !allowed.takes(value) => {
+                self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), range);
             }
             Ok(value) => (parameter.set)(target, value as i64),
         }
@@ -395,7 +472,7 @@ mod tests {
     #[test]
     fn the_default_file_is_the_built_in_machine() {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/machines/default.toml"));
-        let loaded = load(path).unwrap_or_else(|_| panic!("default.toml is refused"));
+        let loaded = load(path, &Overrides::default()).unwrap_or_else(|_| panic!("default.toml is refused"));
         assert_eq!(loaded.axes, Machine::built_in().axes);
         assert_eq!(loaded.channel, Machine::built_in().channel);
     }
@@ -411,7 +488,7 @@ mod tests {
             a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
             vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
         std::fs::write(&dir, text).expect("a file for the test");
-        let machine = load(&dir).unwrap_or_else(|_| panic!("refused"));
+        let machine = load(&dir, &Overrides::default()).unwrap_or_else(|_| panic!("refused"));
         let _ = std::fs::remove_file(&dir);
         let name = AxisName::new("X").expect("a letter");
         let axis = AxisData {
@@ -451,6 +528,20 @@ mod tests {
         let stages = AxisData { a_max: 900, ..AxisData::new(name, AxisKind::Linear) }.stages(false);
         assert_eq!((stages.a, stages.d, stages.change_over), ([900; 2], [900; 2], 100_000));
         assert_eq!((axis.stages(true).d, axis.stages(true).change_over), ([5, 6], 10));
+    }
+
+    #[test]
+    fn the_command_line_has_the_last_word() {
+        let path = std::env::temp_dir().join(format!("glidepath-overrides-{}", std::process::id()));
+        // STEP is ISG's default; a look-ahead beyond this simulator's memory.
+        std::fs::write(&path, "[channel]\nlook_ahead = 9000\n[axis.X]\n").expect("a file for the test");
+        let both = Overrides { slope: Some(3), look_ahead: Some(60) };
+        let machine = load(&path, &both).unwrap_or_else(|_| panic!("refused"));
+        assert_eq!((machine.channel.slope_profile, machine.channel.look_ahead), (3, 60));
+        for one in [Overrides { slope: None, ..both }, Overrides { look_ahead: None, ..both }] {
+            assert!(load(&path, &one).is_err(), "{one:?}");
+        }
+        let _ = std::fs::remove_file(&path);
     }
 
     #[test]

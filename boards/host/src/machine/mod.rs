@@ -7,7 +7,8 @@ mod later;
 mod load;
 
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-pub use load::load;
+use glidepath::nc::SlopeType;
+pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
 #[derive(Debug, PartialEq)]
@@ -59,6 +60,11 @@ impl Machine {
         linear.map(|(index, _)| index).take(3).collect()
     }
 
+    /// The slope at program start: P-CHAN-00071.
+    pub fn slope(&self) -> SlopeType {
+        SlopeType::of_profile(self.channel.slope_profile)
+    }
+
     /// Cycle time in seconds.
     pub fn cycle_s(&self) -> f64 {
         f64::from(self.channel.cycle_us) / 1e6
@@ -74,11 +80,11 @@ pub struct Limits {
     pub speed_rapid: f64,
     /// P-AXIS-00008: all accelerations together.
     pub accel: f64,
-    /// P-AXIS-00001.
+    /// P-AXIS-00001, or the larger stage of STEP.
     pub accel_feed: f64,
-    /// P-AXIS-00002.
+    /// P-AXIS-00002, or the larger stage.
     pub brake_feed: f64,
-    /// P-AXIS-00004.
+    /// P-AXIS-00004, or the largest stage.
     pub accel_rapid: f64,
     /// The steepest ramp of the slope at feed.
     pub ramp_feed: f64,
@@ -105,24 +111,56 @@ impl Limits {
     }
 }
 
-/// The limits of an axis: jerk is acceleration over ramp time.
-pub fn limits(axis: &AxisData) -> Limits {
-    let jerk = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.max(1));
-    let accel = jerk(axis.a_beschl, axis.tr_beschl_ab.min(axis.tr_beschl_zu));
-    let brake = jerk(axis.a_brems, axis.tr_brems_ab.min(axis.tr_brems_zu));
-    let rapid = jerk(axis.a_grenz, axis.tr_grenz);
-    let fastest = axis.a_beschl.max(axis.a_brems).max(axis.a_grenz);
-    let contour = if axis.tr_geom == 0 { 0.0 } else { jerk(fastest, axis.tr_geom) };
+/// The limits of an axis: the jerk of a slope is acceleration over ramp time, times what its shape makes of it.
+pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
+    let [up, down] = [[axis.tr_beschl_zu, axis.tr_beschl_ab], [axis.tr_brems_zu, axis.tr_brems_ab]];
+    let shortest = |ramps: [u32; 2]| ramps[0].min(ramps[1]);
+    let (up, down, shape) = match slope {
+        SlopeType::Trapez => (shortest(up), shortest(down), 1.0),
+        // The longest of all ramp times.
+        SlopeType::Hsc => {
+            let longest = up.into_iter().chain(down).max().unwrap_or(0);
+            (longest, longest, 1.0)
+        }
+        // The steepest point of a · sin²(πt/2T).
+        SlopeType::Sin2 => (shortest(up), shortest(down), std::f64::consts::FRAC_PI_2),
+        // Acceleration jumps.
+        SlopeType::Step => (0, 0, f64::INFINITY),
+    };
+    let over = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.max(1));
+    let ([accel, brake], rapid) = if slope == SlopeType::Step {
+        let [feed, rapid] = [axis.stages(false), axis.stages(true)];
+        (
+            [feed.a, feed.d].map(|[one, two]| one.max(two)),
+            rapid.a.into_iter().chain(rapid.d).max().unwrap_or(0),
+        )
+    } else {
+        ([axis.a_beschl, axis.a_brems], axis.a_grenz)
+    };
+    let fastest = accel.max(brake).max(rapid);
+    let contour = if axis.tr_geom == 0 { 0.0 } else { over(fastest, axis.tr_geom) };
+    let ramp_feed = shape * over(accel, up).max(over(brake, down));
+    let ramp_rapid = shape * over(rapid, axis.tr_grenz);
     Limits {
         speed: f64::from(axis.vb_max) / 1e3,
         speed_rapid: f64::from(axis.vb_eilgang) / 1e3,
         accel: f64::from(axis.a_max),
-        accel_feed: f64::from(axis.a_beschl),
-        brake_feed: f64::from(axis.a_brems),
-        accel_rapid: f64::from(axis.a_grenz),
-        ramp_feed: accel.max(brake),
-        ramp_rapid: rapid,
-        jerk: accel.max(brake).max(rapid).max(contour),
+        accel_feed: f64::from(accel),
+        brake_feed: f64::from(brake),
+        accel_rapid: f64::from(rapid),
+        ramp_feed,
+        ramp_rapid,
+        jerk: ramp_feed.max(ramp_rapid).max(contour),
+    }
+}
+
+/// What the slope is called in programs.
+pub fn slope_name(slope: SlopeType) -> &'static str {
+    match slope {
+        SlopeType::Step => "STEP",
+        SlopeType::Trapez => "TRAPEZ",
+        SlopeType::Sin2 => "SIN2",
+        SlopeType::Hsc => "HSC",
     }
 }
 

@@ -41,8 +41,14 @@ pub const SOFT: Colour = Colour(0x6b, 0x77, 0x85);
 pub const GRID: Colour = Colour(0xe4, 0xe8, 0xec);
 /// The programmed contour.
 pub const PROGRAMMED: Colour = Colour(0x9a, 0xa5, 0xb1);
+/// The programmed feed.
+pub const FEED: Colour = Colour(0x8f, 0xb8, 0xd8);
 /// Limits.
 pub const LIMIT: Colour = Colour(0xd6, 0x45, 0x45);
+/// Events from outside.
+pub const EVENT: Colour = Colour(0x7a, 0x4f, 0xa8);
+/// Rest because of them.
+pub const HELD: Colour = Colour(0xf2, 0xb1, 0x34);
 /// The main axes.
 pub const AXES: [Colour; 3] = [Colour(0x2b, 0x7a, 0xb8), Colour(0xe0, 0x8a, 0x1e), Colour(0x3a, 0x9d, 0x5d)];
 

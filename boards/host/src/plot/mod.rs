@@ -4,6 +4,7 @@
 
 mod canvas;
 mod chart;
+mod events;
 mod font;
 mod path;
 mod png;
@@ -12,8 +13,9 @@ mod scale;
 mod svg;
 
 use crate::diagnose::Source;
-use crate::machine::Machine;
-use crate::program::Program;
+use crate::events::Event;
+use crate::machine::{Machine, slope_name};
+use crate::program::{Program, plural};
 use crate::statistics::Statistics;
 use canvas::{Anchor, Canvas, INK, Point, Rect, SOFT, TextStyle};
 pub use record::Picture;
@@ -64,6 +66,8 @@ pub struct Scene<'a> {
     pub statistics: &'a Statistics,
     /// What was recorded.
     pub picture: &'a Picture,
+    /// What happened from outside.
+    pub events: &'a [Event],
 }
 
 /// Draws a run, as the bytes of a file.
@@ -88,13 +92,15 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
     let title = file.unwrap_or_else(|| source.name.as_str().into());
     canvas.text(Point(MARGIN, 40.0), &title, &TextStyle { size: 22.0, bold: true, ..TextStyle::new(INK) });
     let facts = format!(
-        "{:.3} s  ·  {} blocks  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms",
+        "{:.3} s  ·  {} block{}  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms  ·  slope {}",
         statistics.time_s(scene.machine),
-        statistics.blocks.len(),
+        statistics.blocks(),
+        plural(statistics.blocks()),
         statistics.distance_mm(),
         scene.picture.unit,
         scene.machine.name,
         f64::from(scene.machine.channel.cycle_us) / 1e3,
+        slope_name(scene.machine.slope()),
     );
     canvas.text(Point(MARGIN, 62.0), &facts, &TextStyle { size: 13.0, ..TextStyle::new(SOFT) });
 
@@ -112,6 +118,7 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
 mod tests {
     use super::*;
     use crate::program::{Kind, Segment};
+    use glidepath::nc::Place;
     use glidepath::quantity::{Accel, Position, Speed};
     use glidepath::tick::Telemetry;
 
@@ -120,6 +127,7 @@ mod tests {
         let machine = Machine::built_in();
         let line = |x: f64, y: f64| Segment {
             n: 1,
+            place: Place::default(),
             kind: Kind::Line,
             end: vec![x, y, 0.0],
             feed: Some(6000.0),
@@ -133,7 +141,7 @@ mod tests {
             Segment { feed: None, ..line(0.0, 0.0) },
         ];
         let program = Program { segments, motions: 4, ..Program::empty(&machine) };
-        let mut statistics = Statistics::new(&[Position::ZERO; 3]);
+        let mut statistics = Statistics::new(&[Position::ZERO; 3], 0);
         let mut picture = Picture::new(&machine, vec![0, 1, 2]);
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
@@ -152,12 +160,17 @@ mod tests {
                 accel: Accel(((s * 0.04).cos() * 0.001).to_string().parse().unwrap_or_default()),
                 ..Telemetry::default()
             };
-            statistics.add(telemetry.distance, &set_points);
+            statistics.add(&telemetry, &set_points, false);
             picture.add(&telemetry, &set_points, &statistics.axes, machine.cycle_s());
         }
         let source = Source { name: "a & b.nc".into(), text: Vec::new() };
-        let scene =
-            Scene { machine: &machine, program: &program, statistics: &statistics, picture: &picture };
+        let scene = Scene {
+            machine: &machine,
+            program: &program,
+            statistics: &statistics,
+            picture: &picture,
+            events: &[],
+        };
         draw(format, &source, &scene)
     }
 

@@ -33,10 +33,9 @@ pub struct Picture {
     pending: Option<Place>,
     /// Speed, acceleration and jerk of the path, then acceleration and jerk of each axis shown.
     pub envelope: Envelope,
-    /// Ticks at which a block is entered.
-    pub entries: Vec<u64>,
+    /// Ticks that enter another block, and that block; several may begin within a tick.
+    pub entries: Vec<(u64, u32)>,
     ticks: u64,
-    block: u32,
     accel: f64,
 }
 
@@ -56,7 +55,6 @@ impl Picture {
             envelope,
             entries: Vec::new(),
             ticks: 0,
-            block: 0,
             accel: 0.0,
         }
     }
@@ -81,9 +79,8 @@ impl Picture {
         }
         self.envelope.add(&values);
 
-        if telemetry.block != self.block || self.entries.is_empty() {
-            self.block = telemetry.block;
-            self.entries.push(self.ticks);
+        if self.entries.last().is_none_or(|(_, block)| *block != telemetry.block) {
+            self.entries.push((self.ticks, telemetry.block));
         }
         self.ticks += 1;
 

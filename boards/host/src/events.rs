@@ -1,0 +1,437 @@
+//! What happens from outside while a program runs: the operator's commands, and a planner that is late.
+//!
+//! One event per line: seconds since the first set point, a word, its value.
+//!
+//! ```text
+//! 0.5   override 150      ; percent, 0…200
+//! 1     feedhold          # until resume
+//! 1.75  resume
+//! 2     reduced on        ; or off
+//! 2.2   starve 0.08       ; seconds in which the planner gets no time
+//! 3     abort
+//! ```
+//!
+//! Times ascend. An event acts at the first tick at or after its time.
+use crate::decimal::push_scaled;
+use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::statistics::Outcome;
+use glidepath::control::{Commands, Control, MAX_OVERRIDE};
+use std::path::Path;
+
+/// An event with its place in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Since the first set point, ns.
+    pub time_ns: u64,
+    /// What happens.
+    pub what: What,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column of the word, from 1, in bytes.
+    pub column: usize,
+}
+
+/// What happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// Feed override, LSB 0.1 %.
+    Override(u16),
+    /// Stand still.
+    FeedHold,
+    /// Go on.
+    Resume,
+    /// Stand still and end.
+    Abort,
+    /// Reduced speed on or off.
+    Reduced(bool),
+    /// The planner gets no time for so many ns.
+    Starve(u64),
+}
+
+impl What {
+    /// Gives the command to a channel; a late planner is not one.
+    pub fn give(self, control: &Control) {
+        match self {
+            Self::Override(feed) => control.set_override(feed),
+            Self::FeedHold => control.feed_hold(),
+            Self::Resume => control.resume(),
+            Self::Abort => control.abort(),
+            Self::Reduced(on) => control.set_reduced(on),
+            Self::Starve(_) => {}
+        }
+    }
+
+    /// The word of the file.
+    pub fn word(self) -> &'static str {
+        WORDS[match self {
+            Self::Override(_) => 0,
+            Self::FeedHold => 1,
+            Self::Resume => 2,
+            Self::Abort => 3,
+            Self::Reduced(_) => 4,
+            Self::Starve(_) => 5,
+        }]
+    }
+}
+
+/// As people say it.
+impl std::fmt::Display for What {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Override(feed) if feed % 10 == 0 => write!(f, "override {} %", feed / 10),
+            Self::Override(feed) => write!(f, "override {}.{} %", feed / 10, feed % 10),
+            Self::FeedHold => f.write_str("feed hold"),
+            Self::Resume | Self::Abort => f.write_str(self.word()),
+            Self::Reduced(on) => write!(f, "reduced {}", if *on { "on" } else { "off" }),
+            Self::Starve(ns) => write!(f, "planner late {} s", seconds(*ns)),
+        }
+    }
+}
+
+impl Event {
+    /// The tick at or after its time.
+    pub fn tick(&self, cycle_us: u32) -> u64 {
+        ticks(self.time_ns, cycle_us)
+    }
+}
+
+/// A file of events.
+pub struct Script {
+    source: Source,
+    /// What it holds, in its order.
+    pub events: Vec<Event>,
+}
+
+impl Script {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or some of its lines.
+    pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
+        let source = Source::read(path)?;
+        let events = parse(&source)?;
+        Ok(Self { source, events })
+    }
+
+    /// A remark at the word of an event.
+    pub fn at(&self, event: &Event, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.at(&self.source, event.line, event.column, event.what.word().len())
+    }
+
+    /// A warning for each event that the program did not live to see.
+    pub fn unused(&self, outcomes: &[Outcome], end_s: f64) -> impl Iterator<Item = Diagnostic> {
+        let unused = self.events.iter().zip(outcomes).filter(|(_, outcome)| outcome.tick.is_none());
+        unused.map(move |(event, _)| {
+            self.at(
+                event,
+                Diagnostic::warning(format!("the program ends at {end_s:.3} s, before this event")),
+            )
+        })
+    }
+}
+
+/// The events of a run as time goes by.
+pub struct Schedule<'a> {
+    events: &'a [Event],
+    cycle_us: u32,
+    next: usize,
+    /// The planner gets no time before this tick.
+    late_until: u64,
+}
+
+impl<'a> Schedule<'a> {
+    /// Nothing has happened yet.
+    pub fn new(events: &'a [Event], cycle_us: u32) -> Self {
+        Self { events, cycle_us, next: 0, late_until: 0 }
+    }
+
+    /// The next event that acts at `tick`; commands are given to `control`.
+    pub fn due(&mut self, tick: u64, control: &Control) -> Option<(usize, What)> {
+        let event = self.events.get(self.next).filter(|event| event.tick(self.cycle_us) <= tick)?;
+        event.what.give(control);
+        if let What::Starve(ns) = event.what {
+            self.late_until = self.late_until.max(tick + ticks(ns, self.cycle_us));
+        }
+        self.next += 1;
+        Some((self.next - 1, event.what))
+    }
+
+    /// Whether the planner is late at `tick`.
+    pub fn is_late(&self, tick: u64) -> bool {
+        tick < self.late_until
+    }
+
+    /// Whether a motion that is to stand still by these commands is to go on or to end by a later event.
+    pub fn goes_on(&self, commands: &Commands) -> bool {
+        let later = |what: fn(What) -> bool| self.events[self.next..].iter().any(|event| what(event.what));
+        let resumed = !commands.hold || later(|what| what == What::Resume);
+        let fed = commands.feed > 0 || later(|what| matches!(what, What::Override(1..)));
+        later(|what| what == What::Abort) || (resumed && fed)
+    }
+
+    /// The event behind such a standstill.
+    pub fn cause(&self, commands: &Commands) -> Option<&'a Event> {
+        let holds = |event: &&Event| match event.what {
+            What::FeedHold => commands.hold,
+            What::Override(0) => commands.feed == 0,
+            _ => false,
+        };
+        self.events[..self.next].iter().rev().find(holds)
+    }
+}
+
+/// Ticks that such a time fills, the last one perhaps in part.
+pub fn ticks(ns: u64, cycle_us: u32) -> u64 {
+    ns.div_ceil(u64::from(cycle_us.max(1)) * 1000)
+}
+
+/// Seconds without needless digits.
+pub fn seconds(ns: u64) -> String {
+    let mut out = String::new();
+    push_scaled(&mut out, i128::from(ns), 9);
+    if out.ends_with(".0") {
+        out.truncate(out.len() - 2);
+    }
+    out
+}
+
+const WORDS: [&str; 6] = ["override", "feedhold", "resume", "abort", "reduced", "starve"];
+
+/// Largest time, s.
+const LATEST: u64 = 1_000_000;
+
+/// All events, or all lines that are not understood, one message each.
+fn parse(source: &Source) -> Result<Vec<Event>, Vec<Diagnostic>> {
+    let mut events: Vec<Event> = Vec::new();
+    let mut refused = Vec::new();
+    for (index, text) in source.lines().enumerate() {
+        let line = index + 1;
+        let fail = |Unfit { column, length, message, expected }: Unfit| {
+            Diagnostic::error(message).at(source, line, column, length).expected(expected)
+        };
+        match event(text, line) {
+            Ok(None) => {}
+            Ok(Some((at, event))) => match events.last() {
+                Some(before) if before.time_ns > event.time_ns => {
+                    let expected =
+                        format!("{} of line {} or later: times ascend", seconds(before.time_ns), before.line);
+                    refused.push(fail(at.unfit("a time before the one above", expected)));
+                }
+                _ => events.push(event),
+            },
+            Err(unfit) => refused.push(fail(unfit)),
+        }
+    }
+    if refused.is_empty() { Ok(events) } else { Err(refused) }
+}
+
+/// Why a word is refused.
+struct Unfit {
+    column: usize,
+    length: usize,
+    message: String,
+    expected: String,
+}
+
+/// A word of a line; behind the last one, the empty word at the end.
+#[derive(Clone, Copy)]
+struct Word<'a> {
+    text: &'a [u8],
+    column: usize,
+}
+
+impl Word<'_> {
+    fn unfit(&self, message: impl Into<String>, expected: impl Into<String>) -> Unfit {
+        let (message, expected) = (message.into(), expected.into());
+        Unfit {
+            column: self.column,
+            length: self.text.len(),
+            message,
+            expected: format!("expected {expected}"),
+        }
+    }
+
+    /// As it can be shown.
+    fn shown(&self) -> String {
+        String::from_utf8_lossy(self.text).chars().filter(|character| !character.is_control()).collect()
+    }
+
+    fn refused(&self, missing: &str, expected: impl Into<String>) -> Unfit {
+        if self.text.is_empty() {
+            return self.unfit(missing, expected);
+        }
+        self.unfit(format!("`{}` is refused", self.shown()), expected)
+    }
+}
+
+fn event(line: &[u8], number: usize) -> Result<Option<(Word<'_>, Event)>, Unfit> {
+    let end = line.iter().position(|byte| matches!(byte, b';' | b'#')).unwrap_or(line.len());
+    let mut words = words(&line[..end]);
+    let mut next =
+        || words.next().unwrap_or(Word { text: b"", column: line[..end].trim_ascii_end().len() + 1 });
+    let time = next();
+    if time.text.is_empty() {
+        return Ok(None);
+    }
+    let limit = format!("a time in seconds, 0…{LATEST}");
+    let time_ns = decimal(time.text, 9).filter(|&ns| ns <= LATEST * 1_000_000_000);
+    let time_ns = time_ns.ok_or_else(|| time.refused("", limit))?;
+    let word = next();
+    let what = match word.text {
+        b"override" => {
+            let value = next();
+            let percent = decimal(value.text, 1).and_then(|feed| u16::try_from(feed).ok());
+            let feed = percent.filter(|&feed| feed <= MAX_OVERRIDE);
+            let expected = "percent, 0…200, one decimal at most";
+            What::Override(feed.ok_or_else(|| value.refused("the override is missing", expected))?)
+        }
+        b"feedhold" => What::FeedHold,
+        b"resume" => What::Resume,
+        b"abort" => What::Abort,
+        b"reduced" => {
+            let value = next();
+            match value.text {
+                b"on" => What::Reduced(true),
+                b"off" => What::Reduced(false),
+                _ => return Err(value.refused("on or off is missing", "on or off")),
+            }
+        }
+        b"starve" => {
+            let value = next();
+            let ns = decimal(value.text, 9).filter(|&ns| ns > 0 && ns <= LATEST * 1_000_000_000);
+            let expected = format!("seconds without the planner, above 0, at most {LATEST}");
+            What::Starve(ns.ok_or_else(|| value.refused("the duration is missing", expected))?)
+        }
+        _ => {
+            let expected = "override, feedhold, resume, abort, reduced or starve";
+            let meant = nearest(&word.shown(), WORDS).filter(|_| !word.text.is_empty());
+            let expected =
+                meant.map_or_else(|| expected.into(), |one| format!("{expected}; is {one} meant?"));
+            return Err(word.refused("the event is missing", expected));
+        }
+    };
+    let rest = next();
+    if !rest.text.is_empty() {
+        return Err(rest.refused("", "the end of the line, or a comment behind ; or #"));
+    }
+    Ok(Some((time, Event { time_ns, what, line: number, column: word.column })))
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = Word<'_>> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        at += line.get(at..)?.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &line[at..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let word = Word { text: &rest[..length], column: at + 1 };
+        at += length;
+        Some(word)
+    })
+}
+
+/// `12.34` in units of 10^-places, exactly; nothing else, above all no sign.
+fn decimal(text: &[u8], places: usize) -> Option<u64> {
+    let text = std::str::from_utf8(text).ok()?;
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let fraction = fraction.trim_end_matches('0');
+    let digits = format!("{whole}{fraction:0<places$}");
+    let plain = !whole.is_empty() && fraction.len() <= places && digits.bytes().all(|b| b.is_ascii_digit());
+    if plain { digits.parse().ok() } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<Event>, Vec<(usize, usize)>> {
+        let source = Source { name: "events".into(), text: text.as_bytes().to_vec() };
+        parse(&source).map_err(|refused| refused.iter().map(Diagnostic::place).collect())
+    }
+
+    #[test]
+    fn every_event_is_read() {
+        let text = "; all of them\r\n0 override 62.5\r\n\r\n 0.25\tfeedhold # now\r\n1 resume\r\n1. reduced on\r\n\
+            1.000000001 reduced off;\r\n2 starve 0.08\r\n30 abort";
+        let events = read(text).unwrap_or_default();
+        let seen: Vec<_> = events.iter().map(|event| (event.time_ns, event.what, event.line)).collect();
+        let expected = [
+            (0, What::Override(625), 2),
+            (250_000_000, What::FeedHold, 4),
+            (1_000_000_000, What::Resume, 5),
+            (1_000_000_000, What::Reduced(true), 6),
+            (1_000_000_001, What::Reduced(false), 7),
+            (2_000_000_000, What::Starve(80_000_000), 8),
+            (30_000_000_000, What::Abort, 9),
+        ];
+        assert_eq!(seen, expected);
+        assert_eq!(events[1].column, 7);
+    }
+
+    #[test]
+    fn a_standstill_is_known_to_last() {
+        let lasts = |text: &str, tick: u64| {
+            let events = read(text).unwrap_or_default();
+            let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
+            while schedule.due(tick, &control).is_some() {}
+            let commands = control.commands();
+            (!schedule.goes_on(&commands), schedule.cause(&commands).map(|event| event.line))
+        };
+        assert_eq!(lasts("1 feedhold\n2 override 50", 1000), (true, Some(1)));
+        assert_eq!(lasts("1 feedhold\n2 resume", 1000), (false, Some(1)));
+        assert_eq!(lasts("1 feedhold\n2 resume", 2000), (false, None));
+        assert_eq!(lasts("1 feedhold\n2 abort", 1000), (false, Some(1)));
+        assert_eq!(lasts("1 override 0\n2 override 0.1", 1000), (false, Some(1)));
+        assert_eq!(lasts("0 feedhold\n1 override 0\n2 resume", 1000), (true, Some(2)));
+        assert_eq!(lasts("0 feedhold\n1 override 0\n2 resume\n2 override 9", 1000), (false, Some(2)));
+    }
+
+    #[test]
+    fn a_late_planner_comes_back() {
+        let events = read("0.01 starve 0.0021\n0.012 starve 0.004").unwrap_or_default();
+        let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
+        let late: Vec<u64> = (0..30)
+            .filter(|&tick| {
+                while schedule.due(tick, &control).is_some() {}
+                schedule.is_late(tick)
+            })
+            .collect();
+        assert_eq!(late, (10..16).collect::<Vec<u64>>());
+    }
+
+    #[test]
+    fn an_event_acts_at_the_tick_at_or_after_it() {
+        let tick = |text: &str, cycle_us| read(text).unwrap_or_default()[0].tick(cycle_us);
+        assert_eq!(
+            (tick("0 abort", 1000), tick("0.005 abort", 1000), tick("0.0050001 abort", 1000)),
+            (0, 5, 6)
+        );
+        assert_eq!((tick("0.0005 abort", 100), tick("0.0005 abort", 2000)), (5, 1));
+    }
+
+    #[test]
+    fn what_is_wrong_has_its_place() {
+        for (text, place) in [
+            ("one abort", (1, 1)),
+            ("-1 abort", (1, 1)),
+            ("1e3 abort", (1, 1)),
+            ("1000001 abort", (1, 1)),
+            ("0.0000000001 abort", (1, 1)),
+            ("\n1", (2, 2)),
+            ("1 Abort", (1, 3)),
+            ("1 stop", (1, 3)),
+            ("1 override", (1, 11)),
+            ("1 override ; 50", (1, 11)),
+            ("1 override 200.1", (1, 12)),
+            ("1 override 99.95", (1, 12)),
+            ("1 override -5", (1, 12)),
+            ("1 reduced yes", (1, 11)),
+            ("1 starve 0", (1, 10)),
+            ("1 resume now", (1, 10)),
+            ("2 feedhold\n1.9 resume", (2, 1)),
+            ("1 \u{e4}bort", (1, 3)),
+        ] {
+            assert_eq!(read(text), Err(vec![place]), "{text}");
+        }
+        assert_eq!(read("1 halt\n2 resume\nx\n"), Err(vec![(1, 3), (3, 1)]));
+    }
+}

@@ -1,0 +1,78 @@
+//! Events over time: a mark through all charts, its label above the first one, and a ground where the motion rests.
+use super::Scene;
+use super::canvas::{Anchor, Canvas, EVENT, HELD, Point, Rect, Stroke, TextStyle};
+use super::font::Font;
+use super::scale::Scale;
+
+/// Lines of labels; where these are full, a mark stays without.
+const LINES: usize = 4;
+const LINE: f64 = 14.0;
+const SIZE: f64 = 10.5;
+
+/// An event on the time axis.
+struct Mark {
+    x: f64,
+    /// Line, from below, and left end of the label.
+    label: Option<(usize, f64)>,
+    text: String,
+}
+
+/// The events of a run, laid out over a chart.
+pub struct Marks {
+    marks: Vec<Mark>,
+    lines: usize,
+    /// From where to where an event makes the motion rest.
+    holds: Vec<[f64; 2]>,
+}
+
+impl Marks {
+    /// For charts with this time axis (s), which ends at `right`.
+    pub fn new(scene: &Scene<'_>, x: &Scale, right: f64) -> Self {
+        let cycle = scene.machine.cycle_s();
+        let at = |tick: u64| x.at(tick as f64 * cycle);
+        let font = Font::new(SIZE, false);
+        let mut starts = [f64::INFINITY; LINES];
+        let mut marks: Vec<Mark> = Vec::new();
+        // From the last to the first: a label stands above those behind it, and its stem beside them.
+        for (event, outcome) in scene.events.iter().zip(&scene.statistics.outcomes).rev() {
+            let Some(tick) = outcome.tick else { continue };
+            let (x, text) = (at(tick), event.what.to_string());
+            let width = font.width(&text);
+            let left = (x + 3.0).min(right - width);
+            let line = starts.iter().position(|&start| left + width + 8.0 <= start);
+            if let Some(line) = line {
+                starts[line] = left;
+            }
+            marks.push(Mark { x, label: line.map(|line| (line, left)), text });
+        }
+        let lines = marks.iter().filter_map(|mark| mark.label).map(|(line, _)| line + 1).max().unwrap_or(0);
+        let holds = scene.statistics.holds.iter().map(|&[from, to]| [from.saturating_sub(1), to].map(at));
+        Self { marks, lines, holds: holds.collect() }
+    }
+
+    /// What the labels need above the first chart.
+    pub fn height(&self) -> f64 {
+        self.lines as f64 * LINE
+    }
+
+    /// The ground of a chart.
+    pub fn ground(&self, canvas: &mut dyn Canvas, frame: &Rect) {
+        for [from, to] in &self.holds {
+            canvas.fill(&Rect { x: *from, width: to - from, ..*frame }, HELD, 0.16);
+        }
+    }
+
+    /// The marks through a chart, and in the `first` one up to their labels.
+    pub fn draw(&self, canvas: &mut dyn Canvas, frame: &Rect, first: bool) {
+        let stroke = Stroke { opacity: 0.8, dash: Some((2.0, 3.0)), ..Stroke::new(EVENT, 1.0) };
+        for mark in &self.marks {
+            canvas.polyline(&[Point(mark.x, frame.y), Point(mark.x, frame.bottom())], &stroke);
+            let Some((line, left)) = mark.label.filter(|_| first) else { continue };
+            let base = frame.y - 5.0 - line as f64 * LINE;
+            let stem = [Point(mark.x, base - 8.0), Point(mark.x, frame.y)];
+            canvas.polyline(&stem, &Stroke { opacity: 0.8, ..Stroke::new(EVENT, 1.0) });
+            let style = TextStyle { size: SIZE, anchor: Anchor::Start, ..TextStyle::new(EVENT) };
+            canvas.text(Point(left, base), &mark.text, &style);
+        }
+    }
+}
