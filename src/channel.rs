@@ -23,8 +23,8 @@ use crate::machine::{AxisKind, AxisName, MachineData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourSwitch, Decoder, DwellTime, NcError, NcWarning, Place, Setup, SlopeType, Spline,
-    Step, Text,
+    Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup,
+    SlopeType, Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -61,6 +61,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             cycle_us: machine.channel.cycle_us,
             source: Source::Open,
             held: None,
+            released: 0,
         };
         Ok((planner, Interpolator::new(receiver, start)))
     }
@@ -173,7 +174,7 @@ pub enum Progress {
 pub struct PlannedBlock {
     /// Its first motion block, counted from 0 since program start.
     pub block: u32,
-    /// How many there are.
+    /// How many begin in it.
     pub blocks: u32,
     /// Programmed N number of the first.
     pub n: u32,
@@ -226,6 +227,9 @@ impl core::fmt::Display for Error {
             Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
             Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
             Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
+            Self::Motion(_, MotionError::Released) => {
+                f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
+            }
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
             ),
@@ -258,6 +262,8 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     source: Source,
     /// A function that the ring of events did not take.
     held: Option<(u32, Function)>,
+    /// Axes given away by #PUT AX, bit i for axis i.
+    released: u32,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
@@ -338,6 +344,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
             Command::Motion(motion) => {
+                if self.planning.moves(motion, self.released) {
+                    return Err(Error::Motion(motion.place, MotionError::Released));
+                }
                 self.planning.take(motion).map_err(|e| {
                     let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
                     Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
@@ -376,10 +385,23 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 }
                 self.planning.dynamics().limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
             }
+            Command::PutAxes(_, axes) => {
+                self.released |= axes;
+                self.planning.keep_corner();
+            }
+            Command::CallAxes(_, axes) => {
+                self.released &= !axes;
+                self.planning.keep_corner();
+            }
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
-            Command::Contour(_, Contour { switch: Some(ContourSwitch::Off), .. }) => {}
+            Command::Contour(head, contour) => {
+                if let Some(name) = not_available(contour) {
+                    return refuse(name);
+                }
+                self.planning.contour(contour, head.in_motion);
+            }
             Command::Spline(_, Spline::Off) => {}
             _ => return refuse(command.name()),
         }
@@ -396,4 +418,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         }
         Progress::Working
     }
+}
+
+/// What of contour mode this version does not have.
+fn not_available(contour: &Contour) -> Option<&'static str> {
+    match (contour.method, contour.action) {
+        (Some(ContourMethod::DistSoft), _) => return Some("#CONTOUR MODE [DIST_SOFT]"),
+        (Some(ContourMethod::DistMaster), _) => return Some("#CONTOUR MODE [DIST_MASTER]"),
+        (Some(ContourMethod::Ptp), _) => return Some("#CONTOUR MODE [PTP]"),
+        (_, Some(ContourAction::Pre)) => return Some("PRE_ACTION"),
+        (_, Some(ContourAction::Post)) => return Some("POST_ACTION"),
+        _ => {}
+    }
+    let lengths = [contour.path_dist, contour.track_dist, contour.sym_dist];
+    let shares = [contour.acc_max, contour.acc_min, contour.ramp_time, contour.dist_weight];
+    let dynamic = lengths.iter().chain(&shares).any(Option::is_some) || contour.merge.is_some();
+    dynamic.then_some("a keyword of DIST_SOFT, DIST_MASTER or PTP in #CONTOUR MODE")
 }

@@ -1,10 +1,11 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
 use crate::control::Control;
-use crate::lookahead::{Dynamics, Lookahead};
+use crate::lookahead::{Dynamics, Limits, Lookahead};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Motion, MotionKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
+use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Event, Function, Phase, Sender, Slot};
@@ -45,6 +46,8 @@ pub enum MotionError {
     NoFeed,
     /// It would take more than 2^26 ticks.
     TooSlow,
+    /// It moves an axis that was given away.
+    Released,
 }
 
 impl From<PathError> for MotionError {
@@ -59,6 +62,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     dynamics: Dynamics<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
+    contouring: Contouring<AXES>,
     lookahead: Lookahead<AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
@@ -74,9 +78,10 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
-    blocks: u32,
-    /// Blocks taken in.
+    /// Motion blocks taken in.
     taken: u32,
+    /// Those whose time law has begun.
+    begun: u32,
     planned: PlannedBlock,
     queue: Sender<'a, AXES>,
 }
@@ -100,6 +105,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             main: machine.main_axes(),
             dynamics: Dynamics::new(machine),
             programmed: start,
+            contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
@@ -110,8 +116,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             rest: 0,
             position: start,
             distance: Distance::ZERO,
-            blocks: 0,
             taken: 0,
+            begun: 0,
             planned: PlannedBlock::default(),
             queue,
         }
@@ -130,7 +136,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(element) = path::line(from, to, &self.main)? {
-                    self.append(&element, motion, feed)?;
+                    self.append(&element, Form::Line, motion, feed)?;
+                } else if motion.exact_stop {
+                    // At the end of the block before.
+                    self.contouring.release(true);
+                    if !self.contouring.holds() {
+                        self.lookahead.stop_here();
+                    }
                 }
             }
             MotionKind::Arc { plane, clockwise, by } => {
@@ -141,18 +153,32 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     }
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
-                self.append(&element, motion, feed)?;
+                self.append(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
             }
         }
-        if motion.exact_stop {
-            self.lookahead.stop_here();
-        }
         Ok(())
+    }
+
+    /// Whether the block moves one of these axes: bit i for axis i.
+    pub fn moves(&self, motion: &Motion<AXES>, axes: u32) -> bool {
+        let ends = motion.target.iter().zip(&self.programmed);
+        axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
+    }
+
+    /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
+    pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+        self.contouring.command(contour, in_motion);
+    }
+
+    /// The block taken in last gets no curve at its end.
+    pub fn keep_corner(&mut self) {
+        self.contouring.cancel();
     }
 
     fn append(
         &mut self,
         element: &Element<AXES>,
+        form: Form,
         motion: &Motion<AXES>,
         feed: Option<f32>,
     ) -> Result<(), MotionError> {
@@ -164,8 +190,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if to_f32(element.shape.length.to_bits()) > limits.v * SLOWEST {
             return Err(MotionError::TooSlow);
         }
-        self.lookahead.push(element, limits, feed.is_none(), &self.dynamics, motion.n, motion.place);
-        self.dynamics.settle();
+        let data =
+            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
+        if self.contouring.is_idle() {
+            self.push(element, limits, &data);
+        } else {
+            let (from, to) = (self.programmed, motion.target);
+            self.contouring.take(&Block { element: *element, from, to, form, data })?;
+        }
         self.programmed = motion.target;
         self.taken = self.taken.wrapping_add(1);
         Ok(())
@@ -179,6 +211,25 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// The dynamics, for weights and path limits of the blocks that follow.
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         &mut self.dynamics
+    }
+
+    fn push(&mut self, element: &Element<AXES>, limits: Limits, data: &Data) {
+        let numbers = [data.number, data.n];
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
+        self.dynamics.settle();
+        if data.stop {
+            self.lookahead.stop_here();
+        }
+    }
+
+    /// Takes over an element from contour mode.
+    fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
+        let Outgoing { element, data, curving } = outgoing;
+        let limits = match (&element.bounds, curving) {
+            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            _ => self.dynamics.element(element, data.feed),
+        };
+        self.push(element, limits, data);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one.
@@ -246,7 +297,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.curves -= 1;
         let Some(block) = self.lookahead.first() else { return };
         let base = block.shape.base(&self.position);
-        let (start, number) = (self.distance, self.blocks);
+        let (start, number) = (self.distance, block.number);
         let _ = self.queue.segments.push_with(|segment| {
             segment.shape.assign(&block.shape);
             segment.base = base;
@@ -257,7 +308,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let length = block.shape.length.to_bits();
         block.shape.at(length, &base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
-        self.blocks = self.blocks.wrapping_add(1);
         self.lookahead.drop_first();
     }
 
@@ -275,14 +325,31 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 Ok(Work::Working)
             }
             Stage::Releasing(left) => self.release(left),
-            Stage::Filling if self.flush && self.lookahead.is_empty() => Ok(self.come_to_rest()),
-            Stage::Filling if self.flush || self.lookahead.is_full() => {
-                self.lookahead.begin_pass(!self.flush);
-                self.stage = Stage::Passing;
-                Ok(Work::Working)
-            }
-            Stage::Filling => Ok(Work::Hungry),
+            Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
+            Stage::Filling => Ok(self.fill()),
         }
+    }
+
+    /// There is room in the look-ahead.
+    fn fill(&mut self) -> Work {
+        if let Some(outgoing) = self.contouring.outgoing() {
+            self.push_outgoing(&outgoing);
+            return Work::Working;
+        }
+        if !self.flush {
+            return Work::Hungry;
+        }
+        if self.contouring.holds() {
+            self.contouring.release(false);
+            return Work::Working;
+        }
+        if self.lookahead.is_empty() { self.come_to_rest() } else { self.begin_pass() }
+    }
+
+    fn begin_pass(&mut self) -> Work {
+        self.lookahead.begin_pass(!self.flush);
+        self.stage = Stage::Passing;
+        Work::Working
     }
 
     /// Plans the first span of the ring for good.
@@ -296,7 +363,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         };
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
         let planned = &mut self.planned;
-        (planned.block, planned.blocks) = (self.blocks, span.blocks as u32);
+        (planned.block, planned.blocks) = (first.number, span.end.wrapping_sub(self.begun));
+        self.begun = span.end;
         (planned.n, planned.place, planned.length) = (first.n, first.place, span.length);
         (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
         if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.limits) {

@@ -128,10 +128,12 @@ fn refused(text: &str) -> Option<Error> {
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
-        "G261",
-        "X2 G61",
-        "#CONTOUR MODE [DEV PATH_DEV=0.1]",
-        "#CONTOUR MODE ON",
+        "#CONTOUR MODE [DIST_SOFT PATH_DIST=1]",
+        "#CONTOUR MODE [DIST_MASTER SYM_DIST=1]",
+        "#CONTOUR MODE ON [PTP PATH_DEV=1]",
+        "#CONTOUR MODE [ACC_MAX=50]",
+        "#CONTOUR MODE [DEV PRE_ACTION]",
+        "#CONTOUR MODE [POST_ACTION]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
         "#SLOPE [TYPE=STEP]",
@@ -153,8 +155,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "M01",
         "#KIN ID [9]",
         "#TRAFO ON",
-        "#PUT AX [Z]",
-        "#CALL AX [Z]",
         "#RT WHILE",
         "#CONTOUR LOOKAHEAD LOG ON",
         "#DISTANCE PROG START CLEAR",

@@ -17,7 +17,7 @@ use crate::machine::{AxisData, ChannelData, MachineData};
 use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
-use crate::path::{Element, End};
+use crate::path::{Bounds, Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
 use core::f32::consts::TAU;
@@ -68,6 +68,18 @@ pub struct Limits {
     pub a_shared: f32,
 }
 
+/// What limits a curve that replaces a corner, beside the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curving {
+    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
+    pub jerk: u8,
+    /// CONST_VEL: its speed does not change.
+    pub constant: bool,
+}
+
+/// Largest change of the speed's square inside an element where the speed is to stay, relative.
+const CONSTANT: f32 = 1.0 / 8192.0;
+
 /// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
 #[derive(Clone, Copy, Debug)]
 struct Set {
@@ -76,6 +88,8 @@ struct Set {
     a_down: f32,
     j: Ramps,
     joint: Joint,
+    /// The least a / ramp time, at most `B`.
+    ramp_budget: f32,
     /// Acceleration left to the slope beside a knee.
     a_shared: f32,
 }
@@ -197,6 +211,78 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits
     }
 
+    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
+    /// its largest, share the acceleration a_max and the jerk budget:
+    ///
+    /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
+    ///
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    pub fn polynomial(
+        &self,
+        element: &Element<AXES>,
+        bounds: &Bounds<AXES>,
+        feed: Option<f32>,
+        curving: Curving,
+    ) -> Limits {
+        let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
+        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(feed.is_none())), ..Limits::WIDEST };
+        if let Some(feed) = feed {
+            limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
+        }
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = sets(axis);
+            if *slope > 0.0 {
+                limits.restrict(&set, 1.0 / slope);
+            }
+            if *bend > 0.0 {
+                let normal = min(min(set.a_up, set.a_down), NORMAL_PART * axis.a_max);
+                limits.v = min(limits.v, sqrt_f32(normal / bend));
+            }
+            let budget = set.curving_budget(curving.jerk);
+            if budget < f32::MAX {
+                if *twist > 0.0 {
+                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                }
+                if *slope > 0.0 {
+                    let j = ARC_SLOPE_PART * budget / slope;
+                    for own in &mut limits.j {
+                        *own = min(*own, j);
+                    }
+                }
+            }
+        }
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = limits.v;
+        for _ in 0..ARC_SPEEDS {
+            let mut a = min(limits.a_up, limits.a_down);
+            for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+                if *slope > 0.0 {
+                    a = min(a, max(axis.a_max - bend * v * v, 0.0) / slope);
+                }
+                let budget = sets(axis).curving_budget(curving.jerk);
+                if *bend > 0.0 && budget < f32::MAX {
+                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    a = min(a, left / (3.0 * v * bend));
+                }
+            }
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        limits.v = best.1;
+        if curving.constant {
+            // Over its length the square of the speed changes by 2·a·length.
+            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+        }
+        limits.a_up = min(limits.a_up, best.2);
+        limits.a_down = min(limits.a_down, best.2);
+        limits
+    }
+
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
     /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
     /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
@@ -285,6 +371,17 @@ impl Joint {
     }
 }
 
+impl Set {
+    /// The jerk that a curve in a corner may cause.
+    fn curving_budget(&self, check: u8) -> f32 {
+        match check {
+            0 => f32::MAX,
+            1 => self.joint.budget,
+            _ => self.ramp_budget,
+        }
+    }
+}
+
 impl Axis {
     fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
@@ -301,10 +398,12 @@ impl Axis {
             let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
             let mut j = [0.0; 4];
             let mut budget = f32::MAX;
+            let mut ramp_budget = f32::MAX;
             let [mut shortest, mut longest] = [f32::MAX, 0.0];
             for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
                 *j = over(tr, k) * JERK_MARGIN;
                 budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
+                ramp_budget = min(ramp_budget, *j);
                 longest = max(longest, tr);
                 shortest = min(shortest, tr);
             }
@@ -318,7 +417,8 @@ impl Axis {
             } else {
                 f32::MAX
             };
-            Set { v: speed(v), a_up, a_down, j, joint: Joint { budget, knee, bend }, a_shared }
+            let ramp_budget = min(ramp_budget, budget);
+            Set { v: speed(v), a_up, a_down, j, joint: Joint { budget, knee, bend }, ramp_budget, a_shared }
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
         Self {

@@ -17,7 +17,7 @@ mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Dynamics, Limits};
+pub use limits::{Curving, Dynamics, Limits};
 pub(crate) use limits::{max, min};
 pub use vector::TooLow;
 pub use weights::Weights;
@@ -56,6 +56,8 @@ pub struct Block<const AXES: usize> {
     flat: bool,
     /// The span that begins with it keeps the limits of all its blocks.
     checked: bool,
+    /// Motion blocks before the one it belongs to.
+    pub number: u32,
     /// Programmed N number.
     pub n: u32,
     /// Where it stands in the text.
@@ -67,6 +69,8 @@ pub struct Block<const AXES: usize> {
 pub struct Release {
     /// Its blocks.
     pub blocks: usize,
+    /// Number of the last motion block that it belongs to, plus 1.
+    pub end: u32,
     /// Path length.
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
@@ -166,7 +170,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         mut limits: Limits,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        n: u32,
+        [number, n]: [u32; 2],
         place: Place,
     ) {
         let distance = element.shape.length.to_bits();
@@ -216,6 +220,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             fresh: false,
             flat: false,
             checked: false,
+            number,
             n,
             place,
         });
@@ -236,13 +241,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`].
     pub fn release(&mut self) -> Option<Release> {
         let mut span = Span::default();
-        let mut blocks = 0;
+        let (mut blocks, mut end) = (0, 0);
         for block in &self.blocks {
             if blocks > 0 && block.anchor {
                 break;
             }
             span.add(block, false);
             blocks += 1;
+            end = block.number.wrapping_add(1);
         }
         let first = self.blocks.front()?;
         let (v_in, flat) = (first.v_in, first.flat);
@@ -254,7 +260,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some(next) = self.blocks.get_mut(blocks) {
             next.v_in = v_out;
         }
-        Some(Release { blocks, length: Distance::from_bits(span.length), limits: span.limits, v_in, v_out })
+        let length = Distance::from_bits(span.length);
+        Some(Release { blocks, end, length, limits: span.limits, v_in, v_out })
     }
 
     /// The first block.

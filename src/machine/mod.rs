@@ -211,6 +211,9 @@ pub struct ChannelData {
     pub vector_unit: AccelerationUnit,
     /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration acts on arcs too.
     pub cir_radial_acc_limit: bool,
+    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time,
+    /// 2 by the ramp times.
+    pub check_jerk_on_poly_path: u8,
 }
 
 impl ChannelData {
@@ -230,6 +233,7 @@ impl ChannelData {
             vector_velocity_milli: 2_000_000_000_000,
             vector_unit: AccelerationUnit::MmMin2,
             cir_radial_acc_limit: false,
+            check_jerk_on_poly_path: 1,
         }
     }
 }

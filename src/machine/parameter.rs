@@ -147,6 +147,17 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         get: |t| t.cir_radial_acc_limit as i64 * 1000,
         ..channel("P-CHAN-00350", "vector.cir_radial_acc_limit", "0 lines only, 1 arcs too", 0, 1000)
     },
+    Parameter {
+        set: |t, milli| t.check_jerk_on_poly_path = (milli / 1000) as u8,
+        get: |t| t.check_jerk_on_poly_path as i64 * 1000,
+        ..channel(
+            "P-CHAN-00110",
+            "check_jerk_on_poly_path",
+            "0 no, 1 geometric ramp time, 2 ramp times",
+            0,
+            2_000,
+        )
+    },
 ];
 
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";

@@ -2,10 +2,11 @@
 //!
 //! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
 //! then changes linearly with the angle from the one to the other.
-use super::{Circle, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use super::{Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
 use crate::math::angle::atan2_turns;
 use crate::math::divide::{div_shift_signed, div_wide};
 use crate::math::float::to_f32;
+use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_shift, mul_wide};
 use crate::nc::Plane;
 use crate::quantity::Position;
@@ -73,12 +74,16 @@ pub fn arc<const AXES: usize>(
     let mut shape = Shape::resting(path_length(main_length + 1, &travel, main)?);
     let length = shape.length.to_bits();
     let end_w = shape.end_w().unsigned_abs();
-    shape.plane = [axes[0] as u8, axes[1] as u8];
-    shape.turn = div_shift_signed(sweep >> 1, 64, end_w);
-    shape.a = r0;
+    let mut circle = Arc {
+        a: r0,
+        turn: div_shift_signed(sweep >> 1, 64, end_w),
+        grow: [0; 2],
+        miss: [0; 2],
+        plane: [axes[0] as u8, axes[1] as u8],
+    };
     if difference != 0 {
         let ratio = div_shift_signed(difference, 62, len0.unsigned_abs());
-        shape.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 51, end_w) as i32);
+        circle.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 51, end_w) as i32);
     }
     for k in axes {
         if let Some(travel) = travel.get_mut(k) {
@@ -87,11 +92,12 @@ pub fn arc<const AXES: usize>(
     }
     shape.set_gains(&travel);
     // Quotient and product are off by at most one LSB each: hidden by the guard bits.
-    let end = shape.circle(shape.end_w());
-    shape.miss = [0, 1].map(|i| {
+    let end = circle.circle(shape.end_w());
+    circle.miss = [0, 1].map(|i| {
         let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
         div_shift_signed(missed, 62, end_w) as i32
     });
+    shape.curve = Curve::Arc(circle);
 
     let linear = shape.linear_tangent();
     let end = |r: [i64; 2], len: i64| {
@@ -117,7 +123,7 @@ pub fn arc<const AXES: usize>(
         radius: to_f32(len0.min(len1)) * LSB_44,
         share: if share0 > share1 { share0 } else { share1 },
     };
-    Ok(Element { shape, entry, exit, circle: Some(circle) })
+    Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
 }
 
 /// 2^-40 and 2^-44.
@@ -198,4 +204,51 @@ pub fn centre_of_radius<const AXES: usize>(
         Position::from_bits(from[0] + chord[0] / 2 - offset(chord[1])),
         Position::from_bits(from[1] + chord[1] / 2 + offset(chord[0])),
     ])
+}
+
+impl<const AXES: usize> Element<AXES> {
+    /// Direction and curvature at `distance` from the start of a line or an arc.
+    pub fn end_at(&self, distance: i64) -> End<AXES> {
+        let mut end = self.entry;
+        let (Curve::Arc(arc), Some(circle)) = (self.shape.curve, self.circle) else { return end };
+        let shift = u32::from(self.shape.shift & 63);
+        let r = arc.circle(distance << shift).map(|x| x as f64 * LSB_42);
+        let r0 = { arc.a }.map(|x| x as f64 * LSB_44_F64);
+        // Angle per millimetre: 2^-59 revolutions per 2^64 units of `w`, of which there are 2^(44 + shift).
+        let per_mm = (1u64 << shift) as f64 * PER_MM;
+        let rate = { arc.turn } as f64 * per_mm;
+        let (length, first) = (hypot_f64(r), hypot_f64(r0));
+        let along = length * rate;
+        let t0 = circle.plane.map(|k| self.entry.tangent.get(k).map_or(0.0, |t| *t as f64));
+        let outward = (t0[0] * r0[0] + t0[1] * r0[1]) / first;
+        let unit = r.map(|x| x / length);
+        let tangent =
+            [-unit[1] * along * ONE_40 + unit[0] * outward, unit[0] * along * ONE_40 + unit[1] * outward];
+        let bend = -along * along / length;
+        for i in 0..2 {
+            if let (Some(t), Some(c)) =
+                (end.tangent.get_mut(circle.plane[i]), end.curvature.get_mut(circle.plane[i]))
+            {
+                *t = tangent[i] as i64;
+                *c = (unit[i] * bend) as f32;
+            }
+        }
+        end
+    }
+}
+
+const LSB_42: f64 = 1.0 / (1u64 << 42) as f64;
+const LSB_44_F64: f64 = 1.0 / (1u64 << 44) as f64;
+const ONE_40: f64 = (1u64 << 40) as f64;
+/// 2π·2^(44 − 59 − 64).
+const PER_MM: f64 = core::f64::consts::TAU / (1u64 << 40) as f64 / (1u64 << 39) as f64;
+
+/// Length of a vector: `f32` and two of Newton's steps.
+fn hypot_f64([x, y]: [f64; 2]) -> f64 {
+    let square = x * x + y * y;
+    let mut root = f64::from(sqrt_f32(square as f32));
+    for _ in 0..2 {
+        root = 0.5 * (root + square / root);
+    }
+    root
 }

@@ -27,7 +27,7 @@ pub fn line<const AXES: usize>(
     let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);
     shape.set_gains(&travel);
     let ends = End { tangent: shape.linear_tangent(), curvature: [0.0; AXES] };
-    Ok(Some(Element { shape, entry: ends, exit: ends, circle: None }))
+    Ok(Some(Element { shape, entry: ends, exit: ends, circle: None, bounds: None }))
 }
 
 impl<const AXES: usize> Shape<AXES> {
@@ -40,11 +40,15 @@ impl<const AXES: usize> Shape<AXES> {
     /// the end, by one reciprocal for all axes. At the end the product is off by less than twenty of its LSB; the
     /// guard bits hide that.
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
-        // 2^124 / w
-        let reciprocal = reciprocal_near(self.end_w().unsigned_abs() << 2) as i64;
+        let reciprocal = self.reciprocal();
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
             *gain = if *travel == 0 { 0 } else { mul_near(travel << (GUARD + 3), reciprocal) << 1 };
         }
+    }
+
+    /// 2^124 / w at the end, in 2^62..2^63.
+    pub(super) fn reciprocal(&self) -> i64 {
+        reciprocal_near(self.end_w().unsigned_abs() << 2) as i64
     }
 
     /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by powers of two.

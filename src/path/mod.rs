@@ -13,11 +13,16 @@
 //! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. `miss` is what
 //! rounding left between the end of the circle and the programmed end, so that the end is met to the last bit; it
 //! and `grow` are so small that the upper half of `w` does.
+//!
+//! The third kind of curve is a polynomial of the fifth degree for every axis, see [`mod@poly`].
 mod arc;
+pub mod contour;
 mod line;
+pub mod poly;
 
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
+pub use poly::{Bounds, poly};
 
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
@@ -56,6 +61,8 @@ pub struct Element<const AXES: usize> {
     pub exit: End<AXES>,
     /// Set for arcs.
     pub circle: Option<Circle>,
+    /// Set for polynomials.
+    pub bounds: Option<Bounds<AXES>>,
 }
 
 /// Why a block has no curve.
@@ -129,9 +136,6 @@ pub const LONGEST: i64 = 1 << 62;
 /// Bits below the LSB of a position that sums inside a tick carry.
 const GUARD: u32 = 10;
 
-/// No plane: the shape is a line.
-const NO_PLANE: u8 = u8::MAX;
-
 /// A curve over its path length, ready for the tick. See the module for the formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape<const AXES: usize> {
@@ -139,77 +143,89 @@ pub struct Shape<const AXES: usize> {
     pub length: Distance,
     /// Linear part: 2^-42 mm per 2^64 units of `w`.
     gain: [i64; AXES],
-    /// Radius vector at the start, 2^-44 mm.
-    a: [i64; 2],
-    /// Its growth: 2^-44 mm per 2^51 units of `w`.
-    grow: [i32; 2],
-    /// What the circle misses at its end: 2^-42 mm per 2^62 units of `w`.
-    miss: [i32; 2],
-    /// Angle: 2^-59 revolutions per 2^64 units of `w`.
-    turn: i64,
-    /// Axes of the arc's plane.
-    plane: [u8; 2],
+    curve: Curve<AXES>,
     /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond an end.
     shift: u8,
 }
 
+/// What comes to the linear part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Curve<const AXES: usize> {
+    /// Nothing.
+    Line,
+    /// A circle.
+    Arc(Arc),
+    /// See [`mod@poly`].
+    Poly {
+        /// Coefficients of the second to the fifth power.
+        power: [[i32; 4]; AXES],
+        /// Their exponents.
+        down: [u8; AXES],
+    },
+}
+
+/// The part of an arc in its plane. Packed so that a polynomial of three axes is hardly larger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, packed(4))]
+struct Arc {
+    /// Radius vector at the start, 2^-44 mm.
+    a: [i64; 2],
+    /// Angle: 2^-59 revolutions per 2^64 units of `w`.
+    turn: i64,
+    /// Growth of `a`: 2^-44 mm per 2^51 units of `w`.
+    grow: [i32; 2],
+    /// What the circle misses at its end: 2^-42 mm per 2^62 units of `w`.
+    miss: [i32; 2],
+    /// Axes of the plane.
+    plane: [u8; 2],
+}
+
 impl<const AXES: usize> Shape<AXES> {
     /// No shape: all bits zero.
-    pub(crate) const BLANK: Self = Self {
-        length: Distance::ZERO,
-        gain: [0; AXES],
-        a: [0; 2],
-        grow: [0; 2],
-        miss: [0; 2],
-        turn: 0,
-        plane: [0; 2],
-        shift: 0,
-    };
+    pub(crate) const BLANK: Self =
+        Self { length: Distance::ZERO, gain: [0; AXES], curve: Curve::Line, shift: 0 };
 
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(2);
-        Self {
-            length,
-            gain: [0; AXES],
-            a: [0; 2],
-            grow: [0; 2],
-            miss: [0; 2],
-            turn: 0,
-            plane: [NO_PLANE; 2],
-            shift,
-        }
+        Self { length, gain: [0; AXES], curve: Curve::Line, shift }
     }
 
-    /// A copy, of a line without reading the arc's part: inline stores instead of a call to copy memory.
+    /// A copy, of a line without reading the curve's part: inline stores instead of a call to copy memory.
     #[inline(always)]
     pub(crate) fn copied(&self) -> Self {
-        let Self { length, gain, plane, shift, .. } = *self;
-        if self.is_arc() { *self } else { Self { length, gain, plane, shift, ..Self::BLANK } }
+        let Self { length, gain, shift, .. } = *self;
+        if self.is_line() { Self { length, gain, curve: Curve::Line, shift } } else { *self }
     }
 
-    /// Becomes `other`, in place. For a line the arc's part stays as it was: nothing reads it.
+    /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
     #[inline(always)]
     pub(crate) fn assign(&mut self, other: &Self) {
-        if other.is_arc() {
-            *self = *other;
+        if other.is_line() {
+            (self.length, self.gain, self.curve, self.shift) =
+                (other.length, other.gain, Curve::Line, other.shift);
         } else {
-            (self.length, self.gain, self.plane, self.shift) =
-                (other.length, other.gain, other.plane, other.shift);
+            *self = *other;
         }
+    }
+
+    fn is_line(&self) -> bool {
+        matches!(self.curve, Curve::Line)
     }
 
     /// Whether it is an arc.
     pub fn is_arc(&self) -> bool {
-        self.plane[0] != NO_PLANE
+        matches!(self.curve, Curve::Arc(_))
     }
 
     /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
-        for (axis, a) in self.plane.iter().zip(self.a) {
-            if let Some(x) = base.get_mut(*axis as usize) {
-                *x = Position::from_bits(x.to_bits().wrapping_sub(a >> 12));
+        if let Curve::Arc(arc) = self.curve {
+            for (axis, a) in arc.plane.into_iter().zip(arc.a) {
+                if let Some(x) = base.get_mut(axis as usize) {
+                    *x = Position::from_bits(x.to_bits().wrapping_sub(a >> 12));
+                }
             }
         }
         base
@@ -221,12 +237,24 @@ impl<const AXES: usize> Shape<AXES> {
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = distance << (self.shift & 63);
         *out = *base;
-        if self.plane[0] != NO_PLANE {
-            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
-            let [p, q] = self.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
-            let [x, y] = self.circle(w);
-            out[p] = add(base[p], x);
-            out[q] = add(base[q], y);
+        match &self.curve {
+            Curve::Line => {}
+            Curve::Arc(arc) => {
+                // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+                let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
+                let [x, y] = arc.circle(w);
+                out[p] = add(base[p], x);
+                out[q] = add(base[q], y);
+            }
+            Curve::Poly { power, down } => {
+                let linear = base.iter().zip(&self.gain);
+                for ((x, (base, gain)), (power, down)) in
+                    out.iter_mut().zip(linear).zip(power.iter().zip(down))
+                {
+                    *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
+                }
+                return;
+            }
         }
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
@@ -234,14 +262,17 @@ impl<const AXES: usize> Shape<AXES> {
             }
         }
     }
+}
 
+impl Arc {
     /// Both coordinates of the radius vector at `w`, 2^-42 mm.
     #[inline(always)]
     fn circle(&self, w: i64) -> [i64; 2] {
-        let (sin, cos) = sin_cos((mul_near(w, self.turn) << 5) as u64);
+        let Self { a, turn, grow, miss, .. } = *self;
+        let (sin, cos) = sin_cos((mul_near(w, turn) << 5) as u64);
         let upper = w >> 32;
-        let [p, q] = [0, 1].map(|i| self.a[i].wrapping_add((upper * i64::from(self.grow[i])) >> 19));
-        let [x, y] = [0, 1].map(|i| (upper * i64::from(self.miss[i])) >> 30);
+        let [p, q] = [0, 1].map(|i| a[i].wrapping_add((upper * i64::from(grow[i])) >> 19));
+        let [x, y] = [0, 1].map(|i| (upper * i64::from(miss[i])) >> 30);
         let (p, q, cos, sin) = (Halves::of(p), Halves::of(q), Halves::of(cos), Halves::of(sin));
         [x.wrapping_add(p.turn(cos, q, sin.negated())), y.wrapping_add(q.turn(cos, p, sin))]
     }

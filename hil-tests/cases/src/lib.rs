@@ -36,7 +36,8 @@ pub const CASES_3: &[Case] = cases!(
     "short_blocks",
     "cam",
     "rapid_and_feed",
-    "dwell"
+    "dwell",
+    "contour"
 );
 
 /// Programs for [`AXES_4`].

@@ -1,0 +1,490 @@
+//! Contour mode: single corners before the judge, and programs from text to set points.
+use glidepath::channel::{Channel, PlannedBlock, Progress};
+use glidepath::digest::Digest;
+use glidepath::machine::MachineData;
+use glidepath::nc::{Contour, ContourMethod};
+use glidepath::quantity::Position;
+use glidepath::queue::{Event, Function};
+use glidepath::tick::State;
+use host_tests::cases::machines;
+use host_tests::cases::random::{Mix, program};
+use host_tests::cases::{Program, set_point};
+use host_tests::check;
+use host_tests::corner::{blocks, dev, judge, random, round};
+use host_tests::properties::axis_limits;
+use host_tests::trace::Trace;
+
+/// What came of a text.
+struct Run {
+    trace: Trace,
+    blocks: Vec<PlannedBlock>,
+    /// Rows at which events were due.
+    events: Vec<(usize, Event)>,
+    digest: u64,
+}
+
+fn run_from<const AXES: usize>(text: &str, start: [Position; AXES], machine: &MachineData<AXES>) -> Run {
+    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
+    let (mut planner, mut interpolator) =
+        channel.split(machine, start, text.as_bytes()).expect("machine data");
+    let mut run = Run {
+        trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
+        blocks: Vec::new(),
+        events: Vec::new(),
+        digest: 0,
+    };
+    let mut digest = Digest::new();
+    let mut tick = |run: &mut Run| {
+        let state = interpolator.tick();
+        if state == State::Active {
+            digest.add(interpolator.set_points());
+            run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        }
+        while let Some(event) = interpolator.event() {
+            run.events.push((run.trace.len() - 1, event));
+        }
+        run.digest = digest.value();
+        state
+    };
+    loop {
+        match planner.poll().unwrap_or_else(|e| panic!("line {}: {e}\n{text}", e.place().line)) {
+            Progress::Planned => run.blocks.push(*planner.planned()),
+            Progress::Waiting => _ = tick(&mut run),
+            Progress::Done => break,
+            _ => {}
+        }
+    }
+    while tick(&mut run) == State::Active {}
+    run
+}
+
+fn run(text: &str) -> Run {
+    run_from::<3>(text, [Position::ZERO; 3], &machines::even(1000))
+}
+
+impl Run {
+    /// Smallest distance of a set point from a point of the first two axes.
+    fn distance(&self, point: [f64; 2]) -> f64 {
+        (0..self.trace.len())
+            .map(|i| self.trace.mm(i))
+            .map(|q| (q[0] - point[0]).hypot(q[1] - point[1]))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Lengths of what is left of the blocks with this number, and of their curves: all elements in order.
+    fn lengths(&self, n: u32) -> Vec<f64> {
+        self.blocks
+            .iter()
+            .filter(|b| b.n == n)
+            .map(|b| b.length.to_bits() as f64 / (1u64 << 44) as f64)
+            .collect()
+    }
+
+    /// Seconds.
+    fn time(&self) -> f64 {
+        self.trace.time()
+    }
+
+    /// Speed along the contour between rows.
+    fn speeds(&self) -> Vec<f64> {
+        let row = |i: usize| self.trace.mm(i);
+        (1..self.trace.len())
+            .map(|i| {
+                row(i).iter().zip(row(i - 1)).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+                    / self.trace.cycle
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn random_corners_are_smooth_and_use_their_tolerance() {
+    // `cargo run --release -p host-tests --example corners -- 0 50000` goes on with it.
+    let machine = machines::even::<3>(1000);
+    let mut free = 0;
+    for seed in 0..2000 {
+        let seen = judge(&random(seed), &machine).unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
+        assert!(!seen.sharp && seen.used <= 1.0 && seen.uneven <= 1e-3, "corner {seed}: {seen:?}");
+        if !seen.limited {
+            free += 1;
+            assert!(seen.used >= 0.999, "corner {seed}: {seen:?}");
+        }
+    }
+    assert!(free > 800, "{free}");
+}
+
+#[test]
+fn switches_in_blocks_and_between_them_round_the_same_corners() {
+    let by_block = "%a\nN10 X0 Y0 G01 F1000\nN20 X10 Y50\nN30 G61 X20 Y50\nN40 G61 X30 Y10\nN50 G61 X40 Y10\nN60 G61 X50 Y50\nN70 X60 Y50\nN80 X70 Y10\nN90 X80 Y10\nM30\n";
+    let inside = "%b\nN10 X0 Y0 G01 F1000\nN20 X10 Y50\nN30 G261 X20 Y50\nN40 X30 Y10\nN50 X40 Y10\nN60 X50 Y50\nN70 G260 X60 Y50\nN80 X70 Y10\nN90 X80 Y10\nM30\n";
+    let between = "%c\nN10 X0 Y0 G01 F1000\nN20 X10 Y50\nN25 G261\nN30 X20 Y50\nN40 X30 Y10\nN50 X40 Y10\nN60 X50 Y50\nN70 X60 Y50\nN75 G260\nN80 X70 Y10\nN90 X80 Y10\nM30\n";
+    let runs = [by_block, inside, between].map(run);
+    assert_eq!(runs[0].digest, runs[1].digest);
+    assert_eq!(runs[0].digest, runs[2].digest);
+    for corner in [[20.0, 50.0], [30.0, 10.0], [40.0, 10.0], [50.0, 50.0]] {
+        let off = runs[0].distance(corner);
+        assert!((0.999..1.001).contains(&off), "{corner:?}: {off}");
+    }
+    for corner in [[10.0, 50.0], [60.0, 50.0], [70.0, 10.0]] {
+        assert!(runs[0].distance(corner) < 0.01, "{corner:?}");
+    }
+}
+
+#[test]
+fn on_and_off_by_command_and_whatever_the_feed() {
+    let text = |on: &str, off: &str, feed: u32| {
+        format!("N10 G01 X0 Y0 F{feed}\n{on}\nN30 X50\nN40 Y50\nN50 X0\nN60 Y0\n{off}\nN70 X10\nM30\n")
+    };
+    let command = run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0]", "#CONTOUR MODE OFF", 6000));
+    let words = run(&text("#CONTOUR MODE [DEV PATH_DEV=1.0]\nG261", "G260", 6000));
+    assert_eq!(command.digest, words.digest);
+    assert!(command.distance([0.0, 50.0]) > 0.999 && command.distance([0.0, 0.0]) == 0.0);
+    let slow = run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0]", "#CONTOUR MODE OFF", 500));
+    for n in [30, 40, 50, 60] {
+        assert_eq!(command.lengths(n), slow.lengths(n));
+    }
+}
+
+#[test]
+fn straight_on_and_straight_back_get_no_curve() {
+    for text in ["G261\nN10 G01 X10 F1000\nN20 X20\nM30\n", "G261\nN10 G01 X10 F1000\nN20 X2\nM30\n"] {
+        let run = run(text);
+        assert_eq!(run.blocks.len(), 2, "{text}");
+        assert!(run.distance([10.0, 0.0]) < 0.02);
+    }
+}
+
+#[test]
+fn the_last_block_of_a_program_ends_where_it_should() {
+    for text in [
+        "N10 G01 G61 X10 F1000\nM30\n",
+        "G261\nN10 G01 X10 F1000\nN20 Y10\nM30\n",
+        "N10 G61 G01 X10 F1000\nG04 X0.1\nN20 Y10\nM30\n",
+    ] {
+        let run = run(text);
+        let last = run.trace.mm(run.trace.len() - 1);
+        assert_eq!(last[0], 10.0, "{text}");
+    }
+    // A dwell, an exact stop and G260 between the blocks keep the corner.
+    for text in [
+        "N10 G61 G01 X10 F1000\nG04 X0.1\nN20 Y10\nM30\n",
+        "N10 G61 G60 G01 X10 F1000\nN20 Y10\nM30\n",
+        "N10 G61 G01 X10 F1000\nG260\nN20 Y10\nM30\n",
+        "N10 G61 G01 X10 F1000\n#PUT AX [Z]\nN20 Y10\nM30\n",
+        "N10 G61 G01 X10 F1000\n#FLUSH&WAIT\nN20 Y10\nM30\n",
+    ] {
+        assert!(run(text).distance([10.0, 0.0]) < 1e-3, "{text}");
+    }
+    assert!(run("N10 G61 G01 X10 F1000\nN20 G260 Y10\nM30\n").distance([10.0, 0.0]) > 0.99);
+}
+
+#[test]
+fn an_axis_given_away_does_not_move() {
+    let text = b"N10 G01 X10 F1000\n#PUT AX [Z]\nN20 X20\nN30 Z1\nM30\n";
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let (mut planner, mut interpolator) =
+        channel.split(&machines::even(1000), [Position::ZERO; 3], &text[..]).expect("machine data");
+    let error = loop {
+        match planner.poll() {
+            Ok(Progress::Done) => panic!("accepted"),
+            Ok(Progress::Waiting) => _ = interpolator.tick(),
+            Ok(_) => {}
+            Err(error) => break error,
+        }
+    };
+    assert_eq!(error.place().line, 4, "{error}");
+    let fetched = run("N10 G01 X10 F1000\n#PUT AX [Z]\nN20 X20\n#CALL AX [Z]\nN30 Z1\nM30\n");
+    assert_eq!(fetched.trace.mm(fetched.trace.len() - 1), [20.0, 0.0, 1.0]);
+}
+
+#[test]
+fn deviation_distances_and_interim_point() {
+    let dev = run("#CONTOUR MODE [DEV PATH_DEV=5]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n");
+    let off = dev.distance([100.0, 0.0]);
+    assert!((4.995..5.005).contains(&off), "{off}");
+    // What is left of the blocks says where the curve begins and ends.
+    let dist = run("#CONTOUR MODE [DIST PRE_DIST=10 POST_DIST=5]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n");
+    assert!(
+        (dist.lengths(10)[0] - 90.0).abs() < 1e-6 && (dist.lengths(20).last().unwrap() - 95.0).abs() < 1e-6
+    );
+    let pos = run(
+        "#CONTOUR MODE [POS PRE_DIST=2 POST_DIST=3 X110 Y-10 Z0]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n",
+    );
+    assert!(
+        (pos.lengths(10)[0] - 98.0).abs() < 1e-6 && (pos.lengths(20).last().unwrap() - 97.0).abs() < 1e-6
+    );
+    assert!(pos.distance([110.0, -10.0]) < 0.1);
+    // Distance 0 keeps the contour up to the corner.
+    let zero =
+        run("#CONTOUR MODE [POS PRE_DIST=0 POST_DIST=3 X101 Y1 Z0]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n");
+    assert!((zero.lengths(10)[0] - 100.0).abs() < 1e-6);
+    let speeds = pos.speeds();
+    assert!(speeds.iter().all(|v| *v <= 100.0 * (1.0 + 1e-6)), "feed");
+}
+
+#[test]
+fn distances_stay_inside_half_a_block_and_what_is_to_remain() {
+    // Both ends of N20 want more than its half: nothing is left of it.
+    let text = |rest: &str| {
+        format!("#CONTOUR MODE ON [DEV PATH_DEV=50 {rest}]\nN10 G01 X100 F6000\nN20 Y40\nN30 X0\nM30\n")
+    };
+    let all = run(&text(""));
+    assert!((all.lengths(10)[0] - 80.0).abs() < 1e-9, "{:?}", all.lengths(10));
+    let curve: f64 = all.lengths(20).iter().sum();
+    assert!(all.lengths(20).len().is_multiple_of(2) && curve < 40.0, "{:?}", all.lengths(20));
+    // 10 % remain: 45 % for each corner.
+    let part = run(&text("REMAIN_PART=10"));
+    assert!((part.lengths(10)[0] - 82.0).abs() < 1e-4, "{:?}", part.lengths(10));
+    assert!(part.lengths(20).iter().any(|l| (l - 4.0).abs() < 1e-4), "{:?}", part.lengths(20));
+    // Equal distances shrink together, unequal ones alone.
+    let dist = |pre: f64, post: f64| {
+        run(&format!(
+            "#CONTOUR MODE [DIST PRE_DIST={pre} POST_DIST={post}]\nN10 G01 X100 G61 F6000\nN20 Y10\nM30\n"
+        ))
+    };
+    let left = |run: &Run| [run.lengths(10)[0], *run.lengths(20).last().unwrap()];
+    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-4 && (a[1] - b[1]).abs() < 1e-4;
+    assert!(near(left(&dist(20.0, 20.0)), [95.0, 5.0]));
+    assert!(near(left(&dist(20.0, 8.0)), [80.0, 5.0]));
+}
+
+#[test]
+fn arcs_are_left_and_entered_by_at_most_a_quarter_turn() {
+    // A full circle of radius 5 would give half its length; a corner of 90° to it.
+    let text =
+        "#CONTOUR MODE [DIST PRE_DIST=12 POST_DIST=12]\nN10 G01 X50 G61 F3000\nN20 G02 X50 Y0 I5 J0\nM30\n";
+    let run = run(text);
+    let quarter = 5.0 * std::f64::consts::FRAC_PI_2;
+    assert!((run.lengths(10)[0] - (50.0 - quarter)).abs() < 1e-4, "{:?}", run.lengths(10));
+    assert!((run.lengths(20).last().unwrap() - 3.0 * quarter).abs() < 1e-4, "{:?}", run.lengths(20));
+}
+
+#[test]
+fn short_blocks_are_left_out() {
+    let head = "N03 G01 X0 Y0 Z0 F4000\nG04 X0.1\n";
+    let text = format!(
+        "#CONTOUR MODE [DEV, PATH_DEV 5, RELEVANT_PATH 2]\n{head}N04 X5 G261\nN05 Y1\nN09 X10 Y3 G260\nN10 Y0\nM30\n"
+    );
+    let run = run(&text);
+    assert!(run.lengths(5).is_empty(), "{:?}", run.lengths(5));
+    assert!((run.lengths(4)[0] - 2.5).abs() < 1e-4, "{:?}", run.lengths(4));
+    assert!((run.lengths(9).last().unwrap() - (29f64.sqrt() - 2.5)).abs() < 1e-4, "{:?}", run.lengths(9));
+    // Several of them, inside a sphere; the one that leaves it counts even if it is short.
+    let several = super_short("N05 X5.5\nN06 Y0.5\nN07 X5\nN08 Y1.4\nN09 X8 Y1.4\n");
+    assert!([5, 6, 7].iter().all(|n| several.lengths(*n).is_empty()));
+    assert!(!several.lengths(8).is_empty());
+    // Where no curve follows, a line stands for them, and the end is the programmed one.
+    let ended = super_short("N05 X5.5 Y0.3\n");
+    assert_eq!(
+        ended.trace.mm(ended.trace.len() - 1),
+        [5.5, 0.3, 0.0].map(|x: f64| set_point((x * 1e6) as i64) as f64 / (1u64 << 32) as f64)
+    );
+    // A way out of the sphere below 16 µm becomes a line from where the blocks left out began.
+    let replaced = super_short("N05 X5.6 Y0.79\nN06 X5.6 Y0.795\nN07 X5.607 Y0.805\nN08 X9 Y9\n");
+    assert!([5, 6].iter().all(|n| replaced.lengths(*n).is_empty()), "{:?}", replaced.lengths(6));
+    let curve_and_rest: f64 = replaced.lengths(7).iter().sum();
+    assert!(curve_and_rest > 0.5, "{:?}", replaced.lengths(7));
+    // Other parameters end it where it is.
+    let changed = super_short("N05 X5.3 Y0.4\n#CONTOUR MODE [PATH_DEV=0.5]\nN06 Y9\nN07 X9\n");
+    let there = changed.distance([5.3, 0.4]);
+    assert!(there < 0.01 && changed.lengths(5).len() == 1 && changed.lengths(6).len() > 1, "{there}");
+    // Below 32 µm everything is short, whatever is programmed.
+    let tiny = run_tiny();
+    assert!(tiny.lengths(20).is_empty());
+}
+
+fn super_short(blocks: &str) -> Run {
+    run(&format!("#CONTOUR MODE ON [DEV PATH_DEV=1 RELEVANT_PATH=1]\nN04 G01 X5 F4000\n{blocks}M30\n"))
+}
+
+fn run_tiny() -> Run {
+    run("#CONTOUR MODE ON [DEV PATH_DEV=1]\nN10 G01 X5 F4000\nN20 X5.02 Y0.02\nN30 Y5\nM30\n")
+}
+
+#[test]
+fn a_short_block_to_begin_with_joins_the_next() {
+    let run = run(
+        "N10 G01 X0 Y5 F4000\n#CONTOUR MODE ON [DEV PATH_DEV=1 RELEVANT_PATH=2]\nN20 X1\nN30 X20\nN40 Y20\nM30\n",
+    );
+    assert!(run.lengths(20).is_empty() && (run.distance([20.0, 5.0]) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn knees_beyond_the_largest_angle_stay() {
+    let text = "#CONTOUR MODE [DEV PATH_DEV=0.5]\nN1 F10000\nG261\nN5 #CONTOUR MODE [MAX_ANGLE=91]\nN10 G01 X50 Y0\nN15 #CONTOUR MODE [MAX_ANGLE=89]\nN20 X50 Y50\nN25 #CONTOUR MODE [MAX_ANGLE=6]\nN30 X0 Y50\nN40 X0 Y0\nM30\n";
+    let run = run(text);
+    // N10 took the limit before it, N20 the next one.
+    assert!(
+        run.distance([50.0, 0.0]) > 0.49
+            && run.distance([50.0, 50.0]) < 0.05
+            && run.distance([0.0, 50.0]) < 0.05
+    );
+}
+
+#[test]
+fn a_sweep_of_angles_is_rounded_up_to_the_limit() {
+    let text = "#CONTOUR MODE [DEV PATH_DEV=0.50 RELEVANT_PATH=0.1 MAX_ANGLE=73]\nP100 = 50\nF10000\nN10 G01 X-P100 Y0\n$FOR P123 = 0, 90, 7.5\nN2 G01 X0 Y0 G61\nP1 = COS[P123]*P100\nP2 = SIN[P123]*P100\nNP123 XP1 YP2\nN100 G01 X-P100 Y0\n$ENDFOR\nM30\n";
+    let run = run(text);
+    let curves = run
+        .blocks
+        .windows(3)
+        .filter(|w| w[0].n == 2 && w[1].n == 2 && w[0].block == w[1].block && w[2].n != 2)
+        .count();
+    assert_eq!(curves, 9);
+}
+
+#[test]
+fn jerk_is_checked_where_it_is_asked_for() {
+    let text = |check: u8| {
+        format!("#CONTOUR MODE [DEV PATH_DEV 4 CHECK_JERK={check}]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n")
+    };
+    let [none, geometric, ramps] = [0, 1, 2].map(|check| run(&text(check)).time());
+    let mut machine = machines::even::<3>(1000);
+    for axis in &mut machine.axes {
+        axis.tr_geom = 10_000;
+    }
+    let hard = run_from(&text(1), [Position::ZERO; 3], &machine).time();
+    let soft = run_from(&text(2), [Position::ZERO; 3], &machine).time();
+    assert!(none < geometric && geometric == ramps, "{none} {geometric} {ramps}");
+    assert!(hard < soft, "{hard} {soft}");
+    // P-CHAN-00110 until the program says otherwise.
+    let plain = "#CONTOUR MODE [DEV PATH_DEV 4]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n";
+    assert_eq!(run(plain).time(), geometric);
+    machine.channel.check_jerk_on_poly_path = 2;
+    assert_eq!(run_from(plain, [Position::ZERO; 3], &machine).time(), soft);
+    // Sampled when the curve is made: between the blocks is not too late.
+    let between = "#CONTOUR MODE [DEV PATH_DEV 4 CHECK_JERK=1]\nN6 G01 X100 G61 F20000\n#CONTOUR MODE [CHECK_JERK=0]\nN8 Y100\nM30\n";
+    assert_eq!(run(between).time(), none);
+}
+
+#[test]
+fn constant_speed_through_the_corner() {
+    let text = "#CONTOUR MODE [DEV PATH_DEV=2 CONST_VEL=1]\nN10 G01 X100 G61 F8000\nN20 X30 Y100\nM30\n";
+    let run = run(text);
+    // Rows between the end of N10's line and the begin of N20's.
+    let (mut low, mut high, mut rows) = (f64::INFINITY, 0.0_f64, 0);
+    let edge = run.lengths(10)[0];
+    for (i, v) in run.speeds().into_iter().enumerate() {
+        let [q, p] = [run.trace.mm(i + 1), run.trace.mm(i)];
+        let on_second = |q: &[f64]| ((q[0] - 100.0) / -70.0 - q[1] / 100.0).abs() < 1e-9;
+        if q[0] > edge + 0.2
+            && p[0] > edge + 0.2
+            && !on_second(&q)
+            && q[1] > 0.0
+            && p[1] > 0.0
+            && !on_second(&p)
+        {
+            (low, high, rows) = (low.min(v), high.max(v), rows + 1);
+        }
+    }
+    assert!(rows > 20 && high / low < 1.001, "{rows} rows, {low} … {high}");
+}
+
+#[test]
+fn functions_between_the_blocks_are_due_in_the_middle_of_the_curve() {
+    let text = "#CONTOUR MODE [DEV, PATH_DEV 4, INTER_ACTION]\nN110 G01 X100 G61 M25 F6000\nN120 Y100\nM30\n";
+    let run = run(text);
+    let [(row, event)] = run.events[..] else { panic!("{:?}", run.events) };
+    assert_eq!(event.function, Function::M(25));
+    let at = run.trace.mm(row);
+    // On the bisector, not further on than a tick.
+    assert!((100.0 - at[0] - at[1]).abs() < 0.2 && at[1] > 0.0, "{at:?}");
+}
+
+#[test]
+fn every_axis_stays_inside_its_limits() {
+    for seed in 0..24 {
+        let mix = Mix { length: [0.05, 40.0], knee: 3.0, ..Mix::general(3, 40) };
+        limits_hold::<3>(&program(seed, mix), &machines::even(1000), "DEV PATH_DEV=0.2 MAX_ANGLE=180");
+        limits_hold::<3>(&program(seed, mix), &machines::mill(1000), "DIST PRE_DIST=2 POST_DIST=1");
+        let turning = Mix { length: [0.5, 40.0], knee: 3.0, ..Mix::general(5, 30) };
+        limits_hold::<5>(&program(seed, turning), &machines::uneven(1000), "DEV PATH_DEV=0.2 TRACK_DEV=0.5");
+        limits_hold::<5>(
+            &program(seed, turning),
+            &machines::even(4000),
+            "DEV PATH_DEV=0.5 RELEVANT_PATH=1 RELEVANT_TRACK=5",
+        );
+    }
+}
+
+fn limits_hold<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, mode: &str) {
+    let text = program.text(machine).replacen("N1 G90\n", &format!("N1 G90\n#CONTOUR MODE ON [{mode}]\n"), 1);
+    let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+    let run = run_from(&text, start, machine);
+    let contour = program.contour(machine);
+    let limits = axis_limits(machine, &contour);
+    check::limits(&run.trace, &limits)
+        .unwrap_or_else(|fault| panic!("{} [{mode}]: {fault}\n{text}", program.name));
+    let end: Vec<i64> = program.end().iter().map(|&nm| set_point(nm)).collect();
+    assert!(run.trace.row(run.trace.len() - 1).eq(end), "{}", program.name);
+}
+
+#[test]
+fn tracking_axes_bend_along_and_keep_their_tolerance() {
+    let machine = machines::even::<5>(1000);
+    let program = Program::new("tracking", 5)
+        .line(&[50.0, 0.0, 0.0, 20.0, 0.0], 3000.0)
+        .line(&[50.0, 50.0, 0.0, -40.0, 30.0], 3000.0);
+    let blocks = blocks(&program, &machine);
+    let degrees = |d: i64| Some(Position::from_bits(set_point(d)));
+    let free = round(&blocks, &machine, &dev(1_000_000));
+    let bound = round(&blocks, &machine, &Contour { track_dev: degrees(100_000), ..dev(1_000_000) });
+    let dist = round(
+        &blocks,
+        &machine,
+        &Contour {
+            method: Some(ContourMethod::Dist),
+            track_dev: degrees(100_000),
+            pre_dist: degrees(5_000_000),
+            post_dist: degrees(5_000_000),
+            ..Contour::default()
+        },
+    );
+    // The value of each tracking axis where the curve is nearest to the corner.
+    let off = |pieces: &[host_tests::corner::Piece<5>]| {
+        let curve: Vec<_> = pieces.iter().filter(|p| p.out.curving.is_some()).collect();
+        let q = curve[curve.len() / 2].at(0.0);
+        (q[3] - 20.0).abs().max(q[4].abs())
+    };
+    assert!(off(&free) > 0.2, "{}", off(&free));
+    for pieces in [&bound, &dist] {
+        assert!((0.0995..=0.1).contains(&off(pieces)), "{}", off(pieces));
+        for pair in pieces.windows(2) {
+            let (before, behind) = (pair[0].ends(true), pair[1].ends(false));
+            for order in 0..2 {
+                let noise = 2.0 * (before.1[order] + behind.1[order]) + 1e-6;
+                for k in 0..5 {
+                    let jump = (before.0[order][k] - behind.0[order][k]).abs();
+                    assert!(jump < noise, "axis {k}, order {order}: {jump} above {noise}");
+                }
+            }
+        }
+    }
+    // Straight on in space: without a tolerance for tracking axes nothing to round, with one there is.
+    let straight = Program::new("straight", 5)
+        .line(&[50.0, 0.0, 0.0, 20.0, 0.0], 3000.0)
+        .line(&[100.0, 0.0, 0.0, -40.0, 30.0], 3000.0);
+    let straight = host_tests::corner::blocks(&straight, &machine);
+    assert_eq!(round(&straight, &machine, &dev(1_000_000)).len(), 2);
+    let bound = round(&straight, &machine, &Contour { track_dev: degrees(100_000), ..dev(1_000_000) });
+    assert!(bound.len() > 2 && (0.0995..=0.1).contains(&off(&bound)), "{}", bound.len());
+}
+
+#[test]
+fn what_cannot_be_a_curve_stays_a_corner() {
+    for mode in [
+        "DEV PATH_DEV=0",
+        "DEV REMAIN_PART=100",
+        "DIST PRE_DIST=0 POST_DIST=0",
+        "POS PRE_DIST=1 POST_DIST=1 X90000 Y-90000 Z0",
+    ] {
+        let run = run(&format!("#CONTOUR MODE [{mode}]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n"));
+        assert!(run.distance([100.0, 0.0]) < 1e-2 && run.blocks.len() == 2, "{mode}: {}", run.blocks.len());
+        assert_eq!(run.trace.mm(run.trace.len() - 1), [100.0, 100.0, 0.0]);
+    }
+    // A long way round is one where there is room for it.
+    let far = run(
+        "#CONTOUR MODE [POS PRE_DIST=1 POST_DIST=1 X400 Y-300 Z50]\nN10 G01 X100 G61 F60000\nN20 Y100\nM30\n",
+    );
+    assert!(far.distance([400.0, -300.0]) < 1.0);
+}

@@ -1,0 +1,23 @@
+; Corners as curves: by deviation, by distances and through a point, between lines, arcs and a helix.
+%contour
+N10 G90 G17 G00 X0 Y0 Z0
+N20 #CONTOUR MODE ON [DEV PATH_DEV=0.1]
+N30 G01 X40 F6000
+N40 Y20
+N50 G03 X20 Y40 R25          (from a line into an arc at an angle)
+N60 G02 X5 Y45 Z5 R12        (arc to helix)
+N70 G01 X0 Y0 Z2
+N80 #CONTOUR MODE [DIST PRE_DIST=4 POST_DIST=2]
+N90 G01 X-30 Y10
+N100 X-20 Y30
+N110 #CONTOUR MODE [DEV PATH_DEV=1 CONST_VEL=1 RELEVANT_PATH=0.5]
+N120 X-50 Y31
+N130 Y31.2                   (too short for a curve: left out)
+N140 X-49.8 Y60
+N150 #CONTOUR MODE [POS PRE_DIST=3 POST_DIST=3 X2 Y58 Z-1]
+N160 X0 Z0
+N170 #CONTOUR MODE [DEV CONST_VEL=0 CHECK_JERK=2]
+N180 X0 Y100
+N190 #CONTOUR MODE OFF
+N200 G01 X0 Y0
+N210 M30

@@ -1,0 +1,332 @@
+//! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes and where its
+//! inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact, because both neighbours
+//! of a joint get the same numbers.
+use crate::lookahead::{max, min};
+use crate::math::float::to_f32;
+use crate::math::root::sqrt_f32;
+use crate::math::trig::sin_cos;
+use crate::path::{Element, End};
+
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+
+/// 2^64 / 2π and 2^-62.
+const TURNS: f32 = 2.935_890_4e18;
+const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
+
+/// Places of a vector that are main axes.
+pub type Main = [Option<usize>; 3];
+
+/// Scalar product over the main axes.
+pub fn dot<const AXES: usize>(main: &Main, a: &[f32; AXES], b: &[f32; AXES]) -> f32 {
+    let mut sum = 0.0;
+    for k in main.iter().flatten() {
+        if let (Some(a), Some(b)) = (a.get(*k), b.get(*k)) {
+            sum += a * b;
+        }
+    }
+    sum
+}
+
+/// Length over the main axes.
+pub fn size<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
+    sqrt_f32(dot(main, a, a))
+}
+
+/// a + f·b.
+pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32; AXES] {
+    let mut sum = *a;
+    for (sum, b) in sum.iter_mut().zip(b) {
+        *sum += f * b;
+    }
+    sum
+}
+
+/// A point with direction and curvature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site<const AXES: usize> {
+    /// From the corner, mm.
+    pub offset: [f32; AXES],
+    /// dx/ds.
+    pub tangent: [f32; AXES],
+    /// d²x/ds², 1/mm.
+    pub curvature: [f32; AXES],
+}
+
+/// A block beside the corner, over the distance from the corner; behind the corner that is negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side<const AXES: usize> {
+    tangent: [f32; AXES],
+    curvature: [f32; AXES],
+    /// Axes of an arc's plane.
+    plane: Option<[usize; 2]>,
+    /// Angle per path distance, 1/mm; 0 for a line.
+    pub rate: f32,
+}
+
+impl<const AXES: usize> Side<AXES> {
+    /// The block `element`, which has `end` at the corner.
+    pub fn new(element: &Element<AXES>, end: &End<AXES>) -> Self {
+        let mut side = Self {
+            tangent: end.tangent.map(|t| to_f32(t) * LSB_40),
+            curvature: end.curvature,
+            plane: None,
+            rate: 0.0,
+        };
+        if let Some(circle) = element.circle {
+            let inside = |x: &[f32; AXES]| {
+                let sum = circle.plane.iter().filter_map(|k| x.get(*k)).fold(0.0, |sum, x| sum + x * x);
+                sqrt_f32(sum)
+            };
+            side.plane = Some(circle.plane);
+            side.rate = inside(&side.curvature) / max(inside(&side.tangent), f32::MIN_POSITIVE);
+        }
+        side
+    }
+
+    /// Direction at the corner.
+    pub fn tangent(&self) -> &[f32; AXES] {
+        &self.tangent
+    }
+
+    /// The point at distance `s`.
+    pub fn at(&self, s: f32) -> Site<AXES> {
+        let offset = self.tangent.map(|t| t * s);
+        let mut site = Site { offset, tangent: self.tangent, curvature: self.curvature };
+        if let Some(plane) = self.plane {
+            let angle = self.rate * s;
+            let (sin, cos) = sine(angle);
+            let (half, _) = sine(0.5 * angle);
+            let along = sin / self.rate;
+            let across = 2.0 * half * half / (self.rate * self.rate);
+            for k in plane {
+                let (Some(t), Some(c)) = (self.tangent.get(k), self.curvature.get(k)) else { continue };
+                if let Some(x) = site.offset.get_mut(k) {
+                    *x = t * along + c * across;
+                }
+                if let Some(x) = site.tangent.get_mut(k) {
+                    *x = t * cos + c * along;
+                }
+                if let Some(x) = site.curvature.get_mut(k) {
+                    *x = c * cos - t * self.rate * sin;
+                }
+            }
+        }
+        site
+    }
+
+    /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
+    /// Distance of a point from the curve.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
+        let mut s = guess;
+        let mut away = [0.0; AXES];
+        for _ in 0..FOOT_STEPS {
+            s = side * max(side * s, 0.0);
+            let site = self.at(s);
+            away = plus(point, -1.0, &site.offset);
+            s += dot(main, &away, &site.tangent) / max(1.0 - dot(main, &away, &site.curvature), 0.25);
+        }
+        size(main, &away)
+    }
+}
+
+/// Steps towards the foot of a perpendicular.
+const FOOT_STEPS: usize = 4;
+
+/// Sine and cosine.
+fn sine(angle: f32) -> (f32, f32) {
+    let (sin, cos) = sin_cos((angle * TURNS) as i64 as u64);
+    (to_f32(sin) * LSB_62, to_f32(cos) * LSB_62)
+}
+
+/// A polynomial of the fifth degree over u = 0…1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quintic<const AXES: usize> {
+    power: [[f32; AXES]; 6],
+}
+
+impl<const AXES: usize> Quintic<AXES> {
+    /// From one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
+    pub fn new(a: &Site<AXES>, b: &Site<AXES>, speed: f32) -> Self {
+        let square = speed * speed;
+        let mut power = [[0.0; AXES]; 6];
+        for k in 0..AXES {
+            let get = |x: &[f32; AXES]| x.get(k).copied().unwrap_or(0.0);
+            let travel = get(&b.offset) - get(&a.offset);
+            let [v0, v1] = [get(&a.tangent) * speed, get(&b.tangent) * speed];
+            let [w0, w1] = [get(&a.curvature) * square, get(&b.curvature) * square];
+            let column = [
+                get(&a.offset),
+                v0,
+                0.5 * w0,
+                10.0 * travel - 6.0 * v0 - 4.0 * v1 - 1.5 * w0 + 0.5 * w1,
+                -15.0 * travel + 8.0 * v0 + 7.0 * v1 + 1.5 * w0 - w1,
+                6.0 * travel - 3.0 * (v0 + v1) - 0.5 * (w0 - w1),
+            ];
+            for (row, value) in power.iter_mut().zip(column) {
+                if let Some(x) = row.get_mut(k) {
+                    *x = value;
+                }
+            }
+        }
+        Self { power }
+    }
+
+    /// The largest sum of the coefficients of an axis, and of the travel.
+    pub fn weight(&self) -> f32 {
+        let [_, rest @ ..] = &self.power;
+        let mut most = 0.0;
+        for k in 0..AXES {
+            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| max(*x, -*x));
+            most = max(most, rest.iter().map(size).sum());
+        }
+        most
+    }
+
+    /// Point, first and second derivative.
+    pub fn at(&self, u: f32) -> [[f32; AXES]; 3] {
+        let [p0, p1, p2, p3, p4, p5] = &self.power;
+        let mut out = [[0.0; AXES]; 3];
+        for k in 0..AXES {
+            let get = |x: &[f32; AXES]| x.get(k).copied().unwrap_or(0.0);
+            let (c0, c1, c2, c3, c4, c5) = (get(p0), get(p1), get(p2), get(p3), get(p4), get(p5));
+            let column = [
+                c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+                c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5))),
+                2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5)),
+            ];
+            for (row, value) in out.iter_mut().zip(column) {
+                if let Some(x) = row.get_mut(k) {
+                    *x = value;
+                }
+            }
+        }
+        out
+    }
+
+    /// The point at `u` with direction and curvature over arc length.
+    pub fn site(&self, main: &Main, u: f32) -> Site<AXES> {
+        let [offset, first, second] = self.at(u);
+        let speed = max(size(main, &first), f32::MIN_POSITIVE);
+        let tangent = first.map(|x| x / speed);
+        let along = dot(main, &second, &tangent);
+        let curvature = plus(&second, -along, &tangent).map(|x| x / (speed * speed));
+        Site { offset, tangent, curvature }
+    }
+
+    /// Arc length from `u0` to `u1`: Gauss's rule of eight points.
+    pub fn length(&self, main: &Main, u0: f32, u1: f32) -> f32 {
+        let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
+        let mut sum = 0.0;
+        for (x, weight) in GAUSS {
+            for x in [-x, x] {
+                sum += weight * size(main, &self.at(middle + half * x)[1]);
+            }
+        }
+        half * sum
+    }
+
+    /// How far the speed along the curve is above and below `speed` at most, relative, at places between the ends.
+    pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
+        let [mut above, mut below] = [0.0, 0.0];
+        for u in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+            let off = size(main, &self.at(u)[1]) / speed - 1.0;
+            above = max(above, off);
+            below = max(below, -off);
+        }
+        [above, below]
+    }
+
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
+    pub fn nearest(&self, main: &Main, point: &[f32; AXES], mut u: f32) -> f32 {
+        for _ in 0..NEAREST_STEPS {
+            let [q, q1, q2] = self.at(u);
+            let away = plus(&q, -1.0, point);
+            let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
+            if slope > 0.0 {
+                u = min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0);
+            }
+        }
+        u
+    }
+
+    /// Distance of a point from the curve, beginning to search at `u`.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+        size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
+    }
+
+    /// The largest distance between curve and contour from places along both, either way. `reach`: corner distances
+    /// before and behind.
+    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> f32 {
+        let [before, behind] = sides;
+        let block = |place: f32| {
+            if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
+        };
+        let outward = peak(|place| {
+            let (q, s) = (self.at(0.5 + 0.5 * place)[0], block(place).1);
+            let off = before.distance(main, &q, min(s, 0.0), -1.0);
+            min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
+        });
+        let inward = peak(|place| {
+            let (side, s) = block(place);
+            self.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
+        });
+        max(inward, outward)
+    }
+}
+
+/// The largest value over -1…1: the best of evenly spaced places beside 0, and uphill from there in ever shorter steps.
+fn peak(value: impl Fn(f32) -> f32) -> f32 {
+    let mut step = 1.0 / SAMPLES as f32;
+    let (mut top, mut best) = (0.0, 0.0);
+    for i in (1..2 * SAMPLES).filter(|i| *i != SAMPLES) {
+        let place = i as f32 * step - 1.0;
+        let here = value(place);
+        if here > top {
+            (top, best) = (here, place);
+        }
+    }
+    for _ in 0..REFINEMENTS {
+        step *= 0.5;
+        for place in [best - step, best + step] {
+            let here = value(place);
+            if here > top {
+                (top, best) = (here, place);
+            }
+        }
+    }
+    top
+}
+
+/// How often the step is halved.
+const REFINEMENTS: usize = 4;
+
+/// Newton's steps to the nearest point of a curve.
+const NEAREST_STEPS: usize = 4;
+
+/// Places on each side of the corner where the distance from an arc is measured.
+const SAMPLES: usize = 8;
+
+/// Gauss's rule of eight points: places and weights of one half.
+const GAUSS: [(f32, f32); 4] = [
+    (0.183_434_64, 0.362_683_78),
+    (0.525_532_4, 0.313_706_65),
+    (0.796_666_5, 0.222_381_03),
+    (0.960_289_84, 0.101_228_54),
+];
+
+/// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its middle,
+/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32.
+pub fn even_speed<const AXES: usize>(main: &Main, a: &Site<AXES>, b: &Site<AXES>) -> f32 {
+    let travel = plus(&b.offset, -1.0, &a.offset);
+    let both = plus(&a.tangent, 1.0, &b.tangent);
+    let bend = plus(&a.curvature, -1.0, &b.curvature);
+    let mut speed = 0.0;
+    for _ in 0..3 {
+        let reach = plus(&travel, -speed * speed * (1.0 / 60.0), &bend);
+        let a = 1.0 - (49.0 / 256.0) * dot(main, &both, &both);
+        let b = (105.0 / 128.0) * dot(main, &reach, &both);
+        let c = (225.0 / 64.0) * dot(main, &reach, &reach);
+        speed = (sqrt_f32(max(b * b + a * c, 0.0)) - b) / a;
+    }
+    speed
+}

@@ -1,0 +1,440 @@
+//! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
+//! curvature, inside a tolerance (DEV), at given distances (DIST) or through a given point (POS).
+//!
+//! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
+//! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
+//! behind the corner is made anew from where the corner's curve ends.
+//!
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
+//! to the first one that ends beyond the limit. A short block to begin with is joined to the line behind it. Where no
+//! curve comes of it, a straight line stands for the blocks left out.
+//!
+//! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
+//! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
+//! corner between them, inside the second one they do not.
+mod corner;
+mod curve;
+mod parameters;
+
+pub use parameters::Parameters;
+
+use self::corner::{CONSTANT, Corner, Course, EVEN, turn};
+use self::curve::{Main, Side, size};
+use super::poly::Knot;
+use super::{Element, PathError, arc, line};
+use crate::lookahead::{Curving, max};
+use crate::math::float::to_f32;
+use crate::nc::{Contour, ContourMethod, ContourSwitch, Place, Plane};
+use crate::quantity::{Distance, Position};
+
+/// How a block was programmed, to make its rest anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Straight.
+    Line,
+    /// About a centre.
+    Arc {
+        /// In the two axes of the plane.
+        centre: [Position; 2],
+        /// Its plane.
+        plane: Plane,
+        /// G02.
+        clockwise: bool,
+    },
+}
+
+/// What goes with a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Data {
+    /// Feed, mm/min; rapid without.
+    pub feed: Option<f32>,
+    /// Programmed N number.
+    pub n: u32,
+    /// Where it stands in the text.
+    pub place: Place,
+    /// Motion blocks before it.
+    pub number: u32,
+    /// It ends in an exact stop.
+    pub stop: bool,
+}
+
+/// A block as it comes in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block<const AXES: usize> {
+    /// Its curve.
+    pub element: Element<AXES>,
+    /// Where that begins.
+    pub from: [Position; AXES],
+    /// Where it ends.
+    pub to: [Position; AXES],
+    /// How it was programmed.
+    pub form: Form,
+    /// What goes with it.
+    pub data: Data,
+}
+
+/// A block whose end waits for the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Held<const AXES: usize> {
+    block: Block<AXES>,
+    /// Path length as programmed, LSB 2^-44 mm.
+    length: i64,
+    /// How its end is rounded; not at all without.
+    rule: Option<Parameters>,
+    /// End of the blocks left out behind it, and what goes with the last of them.
+    skipped: Option<([Position; AXES], Data)>,
+}
+
+/// What goes on to the look-ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outgoing<const AXES: usize> {
+    /// The curve.
+    pub element: Element<AXES>,
+    /// What goes with it.
+    pub data: Data,
+    /// Set for the curve in a corner.
+    pub curving: Option<Curving>,
+}
+
+/// The stage: between the blocks' curves and the look-ahead.
+#[derive(Clone, Copy, Debug)]
+pub struct Contouring<const AXES: usize> {
+    main: [Option<usize>; 3],
+    parameters: Parameters,
+    /// G261.
+    on: bool,
+    /// G61, for the next motion block.
+    once: bool,
+    /// What goes out, in this order: the block before a corner, its curve or what stands for blocks left out, the block
+    /// behind it.
+    before: Option<Outgoing<AXES>>,
+    bridge: Option<Outgoing<AXES>>,
+    course: Option<(Course<AXES>, [Data; 2], Curving)>,
+    held: Option<Held<AXES>>,
+}
+
+/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
+/// tolerance has to spare.
+const SLIVER: u32 = 14;
+
+/// 2^-44 mm, and back.
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+const ONE_44: f32 = (1u64 << 44) as f32;
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+
+/// Sine of half an angle below which a transition is tangential, and cosine of half an angle below which it is a
+/// reversal.
+const TANGENTIAL: f32 = 1.0 / 65_536.0;
+const REVERSAL: f32 = 1.0 / 1024.0;
+
+/// How often a corner is made smaller.
+const SMALLER: usize = 8;
+
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
+const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
+
+/// Shortest corner distance worth a curve, mm.
+const SHORTEST: f32 = 1e-5;
+
+/// π/2.
+const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
+
+impl<const AXES: usize> Contouring<AXES> {
+    /// Off; `check_jerk` is P-CHAN-00110.
+    pub fn new(main: [Option<usize>; 3], check_jerk: u8) -> Self {
+        let parameters = Parameters::new(check_jerk);
+        Self {
+            main,
+            parameters,
+            on: false,
+            once: false,
+            before: None,
+            bridge: None,
+            course: None,
+            held: None,
+        }
+    }
+
+    /// Takes in a command. `in_motion`: it stands in a block with a motion.
+    pub fn command(&mut self, contour: &Contour, in_motion: bool) {
+        if self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
+            // Blocks left out: the corner ends here.
+            self.cancel();
+        }
+        self.parameters.update(contour);
+        match contour.switch {
+            None => {}
+            Some(ContourSwitch::Block) => self.once = true,
+            Some(ContourSwitch::On) => self.on = true,
+            Some(ContourSwitch::Off) => {
+                self.on = false;
+                if !in_motion {
+                    self.cancel();
+                }
+            }
+        }
+    }
+
+    /// No curve at the end of the block held back.
+    pub fn cancel(&mut self) {
+        if let Some(held) = &mut self.held {
+            held.rule = None;
+        }
+    }
+
+    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded.
+    pub fn is_idle(&self) -> bool {
+        let empty = self.held.is_none() && self.before.is_none() && self.bridge.is_none();
+        empty && self.course.is_none() && !self.on && !self.once
+    }
+
+    /// Takes in the next block; only when [`Self::outgoing`] has no more.
+    ///
+    /// # Errors
+    /// The line in place of blocks left out is too long.
+    pub fn take(&mut self, block: &Block<AXES>) -> Result<(), PathError> {
+        let rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+        let mut next = Held {
+            block: *block,
+            length: block.element.shape.length.to_bits(),
+            rule: if rounds { Some(self.parameters) } else { None },
+            skipped: None,
+        };
+        if let Some(held) = &mut self.held
+            && let Some(rule) = held.rule
+        {
+            if rounds && held.leaves_out(&next.block, &rule, &self.main) {
+                held.skipped = Some((block.to, block.data));
+                return Ok(());
+            }
+            let straight = held.block.form == Form::Line && block.form == Form::Line;
+            let from = if straight && held.is_short(&rule) {
+                Some(held.block.from)
+            } else if held.skipped.is_some() && next.length < SYSTEM_LEAST {
+                Some(held.block.to)
+            } else {
+                None
+            };
+            if let Some(from) = from
+                && let Some(element) = line(&from, &block.to, &self.main)?
+            {
+                next.block = Block { element, from, form: Form::Line, ..*block };
+                next.length = element.shape.length.to_bits();
+                if from == held.block.to {
+                    held.skipped = None;
+                } else {
+                    // The short one to begin with is part of it.
+                    self.held = None;
+                }
+            }
+        }
+        if let Some(held) = self.held.take() {
+            self.join(held, &mut next);
+        }
+        self.held = Some(next);
+        Ok(())
+    }
+
+    /// Lets go of the block held back; `stop` demands a standstill at its end.
+    pub fn release(&mut self, stop: bool) {
+        if let Some(held) = &mut self.held {
+            held.rule = None;
+            held.skipped.as_mut().map_or(&mut held.block.data, |(_, data)| data).stop |= stop;
+        }
+    }
+
+    /// Whether a block is held back.
+    pub fn holds(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// The block that is left of `held` goes out, with a curve to `next` if there is one.
+    fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>) {
+        let mut element = held.block.element;
+        let data = held.block.data;
+        let mut cut = held.rule.and_then(|rule| self.corner(&held, next, &rule));
+        for _ in 0..SMALLER {
+            let Some(reach) = &mut cut else { break };
+            let rest = element.shape.length.to_bits() - reach.before;
+            let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
+            let mut from = Knot { position: held.block.from, end: element.entry };
+            if rest > 0 {
+                element.shape.at(rest, &base, &mut from.position);
+                from.end = element.end_at(rest);
+            }
+            let mut begin = next.block.from;
+            if reach.behind > 0 {
+                next.block.element.shape.at(reach.behind, &next_base, &mut begin);
+            }
+            let Ok(renewed) = next.renewed(&begin, &self.main) else { break };
+            let to = Knot { position: begin, end: renewed.entry };
+            let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
+            let interim = reach.interim.as_ref();
+            let even = if curving.constant { CONSTANT } else { EVEN };
+            if let Some(course) =
+                Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack])
+            {
+                self.course = Some((course, [data, next.block.data], curving));
+                next.block.element = renewed;
+                next.block.from = begin;
+                if rest == 0 {
+                    return;
+                }
+                element.shape.length = Distance::from_bits(rest);
+                element.exit = from.end;
+                break;
+            }
+            // An arc may come back so near to the other block that no even curve joins them there.
+            [reach.before, reach.behind] = [reach.before, reach.behind].map(|c| c - c / 4);
+        }
+        self.before = Some(Outgoing { element, data, curving: None });
+        if self.course.is_none() {
+            self.bridge = held.bridge(&self.main);
+        }
+    }
+
+    /// Whether and how far a curve reaches into both blocks.
+    fn corner(&self, held: &Held<AXES>, next: &Held<AXES>, rule: &Parameters) -> Option<Cut<AXES>> {
+        let before = Side::new(&held.block.element, &held.block.element.exit);
+        let behind = Side::new(&next.block.element, &next.block.element.entry);
+        let turn = turn(&self.main, before.tangent(), behind.tangent())?;
+        let position = rule.method == ContourMethod::Pos;
+        if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            return None;
+        }
+        // Largest distances: a share of the programmed length, a quarter of a turn.
+        let mut most = [0.0; 2];
+        let mut whole = [false; 2];
+        let lengths = [(held.length, &before), (next.length, &behind)];
+        for ((most, whole), (length, side)) in most.iter_mut().zip(&mut whole).zip(lengths) {
+            *most = to_f32(length) * LSB_44 * rule.share;
+            *whole = true;
+            if side.rate * *most > QUARTER {
+                *most = QUARTER / side.rate;
+                *whole = false;
+            }
+        }
+        let mut slack = f32::MAX;
+        let mut distances = rule.distances(most);
+        let corner = Corner { main: &self.main, before, behind };
+        let tolerance = rule.tolerance();
+        if !position && (tolerance.path.is_some() || tolerance.track > 0.0) {
+            let (part, room) = corner.reach(&tolerance, distances)?;
+            distances = distances.map(|c| c * part);
+            slack = room;
+        }
+        if !position && max(distances[0], distances[1]) < SHORTEST {
+            return None;
+        }
+        let bits = |i: usize, length: i64| {
+            if whole[i] && distances[i] >= most[i] && rule.share >= 0.5 {
+                length / 2
+            } else {
+                ((distances[i] * ONE_44) as i64).min(length / 2)
+            }
+        };
+        let mut cut =
+            Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None, slack };
+        let left = held.block.element.shape.length.to_bits();
+        if left - cut.before <= held.length >> SLIVER {
+            cut.before = left;
+        }
+        if position {
+            let mut point = [0.0; AXES];
+            for (k, value) in self.main.iter().zip(rule.point) {
+                let (Some(k), Some(value)) = (*k, value) else { continue };
+                if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
+                    *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
+                }
+            }
+            cut.interim = Some(point);
+        }
+        Some(cut)
+    }
+}
+
+/// What a corner takes from its blocks, LSB 2^-44 mm, the point it is to go through, from the corner, and how far beside the
+/// curve its elements may be, mm.
+struct Cut<const AXES: usize> {
+    before: i64,
+    behind: i64,
+    interim: Option<[f32; AXES]>,
+    slack: f32,
+}
+
+impl<const AXES: usize> Held<AXES> {
+    /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
+    fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
+        let mut travel = [0.0; AXES];
+        for (travel, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
+            *travel = to_f32(to.to_bits().saturating_sub(from.to_bits())) * LSB_32;
+        }
+        let mut others = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+        size(main, &travel) <= rule.relevant_path && others.all(|(_, x)| max(*x, -*x) <= rule.relevant_track)
+    }
+
+    /// Whether the next block is left out: it is short, and ends no further from the end of this one.
+    fn leaves_out(&self, next: &Block<AXES>, rule: &Parameters, main: &Main) -> bool {
+        let arc = next.form != Form::Line;
+        let short = !arc || to_f32(next.element.shape.length.to_bits()) * LSB_44 <= rule.relevant_path;
+        rule.method != ContourMethod::Pos
+            && short
+            && Self::is_irrelevant(&next.from, &next.to, rule, main)
+            && Self::is_irrelevant(&self.block.to, &next.to, rule, main)
+    }
+
+    /// Whether it is too short to begin a curve.
+    fn is_short(&self, rule: &Parameters) -> bool {
+        rule.method != ContourMethod::Pos && to_f32(self.length) * LSB_44 <= rule.relevant_path
+    }
+
+    /// The line in place of the blocks left out.
+    fn bridge(&self, main: &Main) -> Option<Outgoing<AXES>> {
+        let (to, data) = self.skipped?;
+        let element = line(&self.block.to, &to, main).ok().flatten()?;
+        Some(Outgoing { element, data, curving: None })
+    }
+
+    /// The rest of the block from a point on it.
+    fn renewed(
+        &self,
+        from: &[Position; AXES],
+        main: &[Option<usize>; 3],
+    ) -> Result<Element<AXES>, PathError> {
+        if *from == self.block.from {
+            return Ok(self.block.element);
+        }
+        match self.block.form {
+            Form::Line => Ok(line(from, &self.block.to, main)?.unwrap_or(self.block.element)),
+            Form::Arc { centre, plane, clockwise } => {
+                arc(from, &self.block.to, centre, plane, clockwise, main)
+            }
+        }
+    }
+}
+
+impl<const AXES: usize> Contouring<AXES> {
+    /// What goes on next, if anything does before another block comes.
+    pub fn outgoing(&mut self) -> Option<Outgoing<AXES>> {
+        if let Some(before) = self.before.take() {
+            return Some(before);
+        }
+        if let Some((course, data, curving)) = &mut self.course {
+            let data = data[usize::from(!course.is_before())];
+            if let Some(element) = course.next() {
+                return Some(Outgoing {
+                    element,
+                    data: Data { stop: false, ..data },
+                    curving: Some(*curving),
+                });
+            }
+            self.course = None;
+        }
+        if let Some(bridge) = self.bridge.take() {
+            return Some(bridge);
+        }
+        let held = self.held.take_if(|held| held.rule.is_none())?;
+        self.bridge = held.bridge(&self.main);
+        Some(Outgoing { element: held.block.element, data: held.block.data, curving: None })
+    }
+}

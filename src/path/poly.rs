@@ -1,0 +1,170 @@
+//! A polynomial of the fifth degree for every axis, over a path distance that is its arc length as nearly as its
+//! maker chose the ends: position, direction and curvature are given at both.
+//!
+//! ```text
+//! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
+//! ```
+//!
+//! with the last part in 2^-42 mm and coefficients of 32 bits. What their rounding leaves is taken into the linear part, so
+//! that the end is met to the last bit; direction and curvature at the ends are off by about 2^-29 of the curve's
+//! own.
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
+use crate::math::wide::{mul_near, mul_shift};
+use crate::quantity::{Distance, Position};
+
+/// A point of the path with what a smooth joint needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knot<const AXES: usize> {
+    /// Where it is.
+    pub position: [Position; AXES],
+    /// Direction and curvature.
+    pub end: End<AXES>,
+}
+
+/// Largest magnitudes along a polynomial, for limits: those of Bernstein coefficients, which the derivatives never
+/// exceed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds<const AXES: usize> {
+    /// |dx/ds|.
+    pub slope: [f32; AXES],
+    /// |d²x/ds²|, 1/mm.
+    pub bend: [f32; AXES],
+    /// |d³x/ds³|, 1/mm².
+    pub twist: [f32; AXES],
+    /// Speed along the curve per path speed: 1, and more by what the argument misses of the arc length.
+    pub fastest: f32,
+}
+
+const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
+const LSB_32: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// Bits of a coefficient's exponent that the format has anyway: 42 of the sum, 32 and 2 of the products.
+const POINT: i32 = 12;
+/// Sums of coefficients stay below 2^30.
+const SUM: i32 = 30;
+
+/// τ² times the rest of the polynomial, 2^-42 mm. Runs in the tick.
+#[inline(always)]
+pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
+    let up = |c: i32| i64::from(c) << 32;
+    let [c2, c3, c4, c5] = *power;
+    let p = (mul_near(w, up(c5)) << 2).wrapping_add(up(c4));
+    let p = (mul_near(w, p) << 2).wrapping_add(up(c3));
+    let p = (mul_near(w, p) << 2).wrapping_add(up(c2));
+    mul_near(w, mul_near(w, p) << 2) >> (down & 63)
+}
+
+/// 2^n for n in -1022..1024.
+fn power_of_two(n: i32) -> f64 {
+    f64::from_bits(((1023 + n.clamp(-1022, 1023)) as u64) << 52)
+}
+
+/// The least n with x < 2^n, for x > 0.
+fn exponent(x: f64) -> i32 {
+    ((x.to_bits() >> 52) & 0x7ff) as i32 - 1022
+}
+
+/// The nearest integer.
+fn nearest(x: f64) -> i64 {
+    (if x < 0.0 { x - 0.5 } else { x + 0.5 }) as i64
+}
+
+/// The curve from one knot to another that counts as `length` (mm) of path; `fastest` as in [`Bounds`]. `None` where
+/// the formats cannot hold it.
+pub fn poly<const AXES: usize>(
+    from: &Knot<AXES>,
+    to: &Knot<AXES>,
+    length: f32,
+    fastest: f32,
+) -> Option<Element<AXES>> {
+    let h = f64::from(length);
+    let bits = nearest(h * (1u64 << 44) as f64);
+    if bits <= 0 || bits >= LONGEST {
+        return None;
+    }
+    let mut shape = Shape::resting(Distance::from_bits(bits));
+    let end_w = shape.end_w();
+    let reciprocal = shape.reciprocal();
+    // τ at the end is 1 / grow.
+    let grow = power_of_two(62) / end_w as f64;
+    let mut power = [[0; 4]; AXES];
+    let mut downs = [0; AXES];
+    let mut bounds = Bounds { slope: [0.0; AXES], bend: [0.0; AXES], twist: [0.0; AXES], fastest };
+    for k in 0..AXES {
+        let (Some(x0), Some(x1)) = (from.position.get(k), to.position.get(k)) else { return None };
+        let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) else { return None };
+        let (Some(k0), Some(k1)) = (from.end.curvature.get(k), to.end.curvature.get(k)) else { return None };
+        let travel = x1.to_bits().saturating_sub(x0.to_bits());
+        if travel.saturating_abs() >= LONGEST >> FINER {
+            return None;
+        }
+        let a = quintic(
+            travel as f64 * LSB_32,
+            [*t0 as f64 * LSB_40 * h, *t1 as f64 * LSB_40 * h],
+            [f64::from(*k0) * h * h, f64::from(*k1) * h * h],
+        );
+        // Coefficients over τ.
+        let square = grow * grow;
+        let b = [a[1] * square, a[2] * square * grow, a[3] * square * square, a[4] * square * square * grow];
+        let sum = b.iter().fold(0.0, |sum, b| sum + if *b < 0.0 { -*b } else { *b });
+        let mut down = 0;
+        if sum > 0.0 {
+            let scale = (SUM - exponent(sum)).min(POINT + 60);
+            if scale < POINT {
+                return None;
+            }
+            down = (scale - POINT) as u8;
+            let scale = power_of_two(scale);
+            *power.get_mut(k)? = b.map(|b| nearest(b * scale) as i32);
+        }
+        *downs.get_mut(k)? = down;
+        // Off by at most a few LSB: hidden by the guard bits.
+        let rest = (travel << GUARD).wrapping_sub(bent(end_w, power.get(k)?, down));
+        *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
+        let ([slope, bend, twist], per) = (largest(&a), 1.0 / length);
+        *bounds.slope.get_mut(k)? = slope * per;
+        *bounds.bend.get_mut(k)? = bend * per * per;
+        *bounds.twist.get_mut(k)? = twist * per * per * per;
+    }
+    shape.curve = Curve::Poly { power, down: downs };
+    Some(Element { shape, entry: from.end, exit: to.end, circle: None, bounds: Some(bounds) })
+}
+
+/// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both ends.
+fn quintic(travel: f64, [v0, v1]: [f64; 2], [w0, w1]: [f64; 2]) -> [f64; 5] {
+    [
+        v0,
+        0.5 * w0,
+        10.0 * travel - 6.0 * v0 - 4.0 * v1 - 1.5 * w0 + 0.5 * w1,
+        -15.0 * travel + 8.0 * v0 + 7.0 * v1 + 1.5 * w0 - w1,
+        6.0 * travel - 3.0 * (v0 + v1) - 0.5 * (w0 - w1),
+    ]
+}
+
+/// Largest Bernstein coefficients of the first three derivatives over 0..1, and what rounding here may hide.
+fn largest(a: &[f64; 5]) -> [f32; 3] {
+    let [a1, a2, a3, a4, a5] = a.map(|a| a as f32);
+    let most = |x: &[f32]| {
+        let top = x.iter().fold(0.0, |top, x| {
+            let size = if *x < 0.0 { -*x } else { *x };
+            if size > top { size } else { top }
+        });
+        top * (1.0 + 1.0 / 1_048_576.0)
+    };
+    // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
+    let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
+    let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
+    let slope = [
+        p[0],
+        p[0] + q1,
+        p[0] + 2.0 * q1 + q2,
+        p[0] + 3.0 * (q1 + q2) + q3,
+        p[0] + p[1] + p[2] + p[3] + p[4],
+    ];
+    let p = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
+    let (q1, q2) = (p[1] * (1.0 / 3.0), p[2] * (1.0 / 3.0));
+    let bend = [p[0], p[0] + q1, p[0] + 2.0 * q1 + q2, p[0] + p[1] + p[2] + p[3]];
+    let p = [6.0 * a3, 24.0 * a4, 60.0 * a5];
+    let twist = [p[0], p[0] + 0.5 * p[1], p[0] + p[1] + p[2]];
+    [most(&slope), most(&bend), most(&twist)]
+}
