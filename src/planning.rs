@@ -75,6 +75,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
+    /// Motion blocks before that of the element handed on last, and of the one that went into the look-ahead last.
+    blocks: u32,
+    numbered: u32,
     /// Motion blocks taken in.
     taken: u32,
     planned: PlannedBlock,
@@ -107,6 +110,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             rest: 0,
             position: start,
             distance: Distance::ZERO,
+            blocks: 0,
+            numbered: 0,
             taken: 0,
             planned: PlannedBlock::default(),
             queue,
@@ -194,7 +199,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn push(&mut self, element: &Element<AXES>, limits: Limits, data: &Data) {
-        let numbers = [data.number, data.n];
+        // More than fits is made up for later.
+        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
+        self.numbered = self.numbered.wrapping_add(ahead);
+        let numbers = (ahead as u16, data.n);
         self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
         if data.stop {
             self.lookahead.stop_here();
@@ -306,7 +314,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let base = block.shape.base(&self.position);
         // There is room: asked above.
-        let (start, number) = (self.distance, block.number);
+        self.blocks = self.blocks.wrapping_add(u32::from(block.ahead));
+        let (start, number) = (self.distance, self.blocks);
         let _ = self.queue.segments.push_with(|segment| {
             segment.shape = block.shape;
             segment.base = base;
@@ -317,7 +326,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.emitter.begin(&self.profile, self.distance, length);
         self.stops = v_out == Speed::ZERO;
         self.planned = PlannedBlock {
-            block: block.number,
+            block: number,
             n: block.n,
             place: block.place,
             length,

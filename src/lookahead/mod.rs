@@ -28,16 +28,14 @@ pub struct Block<const AXES: usize> {
     pub shape: Shape<AXES>,
     /// Its limits.
     pub limits: Limits,
-    /// Its length, mm.
-    length: f32,
     /// Speed at which its start may be passed at most, mm/tick.
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
     /// That speed was planned for a lower end speed than the one that is planned now.
     kept: bool,
-    /// Motion blocks before the one it belongs to.
-    pub number: u32,
+    /// Motion blocks from the one before it to its own: none where a motion block goes on.
+    pub ahead: u16,
     /// Programmed N number.
     pub n: u32,
     /// Where it stands in the text.
@@ -52,6 +50,11 @@ pub struct Release<'a, const AXES: usize> {
     pub v_in: Speed,
     /// Speed at its end.
     pub v_out: Speed,
+}
+
+/// Path length, mm.
+fn length_mm<const AXES: usize>(shape: &Shape<AXES>) -> f32 {
+    to_f32(shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32)
 }
 
 /// What the next transition needs to know of the last block.
@@ -121,10 +124,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         mut limits: Limits,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        [number, n]: [u32; 2],
+        (ahead, n): (u16, u32),
         place: Place,
     ) {
-        let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
+        let length = length_mm(&element.shape);
         let mut cap = 0.0;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
@@ -138,17 +141,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         self.stop = false;
         self.last = Some(Last { exit: element.exit, length, rapid });
-        let block = Block {
-            shape: element.shape,
-            limits,
-            length,
-            cap,
-            v_in: Speed::ZERO,
-            kept: false,
-            number,
-            n,
-            place,
-        };
+        let block =
+            Block { shape: element.shape, limits, cap, v_in: Speed::ZERO, kept: false, ahead, n, place };
         // There is room: the caller asked.
         let _ = self.blocks.push_back(block);
     }
@@ -246,7 +240,7 @@ impl<const AXES: usize> Block<AXES> {
         if low.to_bits() >= cap {
             return Speed::from_bits(cap);
         }
-        let gain = ramp.reach(speed_f32(low.to_bits()), self.length);
+        let gain = ramp.reach(speed_f32(low.to_bits()), length_mm(&self.shape));
         Speed::from_bits(low.to_bits().saturating_add(speed_bits(gain)).min(cap))
     }
 }
