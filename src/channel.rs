@@ -125,6 +125,17 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
     range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
     let factor = channel.feedrate_factor_milli;
     range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
+    range(
+        "P-CHAN-00001",
+        "prog_start.slope.acceleration",
+        channel.acceleration_weight.into(),
+        0,
+        2,
+        "its meaning",
+    )?;
+    range("P-CHAN-00073", "prog_start.slope.ramp_time", channel.ramp_weight.into(), 0, 4, "its meaning")?;
+    let mode = channel.override_weight_prog_feed.into();
+    range("P-CHAN-00066", "override_weight_prog_feed", mode, 0, 2, "its meaning")?;
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
             if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
@@ -191,6 +202,8 @@ pub enum Error {
     NotAvailable(Place, &'static str),
     /// A motion block without path or speed.
     Motion(Place, MotionError),
+    /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
+    PathAcceleration(Place),
     /// The plan of a block failed its verification: a defect of the planner.
     Unplannable,
 }
@@ -200,7 +213,7 @@ impl Error {
     pub fn place(&self) -> Place {
         match self {
             Self::Nc(e) => e.place,
-            Self::NotAvailable(place, _) | Self::Motion(place, _) => *place,
+            Self::NotAvailable(place, _) | Self::Motion(place, _) | Self::PathAcceleration(place) => *place,
             Self::Unplannable => Place::default(),
         }
     }
@@ -215,6 +228,9 @@ impl core::fmt::Display for Error {
             Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
+            ),
+            Self::PathAcceleration(_) => f.write_str(
+                "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
             ),
             Self::Unplannable => {
                 f.write_str("internal: the plan of a block broke a limit and is not executed")
@@ -322,7 +338,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
             Command::Motion(motion) => {
-                self.planning.take(motion).map_err(|e| Error::Motion(motion.place, e))?;
+                self.planning.take(motion).map_err(|e| {
+                    let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
+                    Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
+                })?;
             }
             Command::Dwell(_, DwellTime::Seconds(time)) => {
                 // 2^-32 s to µs to ticks, up
@@ -344,6 +363,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 (_, Some(SlopeType::Sin2)) => return refuse("#SLOPE TYPE=SIN2"),
                 (_, kind) => self.planning.set_slope(kind),
             },
+            Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),
+            Command::VectorLimit(head, limit) => {
+                let others = [
+                    (limit.radial_acc, "#VECTOR LIMIT RADIAL_ACC"),
+                    (limit.radial_jerk, "#VECTOR LIMIT RADIAL_JERK"),
+                    (limit.jerk, "#VECTOR LIMIT JERK"),
+                    (limit.trans_acc, "#VECTOR LIMIT TRANS_ACC"),
+                ];
+                if let Some((_, name)) = others.into_iter().find(|(given, _)| limit.on && given.is_some()) {
+                    return refuse(name);
+                }
+                self.planning.dynamics().limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
+            }
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}

@@ -165,6 +165,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Err(MotionError::TooSlow);
         }
         self.lookahead.push(element, limits, feed.is_none(), &self.dynamics, motion.n, motion.place);
+        self.dynamics.settle();
         self.programmed = motion.target;
         self.taken = self.taken.wrapping_add(1);
         Ok(())
@@ -173,6 +174,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Blocks that follow run with this slope, or with that of P-CHAN-00071.
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
         self.dynamics.set_slope(slope);
+    }
+
+    /// The dynamics, for weights and path limits of the blocks that follow.
+    pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
+        &mut self.dynamics
     }
 
     /// Hands over what is to happen between the last block taken in and the next one.

@@ -88,8 +88,21 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
     machine: &MachineData<AXES>,
     burst: usize,
 ) -> Result<Run, String> {
-    let text = program.text(machine);
     let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+    run_text::<AXES, BLOCKS>(&program.text(machine), start, machine, burst)
+        .map_err(|fault| format!("{}: {fault}", program.name))
+}
+
+/// The same of any NC text, from `start` on.
+///
+/// # Errors
+/// What the library refused.
+pub fn run_text<const AXES: usize, const BLOCKS: usize>(
+    text: &str,
+    start: [Position; AXES],
+    machine: &MachineData<AXES>,
+    burst: usize,
+) -> Result<Run, String> {
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) =
         channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
@@ -122,7 +135,7 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
             }
             Progress::Done => break,
         }
-        assert!(idle < STUCK, "{}: no progress", program.name);
+        assert!(idle < STUCK, "no progress:\n{text}");
     }
     while tick() == State::Active {}
     run.digest = digest.value();

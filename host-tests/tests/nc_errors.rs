@@ -23,7 +23,22 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("G0 X1 I5", 1, 7, 2, "\"I5\" without arc: expected G02 or G03"),
     ("G04 X1 Y2 I3", 1, 11, 2, "\"I3\" without arc: expected G02 or G03"),
     ("G04", 1, 1, 3, "missing in \"G04\": expected a time in seconds"),
-    ("G04 X-1", 1, 5, 3, "time of G04 out of range, \"X-1\": expected 0 to 100000"),
+    ("G04 X-1", 1, 5, 3, "time of G04 out of range, \"X-1\": expected 0 to 100000 s"),
+    ("G04 S-1", 1, 5, 3, "dwell out of range, \"S-1\": expected 0 to 100000 revolutions"),
+    (
+        "P1=1e10",
+        1,
+        4,
+        4,
+        "\"1e10\" has an exponent: expected digits and a point, or a blank before end feed E",
+    ),
+    (
+        "G0 X1.5E-3",
+        1,
+        5,
+        6,
+        "\"1.5E-3\" has an exponent: expected digits and a point, or a blank before end feed E",
+    ),
     ("G04 2 X3", 1, 7, 2, "\"X3\": time of G04 given twice in this block"),
     ("G0 X1 X2", 1, 7, 2, "\"X2\": axis given twice in this block"),
     ("G0 G01 X1", 1, 4, 3, "\"G01\": G word of this group given twice in this block"),
@@ -97,6 +112,12 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("$IF\n$ENDIF", 1, 4, 0, "end of line: expected a number, P, a function or ["),
     ("$IF 1 X5\n$ENDIF", 1, 7, 2, "unexpected \"X5\": expected a $ statement alone in its block"),
     ("$IF 0\nX1", 1, 1, 3, "\"$IF\" without $ENDIF"),
+    ("$IF 1\nM30", 1, 1, 3, "\"$IF\" without $ENDIF"),
+    ("$WHILE 1\n$IF 1\nM30\n$ENDIF\nX1", 1, 1, 6, "\"$WHILE\" without $ENDWHILE"),
+    ("$WHILE 1\n$IF 1\nM30\n$ENDWHILE\nX1", 4, 1, 9, "\"$ENDWHILE\" without $WHILE"),
+    ("%L s\n$REPEAT\nM17\n%m\nLL s\n$UNTIL 1", 2, 1, 7, "\"$REPEAT\" without $UNTIL"),
+    ("$SWITCH 1\n$CASE 1\nM2", 1, 1, 7, "\"$SWITCH\" without $ENDSWITCH"),
+    ("$FOR P1=1,2\n$DO\nX1 F1 M30", 2, 1, 3, "\"$DO\" without $ENDDO"),
     ("N10 $WHILE 1\n  N20 $IF 1\n", 2, 7, 3, "\"$IF\" without $ENDIF"),
     ("$GOTO N10", 1, 7, 3, "label \"N10\" is not in this program"),
     ("$GOTO", 1, 6, 0, "end of line: expected N and a block number, or [NAME]"),
@@ -317,6 +338,48 @@ fn limits_are_named() {
         "name too long: expected at most 83 characters"
     );
     assert_eq!(decode(&format!("%L {}\nM29\n%main\n", "n".repeat(83))).error, None);
+}
+
+#[test]
+fn programs_end_inside_control_blocks_that_are_closed() {
+    for text in [
+        "$WHILE 1\n$IF 1\nG0 X1 M30\n$ENDIF\nX2\n$ENDWHILE\nX3 ? not read",
+        "%L s\n$IF 1\nG0 X1\nM17\n$IF 0\n$ENDIF\nX7\n$ENDIF\nX9\nM17\n%m\n$IF 1\nLL s\n$ENDIF\nM30",
+    ] {
+        assert_eq!(nc_decode::ends(text).len(), 1, "{text}");
+        assert_eq!(nc_decode::ends(text)[0].1[0], 1.0, "{text}");
+    }
+}
+
+#[test]
+fn endless_loops_without_a_command() {
+    let lines = glidepath::nc::QUIET_LINES;
+    let texts = ["G0 X1\n$WHILE 1\n(x)\n$ENDWHILE", "$DO\nP1=1\n$ENDDO 1", "N1: P1=1\n$GOTO N1"];
+    for text in texts {
+        let (_, _, error, steps) = decode_with(setup(), text.as_bytes(), 4 * lines as usize);
+        let error = error.unwrap_or_else(|| panic!("{steps} steps: {text}"));
+        assert_eq!(error.kind, NcErrorKind::Endless, "{text}");
+        assert!(error.to_string().contains("1000000 lines"), "{error}");
+    }
+    // Passing over lines and counting to the bound are no loops without end.
+    let text = format!("$FOR P1=1,{},1\n$ENDFOR\nM30", lines - 10);
+    assert_eq!(decode_with(setup(), text.as_bytes(), 4 * lines as usize).2, None);
+}
+
+#[test]
+fn comments_without_an_end_are_told() {
+    let warnings = |text: &str| {
+        let decoded = decode(text);
+        assert_eq!(decoded.error, None);
+        let places = decoded.warnings.iter().map(|w| (w.to_string(), w.place.line, w.place.column));
+        places.collect::<Vec<_>>()
+    };
+    let message = || "comment without ): it ends with its line".to_owned();
+    assert_eq!(
+        warnings("G0 X1 (a (b) c\nX2 (d)\n((e)\r\nX3 (end"),
+        [(message(), 1, 7), (message(), 3, 1), (message(), 4, 4)]
+    );
+    assert_eq!(warnings("G0 X1 ; (\n(a) X2 (b))X3".strip_suffix(")X3").unwrap_or("")), []);
 }
 
 struct Broken;

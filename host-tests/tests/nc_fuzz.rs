@@ -12,8 +12,10 @@ fn check_place(text: &[u8], error: &glidepath::nc::NcError) {
     let offset = p.offset as usize;
     assert!(offset <= text.len(), "{error:?}");
     let before = &text[..offset];
-    let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-    let column = 1 + before.iter().rev().take_while(|b| **b != b'\n').count();
+    // A line ends behind LF, CR LF, or CR alone.
+    let ends = |at: usize| text[at] == b'\n' || text[at] == b'\r' && text.get(at + 1) != Some(&b'\n');
+    let line = 1 + (0..offset).filter(|at| ends(*at)).count();
+    let column = 1 + before.iter().enumerate().rev().take_while(|(at, _)| !ends(*at)).count();
     assert_eq!(
         (p.line as usize, p.column as usize),
         (line, column),

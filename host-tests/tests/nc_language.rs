@@ -69,7 +69,21 @@ fn nc_003_comments_continuation_and_blanks() {
     assert_eq!(xs("G0 \\\n  X4 \\ (why)\n F100\nX5"), [4.0, 5.0]);
     assert_eq!(xs("  G   0X   6Y1\nX - 7\nX=   [ 8 ]"), [6.0, -7.0, 8.0]);
     assert_eq!(xs("g0 x9\n$for p1=1,2,1\nxp1\n$endfor"), [9.0, 1.0, 2.0], "letters of either case");
-    assert_eq!(xs("G0 X1\r\nX2\r\n"), [1.0, 2.0], "line ends of either kind");
+    for end in ["\n", "\r\n", "\r"] {
+        let text = ["%m", "G0 X1", "X2 \\", "  (y) Y3", ""].join(end);
+        let out = motions(&text);
+        assert_eq!(xs(&text), [1.0, 2.0], "line ends of every kind: {text:?}");
+        assert_eq!((out[1].place.line, out[1].place.column), (3, 1), "{text:?}");
+        let error = nc_decode::error(&text.replace("Y3", "Q3"));
+        assert_eq!((error.place.line, error.place.column), (4, 7), "{text:?}");
+        assert_eq!(&text.as_bytes()[error.place.offset as usize..][..2], b"Y3", "{text:?}");
+    }
+    // CR at the end of a chunk of 64 bytes, LF at the start of the next; empty lines count.
+    for blanks in 50..70 {
+        let text = format!("G0 X1{}\r\n\r\r\n\nX2 Q1", " ".repeat(blanks));
+        let place = nc_decode::error(&text).place;
+        assert_eq!((place.line, place.column, place.offset as usize), (5, 4, text.len() - 2), "{blanks}");
+    }
     assert_eq!(xs("G0 X1 (\u{e4}\u{f6}\u{fc} \u{4e2d})\nX2"), [1.0, 2.0], "comments in any language");
     let far = format!("G0\n({}) X3\n", "x".repeat(20_000));
     assert_eq!(xs(&far), [3.0], "comments do not count for the line");

@@ -11,16 +11,18 @@
 //! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
 //! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
 //! `B`.
-use crate::machine::{AxisData, MachineData};
+use super::vector::{PathLimits, TooLow};
+use super::weights::Weights;
+use crate::machine::{AxisData, ChannelData, MachineData};
 use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::nc::SlopeType;
+use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Element, End};
 use crate::slope::ramp::Ramp;
 use crate::tick::SKIP_PER_TICK;
 
 /// Factor on speeds and accelerations.
-const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
+pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
 /// Factor on jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three ticks.
@@ -72,12 +74,20 @@ struct Set {
     a_up: f32,
     a_down: f32,
     j: Ramps,
-    /// `B`.
-    budget: f32,
-    /// Speed step permitted at a knee.
-    knee: f32,
+    joint: Joint,
     /// Acceleration left to the slope beside a knee.
     a_shared: f32,
+}
+
+/// What an axis permits at a transition.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    /// `B`.
+    budget: f32,
+    /// Speed step permitted at a knee (P-AXIS-00013).
+    knee: f32,
+    /// Acceleration step permitted at a tangential transition (P-AXIS-00154), where P-CHAN-00009 asks for it.
+    bend: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -87,13 +97,17 @@ struct Axis {
     a_max: f32,
 }
 
-/// The dynamics of a machine's axes, converted to ticks once.
+/// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them.
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
+    /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the weights.
+    before: Option<[[Joint; 2]; AXES]>,
+    machine: MachineData<AXES>,
+    weights: Weights<AXES>,
+    path: PathLimits,
     /// mm/tick of 1 mm/min.
     feed_unit: f32,
     slope: SlopeType,
-    machine: MachineData<AXES>,
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
@@ -101,25 +115,61 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn new(machine: &MachineData<AXES>) -> Self {
         let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
         let slope = SlopeType::of_profile(machine.channel.slope_profile);
-        let axes = machine.axes.map(|axis| Axis::new(&axis, cycle_s, slope));
-        Self { axes, feed_unit: cycle_s / 60.0, slope, machine: *machine }
+        Self {
+            axes: machine.axes.map(|axis| Axis::new(&axis, &machine.channel, slope)),
+            before: None,
+            machine: *machine,
+            weights: Weights::new(),
+            path: PathLimits::new(&machine.channel),
+            feed_unit: cycle_s / 60.0,
+            slope,
+        }
     }
 
-    /// Blocks that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
+    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both sides.
+    pub fn weigh(&mut self, weight: &Weight<AXES>) {
+        self.weights.set(weight);
+        self.change();
+    }
+
+    /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
         let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
         if slope != self.slope {
             self.slope = slope;
-            let cycle_s = self.machine.channel.cycle_us as f32 * 1e-6;
-            self.axes = self.machine.axes.map(|axis| Axis::new(&axis, cycle_s, slope));
+            self.change();
         }
+    }
+
+    /// The axes anew, for the elements that follow.
+    fn change(&mut self) {
+        if self.before.is_none() {
+            self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
+        }
+        let channel = &self.machine.channel;
+        for (k, (axis, data)) in self.axes.iter_mut().zip(&self.machine.axes).enumerate() {
+            *axis = Axis::new(&self.weights.apply(k, data, channel), channel, self.slope);
+        }
+    }
+
+    /// Sets limits along the path in the elements that follow.
+    ///
+    /// # Errors
+    /// An acceleration is too low.
+    pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
+        self.path.set(command)
+    }
+
+    /// An element with the weights of now has been taken in.
+    pub fn settle(&mut self) {
+        self.before = None;
     }
 
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
         let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        let mut limits = Limits { v: SKIP * length, ..Limits::WIDEST };
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(feed.is_none())), ..Limits::WIDEST };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
@@ -141,17 +191,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 let set = sets(axis);
                 normal = min(normal, min(set.a_up, set.a_down));
                 a_max = min(a_max, axis.a_max);
-                budget = min(budget, set.budget);
+                budget = min(budget, set.joint.budget);
             }
             let normal = min(normal, NORMAL_PART * a_max);
             limits.bend(curvature, length, normal, a_max, budget, circle.share);
         }
+        self.path.lower(&mut limits, feed.is_none(), element.circle.is_some());
         limits
     }
 
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
     /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
     /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
+    ///
+    /// With P-CHAN-00009 the step of acceleration at a tangential transition is at most the part of the axis'
+    /// acceleration that P-AXIS-00154 gives. Without it, and where it gives more, the jerk budget alone decides: unlike
+    /// ISG's kernel, which then takes no notice of the jerk, limits of jerk hold here in any case.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
     /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
@@ -164,19 +219,25 @@ impl<const AXES: usize> Dynamics<AXES> {
         fastest: f32,
     ) -> Option<f32> {
         let mut v = f32::MAX;
-        let tangents = from.tangent.iter().zip(&to.tangent);
-        let curvatures = from.curvature.iter().zip(&to.curvature);
-        for ((axis, (t0, t1)), (c0, c1)) in self.axes.iter().zip(tangents).zip(curvatures) {
-            let set = if rapid { &axis.rapid } else { &axis.feed };
+        let mut tangential = true;
+        let mut square = f32::MAX;
+        for (k, axis) in self.axes.iter().enumerate() {
+            let mut joint = if rapid { axis.rapid.joint } else { axis.feed.joint };
+            if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
+                joint.restrict(if rapid { rapid_before } else { feed_before });
+            }
+            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
+            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
             let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
-            let unseen = SMOOTH * set.budget;
+            let unseen = SMOOTH * joint.budget;
             let knee = if fastest * knee <= unseen { 0.0 } else { knee };
             let bend = if fastest * fastest * bend <= unseen { 0.0 } else { bend };
-            let part = TRANSITION_PART * set.budget;
+            let part = TRANSITION_PART * joint.budget;
             if knee > 0.0 {
+                tangential = false;
                 let part = if bend > 0.0 { 0.5 * part } else { part };
-                let alone = min(part, set.knee) / knee;
+                let alone = min(part, joint.knee) / knee;
                 if 3.0 * alone > shorter {
                     let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
                     v = min(v, min(alone, max(shorter * (1.0 / 3.0), close)));
@@ -187,7 +248,11 @@ impl<const AXES: usize> Dynamics<AXES> {
             if bend > 0.0 {
                 let part = if knee > 0.0 { 0.5 * part } else { part };
                 v = min(v, sqrt_f32(part / bend));
+                square = min(square, joint.bend / bend);
             }
+        }
+        if tangential && square < f32::MAX {
+            v = min(v, sqrt_f32(square));
         }
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
@@ -202,7 +267,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
         self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
             let set = if rapid { &axis.rapid } else { &axis.feed };
-            a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.budget
+            a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.joint.budget
         })
     }
 }
@@ -214,8 +279,17 @@ const TURN_PART: f32 = 0.05;
 /// all of the budget is left to the slope.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
+impl Joint {
+    fn restrict(&mut self, other: &Self) {
+        self.budget = min(self.budget, other.budget);
+        self.knee = min(self.knee, other.knee);
+        self.bend = min(self.bend, other.bend);
+    }
+}
+
 impl Axis {
-    fn new(data: &AxisData, cycle_s: f32, slope: SlopeType) -> Self {
+    fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
+        let cycle_s = channel.cycle_us as f32 * 1e-6;
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
         let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
         let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
@@ -236,11 +310,14 @@ impl Axis {
                 longest = max(longest, tr);
                 shortest = min(shortest, tr);
             }
-            let weight =
-                if data.a_trans_weight == 0 { 1.0 / longest } else { data.a_trans_weight as f32 * 1e-3 };
-            let knee = min(min(a_up, a_down) * weight, KNEE_PART * a_max);
-            let a_shared = if shortest < LONG_RAMP || slope == SlopeType::Hsc { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
-            Set { v: speed(v), a_up, a_down, j, budget, knee, a_shared }
+            let a = min(a_up, a_down);
+            // Of `a`, in 0.1 %; 0: cycle time / ramp time.
+            let part = |weight: u32| a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
+            let knee = min(part(data.a_trans_weight), KNEE_PART * a_max);
+            let bend = if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX };
+            let short = shortest < LONG_RAMP || slope == SlopeType::Hsc;
+            let a_shared = if short { (1.0 - KNEE_PART) * a_max } else { f32::MAX };
+            Set { v: speed(v), a_up, a_down, j, joint: Joint { budget, knee, bend }, a_shared }
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
         Self {
@@ -304,7 +381,7 @@ impl Limits {
         for (j, axis) in self.j.iter_mut().zip(set.j) {
             *j = min(*j, axis * scale);
         }
-        self.j_shared = min(self.j_shared, TRANSITION_PART * set.budget * scale);
+        self.j_shared = min(self.j_shared, TRANSITION_PART * set.joint.budget * scale);
         self.a_shared = min(self.a_shared, set.a_shared * scale);
     }
 

@@ -14,9 +14,13 @@
 //! ends early at the first transition whose speed did not change.
 mod limits;
 mod span;
+mod vector;
+mod weights;
 
 pub use limits::{Dynamics, Limits};
 pub(crate) use limits::{max, min};
+pub use vector::TooLow;
+pub use weights::Weights;
 
 use crate::math::float::to_f32;
 use crate::nc::Place;

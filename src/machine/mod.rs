@@ -84,6 +84,36 @@ pub struct AxisData {
     pub tr_brems_zu: u32,
     /// P-AXIS-00200 `slope_profil.tr_grenz`: the one ramp time of rapid motion.
     pub tr_grenz: u32,
+    /// P-AXIS-00154 `dynamik.r_trans_weight`: step of acceleration permitted at a tangential transition, 0.1 %;
+    /// 0: cycle time / ramp time. Only with P-CHAN-00009.
+    pub r_trans_weight: u32,
+    /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0: `tr_min`.
+    pub tr_w_min: u32,
+    /// P-AXIS-00214 `vb_max_red`: largest speed while the reduced speed is asked for.
+    pub vb_max_red: u32,
+    /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at feed.
+    pub a_stufe: [u32; 2],
+    /// P-AXIS-00282 and 00283 `lslope_profil.d_stufe_1`, `d_stufe_2`: its decelerations; 0: as `a_stufe`.
+    pub d_stufe: [u32; 2],
+    /// P-AXIS-00221 `lslope_profil.vb_stufe_1_2`: speed at which it changes from stage 1 to stage 2.
+    pub vb_stufe_1_2: u32,
+    /// P-AXIS-00005 and 00006 `lslope_profil.a_grenz_stufe_1`, `a_grenz_stufe_2`: the same in rapid motion.
+    pub a_grenz_stufe: [u32; 2],
+    /// P-AXIS-00280 and 00281 `lslope_profil.d_grenz_stufe_1`, `d_grenz_stufe_2`: 0: as `a_grenz_stufe`.
+    pub d_grenz_stufe: [u32; 2],
+    /// P-AXIS-00211 `lslope_profil.vb_grenz_stufe_1_2`.
+    pub vb_grenz_stufe_1_2: u32,
+}
+
+/// The slope STEP of one axis in one kind of motion, as it is to be applied.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Stages {
+    /// Accelerations below and above `change_over`.
+    pub a: [u32; 2],
+    /// Decelerations below and above it.
+    pub d: [u32; 2],
+    /// Speed between the two.
+    pub change_over: u32,
 }
 
 impl AxisData {
@@ -106,8 +136,48 @@ impl AxisData {
             tr_brems_ab: 50_000,
             tr_brems_zu: 50_000,
             tr_grenz: 10_000,
+            r_trans_weight: 1000,
+            tr_w_min: 0,
+            vb_max_red: 0,
+            a_stufe: [1000; 2],
+            d_stufe: [0; 2],
+            vb_stufe_1_2: 100_000,
+            a_grenz_stufe: [1000; 2],
+            d_grenz_stufe: [0; 2],
+            vb_grenz_stufe_1_2: 100_000,
         }
     }
+
+    /// Stages of the slope STEP: decelerations of 0 taken over from the accelerations, all of them at most
+    /// P-AXIS-00008, the change-over at most P-AXIS-00212.
+    pub const fn stages(&self, rapid: bool) -> Stages {
+        let (a, d, change_over) = if rapid {
+            (self.a_grenz_stufe, self.d_grenz_stufe, self.vb_grenz_stufe_1_2)
+        } else {
+            (self.a_stufe, self.d_stufe, self.vb_stufe_1_2)
+        };
+        let d = [if d[0] == 0 { a[0] } else { d[0] }, if d[1] == 0 { a[1] } else { d[1] }];
+        Stages {
+            a: [least(a[0], self.a_max), least(a[1], self.a_max)],
+            d: [least(d[0], self.a_max), least(d[1], self.a_max)],
+            change_over: least(change_over, self.vb_max),
+        }
+    }
+}
+
+const fn least(a: u32, b: u32) -> u32 {
+    if a < b { a } else { b }
+}
+
+/// Unit of path accelerations in machine data and in #VECTOR LIMIT.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AccelerationUnit {
+    /// MM_M2: mm/min².
+    #[default]
+    MmMin2,
+    /// MM_S2: mm/s².
+    MmS2,
 }
 
 /// The channel's own parameters.
@@ -121,12 +191,46 @@ pub struct ChannelData {
     pub feedrate_factor_milli: u32,
     /// P-CHAN-00071 `prog_start.slope.profile`: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
     pub slope_profile: u8,
+    /// P-CHAN-00001 `prog_start.slope.acceleration`: G130 and G131 weight 0 both, 1 acceleration, 2 deceleration.
+    pub acceleration_weight: u8,
+    /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195, 3 00198,
+    /// 4 00197.
+    pub ramp_weight: u8,
+    /// P-CHAN-00009 `corr_v_trans_jerk`: P-AXIS-00154 limits tangential transitions.
+    pub corr_v_trans_jerk: bool,
+    /// P-CHAN-00066 `override_weight_prog_feed`: 0 the override acts on what the axes permit, 1 on the programmed feed,
+    /// 2 as 1 while the speed is reduced, else as 0.
+    pub override_weight_prog_feed: u8,
+    /// P-CHAN-00002 `vector.acceleration`, in thousandths of [`Self::vector_unit`].
+    pub vector_acceleration_milli: u64,
+    /// P-CHAN-00208 `vector.deceleration`, in thousandths of [`Self::vector_unit`].
+    pub vector_deceleration_milli: u64,
+    /// P-CHAN-00090 `vector.velocity`, in thousandths of mm/min.
+    pub vector_velocity_milli: u64,
+    /// P-CHAN-00351 `vector.acc_dec_unit`.
+    pub vector_unit: AccelerationUnit,
+    /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration acts on arcs too.
+    pub cir_radial_acc_limit: bool,
 }
 
 impl ChannelData {
     /// The ISG defaults and a cycle of 1 ms.
     pub const fn new() -> Self {
-        Self { cycle_us: 1000, look_ahead: 120, feedrate_factor_milli: 100_000, slope_profile: 0 }
+        Self {
+            cycle_us: 1000,
+            look_ahead: 120,
+            feedrate_factor_milli: 100_000,
+            slope_profile: 0,
+            acceleration_weight: 0,
+            ramp_weight: 0,
+            corr_v_trans_jerk: false,
+            override_weight_prog_feed: 0,
+            vector_acceleration_milli: 100_000_000_000,
+            vector_deceleration_milli: 100_000_000_000,
+            vector_velocity_milli: 2_000_000_000_000,
+            vector_unit: AccelerationUnit::MmMin2,
+            cir_radial_acc_limit: false,
+        }
     }
 }
 

@@ -1,5 +1,5 @@
 //! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
-use super::{AxisData, ChannelData};
+use super::{AccelerationUnit, AxisData, ChannelData};
 
 /// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
 pub struct Parameter<Target> {
@@ -15,6 +15,8 @@ pub struct Parameter<Target> {
     pub max_milli: i64,
     /// Whether decimals are accepted (three at most).
     pub decimals: bool,
+    /// Words that stand for 0, 1, … in the file; none: a number.
+    pub words: &'static [&'static str],
     /// Stores a value given in thousandths of the unit and inside the range.
     pub set: fn(&mut Target, i64),
     /// Reads the value back, in thousandths of the unit.
@@ -22,12 +24,13 @@ pub struct Parameter<Target> {
 }
 
 macro_rules! parameters {
-    ($target:ty: $($id:literal $name:literal [$unit:literal] $min:literal ..= $max:literal => $field:ident),+ $(,)?) => {
+    ($target:ty: $($id:literal $name:literal [$unit:literal] $min:literal ..= $max:literal
+        => $field:ident $([$index:literal])?),+ $(,)?) => {
         &[$(Parameter {
             id: $id, name: $name, unit: $unit,
-            min_milli: $min * 1000, max_milli: $max * 1000, decimals: false,
-            set: |t, milli| t.$field = (milli / 1000) as u32,
-            get: |t| t.$field as i64 * 1000,
+            min_milli: $min * 1000, max_milli: $max * 1000, decimals: false, words: &[],
+            set: |t, milli| t.$field $([$index])? = (milli / 1000) as u32,
+            get: |t| t.$field $([$index])? as i64 * 1000,
         }),+]
     };
 }
@@ -38,8 +41,13 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00001" "slope_profil.a_beschl" ["mm/s²"] 1..=100_000_000 => a_beschl,
     "P-AXIS-00002" "slope_profil.a_brems" ["mm/s²"] 1..=100_000_000 => a_brems,
     "P-AXIS-00004" "slope_profil.a_grenz" ["mm/s²"] 1..=100_000_000 => a_grenz,
+    "P-AXIS-00005" "lslope_profil.a_grenz_stufe_1" ["mm/s²"] 1..=100_000_000 => a_grenz_stufe[0],
+    "P-AXIS-00006" "lslope_profil.a_grenz_stufe_2" ["mm/s²"] 1..=100_000_000 => a_grenz_stufe[1],
     "P-AXIS-00008" "dynamik.a_max" ["mm/s²"] 1..=100_000_000 => a_max,
+    "P-AXIS-00011" "lslope_profil.a_stufe_1" ["mm/s²"] 1..=100_000_000 => a_stufe[0],
+    "P-AXIS-00012" "lslope_profil.a_stufe_2" ["mm/s²"] 1..=100_000_000 => a_stufe[1],
     "P-AXIS-00013" "dynamik.a_trans_weight" ["0.1 %"] 0..=1000 => a_trans_weight,
+    "P-AXIS-00154" "dynamik.r_trans_weight" ["0.1 %"] 0..=1000 => r_trans_weight,
     "P-AXIS-00195" "slope_profil.tr_beschl_ab" ["µs"] 1..=4_294_967_295 => tr_beschl_ab,
     "P-AXIS-00196" "slope_profil.tr_beschl_zu" ["µs"] 1..=4_294_967_295 => tr_beschl_zu,
     "P-AXIS-00197" "slope_profil.tr_brems_ab" ["µs"] 1..=4_294_967_295 => tr_brems_ab,
@@ -48,52 +56,123 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00200" "slope_profil.tr_grenz" ["µs"] 1..=4_294_967_295 => tr_grenz,
     "P-AXIS-00201" "dynamik.tr_min" ["µs"] 1..=4_294_967_295 => tr_min,
     "P-AXIS-00209" "vb_eilgang" ["µm/s"] 1..=2_000_000_000 => vb_eilgang,
+    "P-AXIS-00211" "lslope_profil.vb_grenz_stufe_1_2" ["µm/s"] 1..=2_000_000_000 => vb_grenz_stufe_1_2,
     "P-AXIS-00212" "dynamik.vb_max" ["µm/s"] 1..=2_000_000_000 => vb_max,
+    "P-AXIS-00214" "vb_max_red" ["µm/s"] 0..=2_000_000_000 => vb_max_red,
+    "P-AXIS-00221" "lslope_profil.vb_stufe_1_2" ["µm/s"] 1..=2_000_000_000 => vb_stufe_1_2,
+    "P-AXIS-00280" "lslope_profil.d_grenz_stufe_1" ["mm/s²"] 0..=100_000_000 => d_grenz_stufe[0],
+    "P-AXIS-00281" "lslope_profil.d_grenz_stufe_2" ["mm/s²"] 0..=100_000_000 => d_grenz_stufe[1],
+    "P-AXIS-00282" "lslope_profil.d_stufe_1" ["mm/s²"] 0..=100_000_000 => d_stufe[0],
+    "P-AXIS-00283" "lslope_profil.d_stufe_2" ["mm/s²"] 0..=100_000_000 => d_stufe[1],
+    "P-AXIS-00293" "dynamik.tr_w_min" ["µs"] 0..=4_294_967_295 => tr_w_min,
 );
 
 /// Channel parameters.
 pub const CHANNEL: &[Parameter<ChannelData>] = &[
     Parameter {
-        id: "",
-        name: "cycle_us",
-        unit: "µs",
-        min_milli: 100_000,
-        max_milli: 10_000_000,
-        decimals: false,
         set: |t, milli| t.cycle_us = (milli / 1000) as u32,
         get: |t| t.cycle_us as i64 * 1000,
+        ..channel("", "cycle_us", "µs", 100_000, 10_000_000)
     },
     Parameter {
-        id: "P-STUP-00071",
-        name: "look_ahead",
-        unit: "blocks",
-        min_milli: 10_000,
-        max_milli: 10_000_000,
-        decimals: false,
         set: |t, milli| t.look_ahead = (milli / 1000) as u32,
         get: |t| t.look_ahead as i64 * 1000,
+        ..channel("P-STUP-00071", "look_ahead", "blocks", 10_000, 10_000_000)
     },
     Parameter {
-        id: "P-CHAN-00108",
-        name: "prog_start.feedrate_factor",
-        unit: "100: mm/min, 0.1: m/min",
-        min_milli: 1,
-        max_milli: 1_000_000,
         decimals: true,
         set: |t, milli| t.feedrate_factor_milli = milli as u32,
         get: |t| t.feedrate_factor_milli as i64,
+        ..channel("P-CHAN-00108", "prog_start.feedrate_factor", "100: mm/min, 0.1: m/min", 1, 1_000_000)
     },
     Parameter {
-        id: "P-CHAN-00071",
-        name: "prog_start.slope.profile",
-        unit: "0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC",
-        min_milli: 0,
-        max_milli: 3_000,
-        decimals: false,
         set: |t, milli| t.slope_profile = (milli / 1000) as u8,
         get: |t| t.slope_profile as i64 * 1000,
+        ..channel("P-CHAN-00071", "prog_start.slope.profile", "0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC", 0, 3000)
+    },
+    Parameter {
+        set: |t, milli| t.acceleration_weight = (milli / 1000) as u8,
+        get: |t| t.acceleration_weight as i64 * 1000,
+        ..channel("P-CHAN-00001", "prog_start.slope.acceleration", "0 both, 1 a_beschl, 2 a_brems", 0, 2000)
+    },
+    Parameter {
+        set: |t, milli| t.ramp_weight = (milli / 1000) as u8,
+        get: |t| t.ramp_weight as i64 * 1000,
+        ..channel(
+            "P-CHAN-00073",
+            "prog_start.slope.ramp_time",
+            "0 all, 1 tr_beschl_zu, 2 tr_beschl_ab, 3 tr_brems_zu, 4 tr_brems_ab",
+            0,
+            4000,
+        )
+    },
+    Parameter {
+        set: |t, milli| t.corr_v_trans_jerk = milli != 0,
+        get: |t| t.corr_v_trans_jerk as i64 * 1000,
+        ..channel("P-CHAN-00009", "corr_v_trans_jerk", "0 off, 1 on", 0, 1000)
+    },
+    Parameter {
+        set: |t, milli| t.override_weight_prog_feed = (milli / 1000) as u8,
+        get: |t| t.override_weight_prog_feed as i64 * 1000,
+        ..channel("P-CHAN-00066", "override_weight_prog_feed", "", 0, 2000)
+    },
+    Parameter {
+        decimals: true,
+        set: |t, milli| t.vector_acceleration_milli = milli as u64,
+        get: |t| t.vector_acceleration_milli as i64,
+        ..channel("P-CHAN-00002", "vector.acceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
+    },
+    Parameter {
+        decimals: true,
+        set: |t, milli| t.vector_deceleration_milli = milli as u64,
+        get: |t| t.vector_deceleration_milli as i64,
+        ..channel("P-CHAN-00208", "vector.deceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
+    },
+    Parameter {
+        decimals: true,
+        set: |t, milli| t.vector_velocity_milli = milli as u64,
+        get: |t| t.vector_velocity_milli as i64,
+        ..channel("P-CHAN-00090", "vector.velocity", "mm/min", 1, VECTOR_MAX_MILLI)
+    },
+    Parameter {
+        words: &["MM_M2", "MM_S2"],
+        set: |t, milli| {
+            t.vector_unit = if milli == 0 { AccelerationUnit::MmMin2 } else { AccelerationUnit::MmS2 };
+        },
+        get: |t| (t.vector_unit == AccelerationUnit::MmS2) as i64 * 1000,
+        ..channel("P-CHAN-00351", "vector.acc_dec_unit", "", 0, 1000)
+    },
+    Parameter {
+        set: |t, milli| t.cir_radial_acc_limit = milli != 0,
+        get: |t| t.cir_radial_acc_limit as i64 * 1000,
+        ..channel("P-CHAN-00350", "vector.cir_radial_acc_limit", "0 lines only, 1 arcs too", 0, 1000)
     },
 ];
+
+const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
+/// ISG leaves the largest path limits to the application: 2·10^9.
+const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;
+
+/// A whole number that nothing reads or writes yet.
+const fn channel(
+    id: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    min_milli: i64,
+    max_milli: i64,
+) -> Parameter<ChannelData> {
+    Parameter {
+        id,
+        name,
+        unit,
+        min_milli,
+        max_milli,
+        decimals: false,
+        words: &[],
+        set: |_, _| {},
+        get: |_| 0,
+    }
+}
 
 /// A value outside a range that depends on another parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -170,9 +249,48 @@ pub fn check_axis(axis: &AxisData, channel: &ChannelData) -> Result<(), RangeErr
             "dynamik.tr_min",
         ),
         ("P-AXIS-00209", "vb_eilgang", i64::from(axis.vb_eilgang), 1, v_max, "dynamik.vb_max"),
+        ("P-AXIS-00214", "vb_max_red", i64::from(axis.vb_max_red), 0, v_max, "dynamik.vb_max"),
+        (
+            "P-AXIS-00154",
+            "dynamik.r_trans_weight",
+            i64::from(axis.r_trans_weight),
+            0,
+            1000,
+            "its unit, 0.1 %",
+        ),
     ];
     for (id, name, value, min, max, because) in rows {
         if value < min || value > max {
+            return Err(RangeError { id, name, value, min, max, because });
+        }
+    }
+    let ramps = [axis.tr_beschl_ab, axis.tr_beschl_zu, axis.tr_brems_ab, axis.tr_brems_zu];
+    let shortest = ramps.into_iter().fold(u32::MAX, u32::min);
+    if axis.tr_w_min != 0 && (axis.tr_w_min < axis.tr_min || axis.tr_w_min > shortest) {
+        return Err(RangeError {
+            id: "P-AXIS-00293",
+            name: "dynamik.tr_w_min",
+            value: i64::from(axis.tr_w_min),
+            min: tr_min,
+            max: i64::from(shortest),
+            because: "dynamik.tr_min and the shortest ramp at feed",
+        });
+    }
+    check_stages(axis)
+}
+
+/// The linear slope: its defaults are limited by `a_max` and `vb_max` ([`AxisData::stages`]), other values are refused
+/// beyond them.
+fn check_stages(axis: &AxisData) -> Result<(), RangeError> {
+    let default = AxisData::new(axis.name, axis.kind);
+    for parameter in AXIS.iter().filter(|parameter| parameter.name.starts_with("lslope_profil.")) {
+        let value = (parameter.get)(axis);
+        let of_speed = parameter.unit == "µm/s";
+        let (max, because) =
+            if of_speed { (axis.vb_max, "dynamik.vb_max") } else { (axis.a_max, "dynamik.a_max") };
+        let (min, max) = (parameter.min_milli / 1000, i64::from(max));
+        if value != (parameter.get)(&default) && !(min..=max).contains(&(value / 1000)) {
+            let (id, name, value) = (parameter.id, parameter.name, value / 1000);
             return Err(RangeError { id, name, value, min, max, because });
         }
     }

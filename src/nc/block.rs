@@ -1,6 +1,7 @@
 //! The words of a block: addresses, modal state, and the motion they make together.
 use super::cursor::Cursor;
 use super::expression::{expression, parameter_target};
+use super::flow::Ending;
 use super::interpreter::{Interpreter, Next};
 use super::line::Line;
 use super::modal::Mode;
@@ -72,10 +73,14 @@ pub(super) struct Words<const AXES: usize> {
     pub ends: Option<Ending>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ending {
-    Subroutine,
-    Program,
+impl<const AXES: usize> Words<AXES> {
+    /// R, or from the first to the last of I, J and K.
+    pub fn centre_span(&self) -> Option<Span> {
+        let words = || self.centre.iter().chain([&self.radius]).flatten().map(|given| given.span);
+        let at = words().map(|span| span.at).min()?;
+        let end = words().map(|span| span.at.saturating_add(span.len)).max()?;
+        Some(Span { at, len: end.saturating_sub(at) })
+    }
 }
 
 /// Groups of G words of which a block holds one.

@@ -116,6 +116,8 @@ pub struct Motion<const AXES: usize> {
     pub n: u32,
     /// First word of the motion in the text.
     pub place: Place,
+    /// R, or I, J and K, of an arc in the text; [`Self::place`] where the block has none (R stays in force).
+    pub centre: Place,
     /// Rapid, line or arc.
     pub kind: MotionKind,
     /// End point of every axis, offsets applied.

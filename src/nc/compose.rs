@@ -1,6 +1,7 @@
 //! What the words of a block make together: offsets, dwell, weights, and the motion.
-use super::block::{Ending, Given, Item, ItemKind, Use, Words, push, weight};
-use super::interpreter::{Interpreter, Next, Phase};
+use super::block::{Given, Item, ItemKind, Use, Words, push, weight};
+use super::flow::Ending;
+use super::interpreter::{Interpreter, Next};
 use super::line::Line;
 use super::modal::{COORDINATE_MAX, Mode};
 use super::number::Factor;
@@ -13,7 +14,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn finish(&mut self, mut w: Words<AXES>, line: &Line) -> Result<Next, Fault> {
         if let Some(given) = w.spindle.take() {
             if w.consumer == Use::Dwell {
-                let turns = self.time(given, "revolutions")?;
+                let turns = self.time(given, "dwell", "revolutions")?;
                 push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Revolutions(turns)))?;
             } else {
                 let Some(speed) = given.number.fixed(Factor::ONE).filter(|s| *s >= Position::ZERO) else {
@@ -55,18 +56,12 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return item.span.fault(NcErrorKind::BlockTooFull);
             }
         }
-        Ok(match w.ends {
-            Some(Ending::Program) => {
-                if !self.flow.frames.is_empty() {
-                    let span = w.after.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
-                    self.warn(line, span.map_or(Span::default(), |i| i.span), NcWarningKind::EndInSubroutine);
-                }
-                self.phase = Phase::Ended;
-                Next::Line
-            }
-            Some(Ending::Subroutine) => self.finish_program(),
-            None => Next::Line,
-        })
+        let Some(ending) = w.ends else { return Ok(Next::Line) };
+        if ending == Ending::Program && !self.flow.frames.is_empty() {
+            let span = w.after.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
+            self.warn(line, span.map_or(Span::default(), |i| i.span), NcWarningKind::EndInSubroutine);
+        }
+        Ok(self.end_by_word(ending))
     }
 
     /// Inch or millimetre.
@@ -120,7 +115,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let dwell = w.before.iter().any(|item| matches!(item.kind, ItemKind::Dwell(_)));
         match time {
             Some((given, _)) if !dwell => {
-                let seconds = self.time(given, "time of G04")?;
+                let seconds = self.time(given, "time of G04", "s")?;
                 push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Seconds(seconds)))
             }
             Some((given, _)) => given.span.fault(NcErrorKind::Twice("time of G04")),
@@ -129,10 +124,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    fn time(&self, given: Given, what: &'static str) -> Result<Position, Fault> {
+    fn time(&self, given: Given, what: &'static str, unit: &'static str) -> Result<Position, Fault> {
         let value = given.number.fixed(Factor::ONE).filter(|t| *t >= Position::ZERO && in_range(*t));
         let max = COORDINATE_MAX.unsigned_abs();
-        let kind = NcErrorKind::Range { what, min: 0, max, unit: "", above: false };
+        let kind = NcErrorKind::Range { what, min: 0, max, unit, above: false };
         value.ok_or(Fault { span: given.span, kind })
     }
 
@@ -212,9 +207,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         if mode != Mode::Rapid && self.modal.feed.is_none() && !still {
             return span.fault(NcErrorKind::NoFeed);
         }
+        let place = line.place(span);
+        let centre = if arc { w.centre_span().map(|span| line.place(span)) } else { None };
         self.motion = Some(Motion {
             n: self.n,
-            place: line.place(span),
+            place,
+            centre: centre.unwrap_or(place),
             kind,
             target,
             feed: self.modal.feed.unwrap_or(Feed::ZERO),

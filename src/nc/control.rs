@@ -314,6 +314,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             Role::Closes if self.flow.depth > 0 => self.flow.depth -= 1,
             Role::Closes => {
                 self.closed_by(&word).map_err(fault)?;
+                if let Passing::End(_) = passing {
+                    self.flow.blocks.pop();
+                    return Ok(false);
+                }
                 self.flow.passing = None;
                 if passing == Passing::Round {
                     c.back_to(start);

@@ -230,6 +230,17 @@ impl<'a> Cursor<'a> {
             }
             self.at += 1;
         }
+        if digits && self.raw().eq_ignore_ascii_case(&b'E') {
+            let ahead = |n| self.bytes.get(self.at + n).copied().unwrap_or(0);
+            let sign = usize::from(matches!(ahead(1), b'+' | b'-'));
+            if ahead(1 + sign).is_ascii_digit() {
+                self.at += 1 + sign;
+                while self.raw().is_ascii_digit() {
+                    self.at += 1;
+                }
+                return self.since(mark).fault(NcErrorKind::Exponent);
+            }
+        }
         if full {
             return self.since(mark).fault(NcErrorKind::Overflow);
         }

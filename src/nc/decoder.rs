@@ -1,6 +1,6 @@
 //! The decoder: lines from the text into the interpreter, commands out, a bounded piece of work per call.
 use super::block::{Item, ItemKind};
-use super::error::{NcError, NcErrorKind, NcWarning};
+use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader};
 use super::*;
@@ -41,9 +41,11 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             return Ok(Step::Warning(warning));
         }
         if let Some(command) = self.interpreter.single.take() {
+            self.interpreter.quiet = 0;
             return Ok(Step::Command(command));
         }
         if let Some(item) = self.interpreter.queue.pop_front() {
+            self.interpreter.quiet = 0;
             return Ok(self.command_of(item).map_or(Step::Working, Step::Command));
         }
         if self.interpreter.phase == Phase::Ended {
@@ -77,6 +79,9 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             Fill::Partial => return Ok(()),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
+                if let Some(place) = self.reader.unclosed() {
+                    self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
+                }
                 self.interpreter.line(&self.line, bounds)
             }
             Fill::End => match self.interpreter.phase {

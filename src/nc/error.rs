@@ -126,6 +126,10 @@ pub enum NcErrorKind {
     CallTooDeep,
     /// $BREAK or $CONTINUE outside of a loop.
     NoLoop,
+    /// More than [`super::QUIET_LINES`] lines without a command.
+    Endless,
+    /// A number with an exponent, `1e10`.
+    Exponent,
     /// Label of $GOTO not found in this program.
     NoLabel,
     /// No program head but those of local subroutines.
@@ -250,6 +254,15 @@ impl fmt::Display for NcError {
             K::NestingTooDeep => write!(f, "control blocks too deep: expected at most {}", super::NESTING),
             K::CallTooDeep => write!(f, "subroutine calls too deep: expected at most {}", super::CALL_DEPTH),
             K::NoLoop => write!(f, "\"{found}\" outside of a loop"),
+            K::Endless => write!(
+                f,
+                "no motion and no other command in {} lines at \"{found}\": expected a loop with an end",
+                super::QUIET_LINES
+            ),
+            K::Exponent => write!(
+                f,
+                "\"{found}\" has an exponent: expected digits and a point, or a blank before end feed E"
+            ),
             K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
             K::NoSubroutine => write!(f, "subroutine \"{found}\" is not in this file: expected %L {found}"),
@@ -292,6 +305,8 @@ pub enum NcWarningKind {
     EndlessFor,
     /// M02 or M30 inside a subroutine ends the whole program.
     EndInSubroutine,
+    /// A comment without `)`: the line end closes it.
+    UnclosedComment,
 }
 
 impl NcWarning {
@@ -309,6 +324,7 @@ impl fmt::Display for NcWarning {
         f.write_str(match self.kind {
             NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
             NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
+            NcWarningKind::UnclosedComment => "comment without ): it ends with its line",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

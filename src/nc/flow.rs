@@ -98,6 +98,17 @@ pub(super) enum Passing {
     Round,
     /// To a label, by its hash; blocks opened on the way are in `Flow::passed`.
     Label(u64),
+    /// The program has ended inside control blocks: to their closing words, which must be there.
+    End(Ending),
+}
+
+/// What a program end word ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// M17, M29.
+    Subroutine,
+    /// M02, M30.
+    Program,
 }
 
 /// The state of the order of blocks.

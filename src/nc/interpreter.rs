@@ -2,7 +2,7 @@
 use super::block::Item;
 use super::cursor::Cursor;
 use super::expression::expression;
-use super::flow::{Flow, Frame, Passing, Subroutine, hash};
+use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
 use super::modal::Modal;
 use super::parameter::Parameters;
@@ -12,6 +12,10 @@ use heapless::Deque;
 
 /// Words of a block that can wait for their turn.
 pub const BLOCK_WORDS: usize = 16;
+
+/// Lines that may be carried out one after the other without a command coming out of them: beyond it a program is taken
+/// for an endless loop. Lines that are passed over do not count.
+pub const QUIET_LINES: u32 = 1_000_000;
 
 /// Where the program stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,6 +70,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
+    /// Lines carried out since the last command.
+    pub quiet: u32,
 }
 
 /// Start of a logical line and of the one behind it.
@@ -90,13 +96,18 @@ impl<const AXES: usize> Interpreter<AXES> {
             single: None,
             values: [None; AXES],
             warnings: Deque::new(),
+            quiet: 0,
             setup,
         }
     }
 
     /// Remembers a warning; more than four in one line say nothing new.
     pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
-        let _ = self.warnings.push_back(NcWarning { place: line.place(span), kind });
+        self.warn_at(line.place(span), kind);
+    }
+
+    pub fn warn_at(&mut self, place: Place, kind: NcWarningKind) {
+        let _ = self.warnings.push_back(NcWarning { place, kind });
     }
 
     /// What is still open where the running program ends.
@@ -129,7 +140,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             Phase::Running => {}
         }
         if self.flow.passing.is_some() && !self.pass(&mut c, bounds)? {
-            return Ok(Next::Line);
+            let Some(Passing::End(ending)) = self.flow.passing else { return Ok(Next::Line) };
+            return Ok(self.end_by_word(ending));
+        }
+        self.quiet = self.quiet.saturating_add(1);
+        if self.quiet > QUIET_LINES {
+            return Err(Refusal::Here(Fault { span: c.rest_of_word(), kind: NcErrorKind::Endless }));
         }
         Ok(self.statement(&mut c, line, bounds)?)
     }
@@ -185,6 +201,22 @@ impl<const AXES: usize> Interpreter<AXES> {
         match self.flow.leave_call() {
             Some(back) => Next::At(back),
             None => {
+                self.phase = Phase::Ended;
+                Next::Line
+            }
+        }
+    }
+
+    /// M02, M30, M17 or M29: at once, or when the control blocks around it are closed.
+    pub fn end_by_word(&mut self, ending: Ending) -> Next {
+        if self.flow.innermost().is_some() {
+            self.flow.passing = Some(Passing::End(ending));
+            return Next::Line;
+        }
+        self.flow.passing = None;
+        match ending {
+            Ending::Subroutine => self.finish_program(),
+            Ending::Program => {
                 self.phase = Phase::Ended;
                 Next::Line
             }

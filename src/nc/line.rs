@@ -1,4 +1,7 @@
 //! Bytes to logical lines: comments dropped, continuations joined, the place of every byte kept.
+//!
+//! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is worth a
+//! warning, because what was meant to follow it in the line is gone.
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use heapless::{String, Vec};
 
@@ -111,6 +114,10 @@ pub(super) struct LineReader<T> {
     start: Mark,
     fresh: bool,
     comment: u16,
+    /// The parenthesis that opened the outermost comment.
+    opened: Place,
+    /// The first comment of the logical line that the line end closed.
+    unclosed: Option<Place>,
     remark: bool,
     continued: bool,
     /// Bytes dropped since the last one kept, and whether a line end is among them.
@@ -134,6 +141,8 @@ impl<T: Text> LineReader<T> {
             start: Mark::start_of(0),
             fresh: true,
             comment: 0,
+            opened: Place::NONE,
+            unclosed: None,
             remark: false,
             continued: false,
             gap: 0,
@@ -176,6 +185,7 @@ impl<T: Text> LineReader<T> {
             self.start = self.next_start();
             self.fresh = false;
             self.comment = 0;
+            self.unclosed = None;
             self.remark = false;
             self.continued = false;
             self.gap = 0;
@@ -192,15 +202,19 @@ impl<T: Text> LineReader<T> {
             budget -= 1;
             let Some(byte) = self.next_byte()? else {
                 self.fresh = true;
+                self.close_comment();
                 let nothing = self.offset == self.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
             let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
-            if byte == b'\n' {
+            if matches!(byte, b'\n' | b'\r') {
+                if byte == b'\r' {
+                    self.step_over_line_feed()?;
+                }
                 self.line = self.line.wrapping_add(1);
                 self.line_offset = self.offset;
-                self.comment = 0;
+                self.close_comment();
                 self.remark = false;
                 if !self.continued {
                     self.fresh = true;
@@ -217,10 +231,10 @@ impl<T: Text> LineReader<T> {
                 self.filled = 0;
                 continue;
             }
-            if byte < b' ' && byte != b'\t' && byte != b'\r' || byte == 0x7f {
+            if byte < b' ' && byte != b'\t' || byte == 0x7f {
                 return Err(refusal(here, NcErrorKind::ControlByte(byte)));
             }
-            if self.dropped(byte) {
+            if self.dropped(byte, here) {
                 self.gap = self.gap.saturating_add(1);
                 self.in_words &= self.comment == 0 && !self.remark && !self.continued;
             } else if byte >= 0x80 {
@@ -263,10 +277,13 @@ impl<T: Text> LineReader<T> {
     }
 
     /// Follows comments and continuations; true for a byte that is not part of the line.
-    fn dropped(&mut self, byte: u8) -> bool {
+    fn dropped(&mut self, byte: u8, here: Place) -> bool {
         match byte {
             _ if self.remark => true,
             b'(' => {
+                if self.comment == 0 {
+                    self.opened = here;
+                }
                 self.comment = self.comment.saturating_add(1);
                 true
             }
@@ -279,13 +296,37 @@ impl<T: Text> LineReader<T> {
                 self.remark = true;
                 true
             }
-            b' ' | b'\t' | b'\r' => true,
+            b' ' | b'\t' => true,
             b'\\' => {
                 self.continued = true;
                 true
             }
             _ => false,
         }
+    }
+
+    /// The line end closes the comments that are open.
+    fn close_comment(&mut self) {
+        if self.comment > 0 {
+            self.unclosed.get_or_insert(self.opened);
+            self.comment = 0;
+        }
+    }
+
+    /// The first comment of the line last read that only the line end closed.
+    pub const fn unclosed(&self) -> Option<Place> {
+        self.unclosed
+    }
+
+    /// The LF of CR LF.
+    fn step_over_line_feed(&mut self) -> Result<(), NcError> {
+        match self.next_byte()? {
+            Some(b'\n') => self.offset = self.offset.wrapping_add(1),
+            // Not read yet: the byte is still in the chunk.
+            Some(_) => self.used = self.used.saturating_sub(1),
+            None => {}
+        }
+        Ok(())
     }
 
     /// A refusal of an earlier part of the text.

@@ -38,7 +38,7 @@ pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 pub use expression::EXPRESSION_DEPTH;
 pub use flow::{CALL_DEPTH, NESTING, SUBROUTINES};
 pub use function::*;
-pub use interpreter::BLOCK_WORDS;
+pub use interpreter::{BLOCK_WORDS, QUIET_LINES};
 pub use line::{CONTINUATIONS, LINE_BYTES};
 pub use modal::COORDINATE_MAX;
 pub use parameter::PARAMETERS;

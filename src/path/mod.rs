@@ -86,6 +86,13 @@ pub enum PathError {
     },
 }
 
+impl PathError {
+    /// Whether the words that give the centre of an arc are to be looked at: R, or I, J and K.
+    pub const fn concerns_centre(&self) -> bool {
+        !matches!(self, Self::TooLong | Self::NoPlane(_))
+    }
+}
+
 impl core::fmt::Display for PathError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let mm = Position::from_bits;

@@ -26,14 +26,24 @@ impl Source {
 
     /// Line and column (both from 1, the column in bytes) of a byte offset.
     pub fn position(&self, offset: usize) -> (usize, usize) {
-        let before = &self.text[..offset.min(self.text.len())];
-        let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        (before.iter().filter(|&&byte| byte == b'\n').count() + 1, before.len() - line_start + 1)
+        let starts = self.line_starts().take_while(|start| *start <= offset);
+        let (number, start) = starts.enumerate().last().unwrap_or((0, 0));
+        (number + 1, offset.min(self.text.len()) - start + 1)
+    }
+
+    /// Offsets of the first bytes of all lines: behind LF, CR LF, or CR alone, as the decoder counts them.
+    fn line_starts(&self) -> impl Iterator<Item = usize> + '_ {
+        let next = |at: usize| self.text.get(at).copied();
+        let ends = (0..self.text.len()).filter(move |&at| {
+            next(at) == Some(b'\n') || next(at) == Some(b'\r') && next(at + 1) != Some(b'\n')
+        });
+        std::iter::once(0).chain(ends.map(|at| at + 1))
     }
 
     fn line(&self, number: usize) -> &[u8] {
-        let line = self.text.split(|&byte| byte == b'\n').nth(number.saturating_sub(1)).unwrap_or(b"");
-        line.strip_suffix(b"\r").unwrap_or(line)
+        let start = self.line_starts().nth(number.saturating_sub(1)).unwrap_or(self.text.len());
+        let line = self.text[start..].split(|byte| matches!(byte, b'\n' | b'\r')).next();
+        line.unwrap_or(b"")
     }
 }
 
@@ -100,6 +110,11 @@ impl Diagnostic {
     /// Line and column from 1; zeros without a place.
     pub fn place(&self) -> (usize, usize) {
         self.shown.as_ref().map_or((0, 0), |shown| (shown.line, shown.column))
+    }
+
+    /// Name of the text it is about.
+    pub fn source(&self) -> Option<&str> {
+        self.shown.as_ref().map(|shown| shown.name.as_str())
     }
 
     /// On the error output, coloured where that is a terminal.

@@ -22,6 +22,16 @@ impl Files {
         Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
     }
 
+    /// The files read so far besides the main program.
+    pub fn called(&self) -> Vec<PathBuf> {
+        self.called.borrow().iter().map(|(path, _)| path.clone()).collect()
+    }
+
+    /// The name of a called file; none for the main program.
+    pub fn name(&self, file: u16) -> Option<String> {
+        (file > 0).then(|| self.with(file, |source| source.name.clone()))
+    }
+
     /// Shows the file that a place names.
     pub fn with<V>(&self, file: u16, show: impl FnOnce(&Source) -> V) -> V {
         let called = self.called.borrow();

@@ -21,6 +21,7 @@ use diagnose::Diagnostic;
 use files::Files;
 use machine::Machine;
 use output::Outputs;
+use program::Undecoded;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -38,22 +39,25 @@ enum Command {
     /// Decode, plan and interpolate a program; say what it did and write what is asked for.
     Run(Run),
     /// Decode a program only: syntax, words and their ranges.
-    Check {
-        /// The NC program.
-        program: PathBuf,
-        /// Machine data (TOML); without it the built-in three-axis machine.
-        #[arg(long, value_name = "FILE.toml")]
-        machine: Option<PathBuf>,
-    },
+    Check(Input),
 }
 
 #[derive(clap::Args)]
-struct Run {
+struct Input {
     /// The NC program.
     program: PathBuf,
     /// Machine data (TOML); without it the built-in three-axis machine.
     #[arg(long, value_name = "FILE.toml")]
     machine: Option<PathBuf>,
+    /// Commands (motions, functions, switches) after which a program is taken for endless.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    max_commands: u64,
+}
+
+#[derive(clap::Args)]
+struct Run {
+    #[command(flatten)]
+    input: Input,
     /// Every set point of every tick, as exact decimals.
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
@@ -71,7 +75,7 @@ struct Run {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run(&arguments),
-        Command::Check { program, machine } => check(&program, machine.as_deref()),
+        Command::Check(input) => check(&input),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -95,26 +99,29 @@ fn load(machine: Option<&std::path::Path>) -> Result<Machine, Refusal> {
 }
 
 fn run(arguments: &Run) -> Result<(), Refusal> {
-    let files = Files::read(&arguments.program)?;
-    let machine = load(arguments.machine.as_deref())?;
-    let mut outputs =
-        Outputs::new([&arguments.program].into_iter().chain(&arguments.machine).map(PathBuf::as_path));
+    let input = &arguments.input;
+    let files = Files::read(&input.program)?;
+    let machine = load(input.machine.as_deref())?;
+    let program = match program::decode(&files, &machine, input.max_commands) {
+        Ok(program) => program,
+        // An earlier command may be refused by the planner: the first one counts.
+        Err(Undecoded::Refused(refusal)) => {
+            let empty = program::Program::empty(&machine);
+            let earlier = run::simulate(&files, &machine, &empty, None, false).err();
+            return Err(earlier.unwrap_or(refusal));
+        }
+        Err(Undecoded::Endless(endless)) => return Err(endless),
+    };
+    // Only now all files of the program are known.
+    let inputs = [&input.program].into_iter().chain(&input.machine).cloned();
+    let mut outputs = Outputs::new(inputs.chain(files.called()));
     let trace = match arguments.trace.as_deref() {
         Some(path) => Some((path, outputs.create(path)?)),
         None => None,
     };
-
-    let program = match program::decode(&files, &machine) {
-        Ok(program) => program,
-        // An earlier command may be refused by the planner: the first one counts.
-        Err(refusal) => {
-            let empty = program::Program::empty(&machine);
-            return Err(run::simulate(&files, &machine, &empty, None, false).err().unwrap_or(refusal));
-        }
-    };
     let (result, picture) = run::simulate(&files, &machine, &program, trace, arguments.plot.is_some())?;
 
-    let summary = summary::Summary::new(&files.main, &machine, &program, &result);
+    let summary = summary::Summary::new(&files, &machine, &program, &result);
     if let Some(path) = &arguments.contour {
         outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
     }
@@ -135,10 +142,11 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn check(program: &std::path::Path, machine: Option<&std::path::Path>) -> Result<(), Refusal> {
-    let files = Files::read(program)?;
-    let machine = load(machine)?;
-    let program = program::decode(&files, &machine)?;
+fn check(input: &Input) -> Result<(), Refusal> {
+    let files = Files::read(&input.program)?;
+    let machine = load(input.machine.as_deref())?;
+    let decoded = program::decode(&files, &machine, input.max_commands);
+    let program = decoded.map_err(|(Undecoded::Refused(why) | Undecoded::Endless(why))| why)?;
     for warning in &program.warnings {
         warning.print();
     }

@@ -13,7 +13,7 @@ pub struct Outputs {
 
 impl Outputs {
     /// None yet; `inputs` are protected.
-    pub fn new<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
+    pub fn new(inputs: impl IntoIterator<Item = PathBuf>) -> Self {
         let taken = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
         Self { files: Vec::new(), taken }
     }

@@ -3,12 +3,15 @@
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
-use crate::machine::{Machine, limits, with_axes};
+use crate::machine::{Limits, Machine, limits, with_axes};
 use glidepath::channel::Error;
+use glidepath::lookahead::Weights;
+use glidepath::machine::AxisData;
 use glidepath::nc::{
     ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, Step,
 };
 use glidepath::quantity::Position;
+use std::collections::HashSet;
 
 /// A block of the contour. Coordinates are absolute, one per axis of the machine, exact in f64.
 pub struct Segment {
@@ -51,29 +54,70 @@ pub struct Program {
     pub motions: usize,
     /// Remarks of the decoder.
     pub warnings: Vec<Diagnostic>,
+    /// What each axis may do with the largest weights under which the program moves.
+    pub limits: Vec<Limits>,
 }
 
-/// Decodes the whole program.
+/// Why a program was not decoded to its end.
+pub enum Undecoded {
+    /// The first refusal, with its place.
+    Refused(Vec<Diagnostic>),
+    /// More commands than wanted: it may have no end. With the place it had come to.
+    Endless(Vec<Diagnostic>),
+}
+
+/// Decodes the whole program, at most `limit` commands.
 ///
 /// # Errors
-/// The first refusal, with its place.
-pub fn decode(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
-    with_axes!(machine, decode_axes(files, machine))
+/// It is refused, or longer than `limit`.
+pub fn decode(files: &Files, machine: &Machine, limit: u64) -> Result<Program, Undecoded> {
+    with_axes!(machine, decode_axes(files, machine, limit))
 }
 
-fn decode_axes<const AXES: usize>(files: &Files, machine: &Machine) -> Result<Program, Vec<Diagnostic>> {
-    let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
+fn decode_axes<const AXES: usize>(
+    files: &Files,
+    machine: &Machine,
+    limit: u64,
+) -> Result<Program, Undecoded> {
+    let data = machine
+        .data::<AXES>()
+        .ok_or_else(|| Undecoded::Refused(vec![Diagnostic::error("wrong number of axes")]))?;
     let start = [Position::ZERO; AXES];
     let main = data.main_axes();
     let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
     let mut at = start;
-    let mut program =
-        Program { start: numbers(&start), segments: Vec::new(), motions: 0, warnings: Vec::new() };
+    let mut program = Program::empty(machine);
+    let mut weights = Weights::new();
+    // The axes as they are weighted, until a block has moved with it.
+    let mut weighted = Some(data.axes);
+    let mut warned = HashSet::new();
+    let mut commands = 0;
     loop {
-        match decoder.step().map_err(|error| vec![refused(files, &error)])? {
+        let step = decoder.step().map_err(|error| Undecoded::Refused(vec![refused(files, &error)]))?;
+        if let Step::Command(command) = &step {
+            commands += 1;
+            if commands > limit {
+                let message = format!("the program goes on after {limit} commands");
+                let diagnostic = place(Diagnostic::error(message), files, command.place());
+                let expected = "expected an end; --max-commands N allows for more";
+                return Err(Undecoded::Endless(vec![diagnostic.expected(expected)]));
+            }
+        }
+        match step {
             Step::Working => {}
-            Step::Warning(warning) => program.warnings.push(remark(files, &warning)),
+            // Lines of loops and subroutines are read again: one remark is enough.
+            Step::Warning(warning) => {
+                let key = (warning.place.file, warning.place.offset, warning.to_string());
+                if warned.insert(key) {
+                    program.warnings.push(remark(files, &warning));
+                }
+            }
+            Step::Command(Command::Weight(_, weight)) => {
+                weights.set(&weight);
+                weighted = Some(std::array::from_fn(|k| weights.apply(k, &data.axes[k], &data.channel)));
+            }
             Step::Command(Command::Motion(motion)) => {
+                program.allow(weighted.take());
                 program.add(&motion, &at, &main);
                 at = motion.target;
             }
@@ -145,7 +189,7 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
         Error::Nc(error) => refused(files, error),
         Error::Unplannable => Diagnostic::error(error.to_string()),
-        Error::NotAvailable(at, _) | Error::Motion(at, _) => {
+        Error::NotAvailable(at, _) | Error::Motion(at, _) | Error::PathAcceleration(at) => {
             explained(files, *at, &error.to_string(), String::new())
         }
     }
@@ -154,7 +198,29 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
 impl Program {
     /// One without blocks.
     pub fn empty(machine: &Machine) -> Self {
-        Self { start: vec![0.0; machine.axes.len()], segments: Vec::new(), motions: 0, warnings: Vec::new() }
+        Self {
+            start: vec![0.0; machine.axes.len()],
+            segments: Vec::new(),
+            motions: 0,
+            warnings: Vec::new(),
+            limits: Vec::new(),
+        }
+    }
+
+    /// Takes in what axes are allowed from a block on.
+    fn allow<const AXES: usize>(&mut self, axes: Option<[AxisData; AXES]>) {
+        for (k, axis) in axes.iter().flatten().enumerate() {
+            let now = limits(axis);
+            match self.limits.get_mut(k) {
+                Some(allowed) => *allowed = allowed.or(now),
+                None => self.limits.push(now),
+            }
+        }
+    }
+
+    /// What the axis with this index may do.
+    pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
+        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis]))
     }
 
     fn add<const AXES: usize>(

@@ -1,6 +1,6 @@
 //! What a run comes down to, for people and for programs.
-use crate::diagnose::Source;
-use crate::machine::{Machine, limits};
+use crate::files::Files;
+use crate::machine::Machine;
 use crate::program::{Program, plural};
 use crate::statistics::Statistics;
 use anstyle::Style;
@@ -63,10 +63,12 @@ struct Axis {
 #[derive(Serialize)]
 struct Corner {
     v: f64,
-    /// Block that ends there, its N number and line.
+    /// Block that ends there, its N number, line, and file where that is a called one.
     block: u32,
     n: u32,
     line: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
     /// N number of the block that begins there.
     next_n: u32,
 }
@@ -76,6 +78,9 @@ struct Warning {
     id: String,
     line: usize,
     column: usize,
+    /// Where that is a called file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
     text: String,
 }
 
@@ -84,6 +89,9 @@ struct Block {
     block: u32,
     n: u32,
     line: u32,
+    /// Where that is a called file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
     length_mm: f64,
     v_in: f64,
     v_peak: f64,
@@ -99,12 +107,12 @@ fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::
 
 impl Summary {
     /// Of a run that went to its end.
-    pub fn new(source: &Source, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
+    pub fn new(files: &Files, machine: &Machine, program: &Program, statistics: &Statistics) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
         let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
-        let axes = machine.axes.iter().zip(&statistics.axes).map(|(data, seen)| {
-            let allowed = limits(data);
+        let axes = machine.axes.iter().zip(&statistics.axes).enumerate().map(|(k, (data, seen))| {
+            let allowed = program.allowed(k, machine);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);
             let [lowest, highest] = seen.range();
             let axis = Axis {
@@ -125,6 +133,7 @@ impl Summary {
             block: block.block,
             n: block.n,
             line: block.place.line,
+            file: files.name(block.place.file),
             length_mm: block.length.to_bits() as f64 / (1_u64 << 44) as f64,
             v_in: speed(block.v_in),
             v_peak: speed(block.v_peak),
@@ -134,7 +143,8 @@ impl Summary {
         });
         let warnings = program.warnings.iter().map(|warning| {
             let (line, column) = warning.place();
-            Warning { id: warning.id.clone(), line, column, text: warning.message.clone() }
+            let file = warning.source().filter(|name| *name != files.main.name).map(str::to_owned);
+            Warning { id: warning.id.clone(), line, column, file, text: warning.message.clone() }
         });
         let plan: Vec<Block> = plan.collect();
         let functions = statistics.functions.iter().map(|(tick, event)| Output {
@@ -147,9 +157,9 @@ impl Summary {
                 Function::Tool(tool) => format!("T{tool}"),
             },
         });
-        let (stops, slowest_corners) = corners(&statistics.blocks, speed);
+        let (stops, slowest_corners) = corners(&statistics.blocks, files, speed);
         Self {
-            program: source.name.clone(),
+            program: files.main.name.clone(),
             machine: machine.name.clone(),
             program_time_s: statistics.time_s(machine),
             ticks: statistics.ticks,
@@ -247,9 +257,10 @@ impl Summary {
             }
             writeln!(out)?;
             for corner in &self.slowest_corners {
+                let file = corner.file.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
                 writeln!(
                     out,
-                    "    {:>8.2} mm/s  {} → {}  {dim}line {}{dim:#}",
+                    "    {:>8.2} mm/s  {} → {}  {dim}line {}{file}{dim:#}",
                     corner.v,
                     number(corner.n, corner.block),
                     number(corner.next_n, corner.block + 1),
@@ -282,7 +293,7 @@ fn share(value: f64, limit: f64, unit: &str) -> String {
 }
 
 /// Number of standstills between blocks, and the slowest transitions, standstills first.
-fn corners(blocks: &[PlannedBlock], speed: impl Fn(Speed) -> f64) -> (usize, Vec<Corner>) {
+fn corners(blocks: &[PlannedBlock], files: &Files, speed: impl Fn(Speed) -> f64) -> (usize, Vec<Corner>) {
     let mut pairs: Vec<(&PlannedBlock, &PlannedBlock)> = blocks.iter().zip(blocks.iter().skip(1)).collect();
     let stops = pairs.iter().filter(|(before, _)| before.v_out == Speed::ZERO).count();
     pairs.sort_by_key(|(before, _)| before.v_out);
@@ -291,6 +302,7 @@ fn corners(blocks: &[PlannedBlock], speed: impl Fn(Speed) -> f64) -> (usize, Vec
         block: before.block,
         n: before.n,
         line: before.place.line,
+        file: files.name(before.place.file),
         next_n: after.n,
     });
     (stops, corners.collect())

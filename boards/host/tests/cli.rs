@@ -180,15 +180,75 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
         ),
         (
             "later",
-            "[axis.X.lslope_profil]\na_stufe_1 = 5\n",
+            "[channel.vector]\nradial_acceleration = 5\n",
             2,
-            &["(P-AXIS-00011) is known, not available in this version"],
+            &["(P-CHAN-00361) is known, not available in this version"],
         ),
         (
-            "later2",
-            "[axis.X]\n[channel]\noverride_weight_prog_feed = 1\n",
+            "mode",
+            "[axis.X]\n[channel]\noverride_weight_prog_feed = 3\n",
             3,
-            &["(P-CHAN-00066) is known, not available"],
+            &["(P-CHAN-00066) = 3: out of range", "0…2"],
+        ),
+        (
+            "stage",
+            "[axis.X.lslope_profil]\na_stufe_2 = 1001\n",
+            2,
+            &["(P-AXIS-00012) = 1001: out of range", "1…1000 mm/s², limited by dynamik.a_max"],
+        ),
+        (
+            "braking-stage",
+            "[axis.X.lslope_profil]\nd_grenz_stufe_1 = 1001\n",
+            2,
+            &["(P-AXIS-00280) = 1001: out of range", "0…1000 mm/s², limited by dynamik.a_max"],
+        ),
+        (
+            "change-over",
+            "[axis.X.lslope_profil]\nvb_stufe_1_2 = 300000\n",
+            2,
+            &["(P-AXIS-00221) = 300000: out of range", "1…200000 µm/s, limited by dynamik.vb_max"],
+        ),
+        (
+            "reduced",
+            "[axis.X]\nvb_max_red = 200001\n",
+            2,
+            &["(P-AXIS-00214) = 200001: out of range", "0…200000 µm/s, limited by dynamik.vb_max"],
+        ),
+        (
+            "weighted-ramp",
+            "[axis.X.dynamik]\ntr_w_min = 9999\n",
+            2,
+            &["(P-AXIS-00293) = 9999: out of range", "10000…50000 µs"],
+        ),
+        (
+            "jerk-weight",
+            "[axis.X.dynamik]\nr_trans_weight = 1001\n",
+            2,
+            &["(P-AXIS-00154) = 1001: out of range", "0…1000 0.1 %"],
+        ),
+        (
+            "unit",
+            "[axis.X]\n[channel.vector]\nacc_dec_unit = \"MM_S\"\n",
+            3,
+            &["(P-CHAN-00351) = \"MM_S\": a wrong type", "\"MM_M2\" or \"MM_S2\""],
+        ),
+        (
+            "vector",
+            "[axis.X]\n[channel.vector]\nvelocity = 0\n",
+            3,
+            &["(P-CHAN-00090) = 0: out of range", "0.001…2000000000 mm/min"],
+        ),
+        (
+            "jerk",
+            "[axis.X]\n[channel]\ncorr_v_trans_jerk = 2\n",
+            3,
+            &["(P-CHAN-00009) = 2: out of range", "0…1 (0 off, 1 on)"],
+        ),
+        (
+            "weighted",
+            "[axis.X]\n[channel.prog_start.slope]\nramp_time = 5\n",
+            3,
+            &["(P-CHAN-00073) = 5: out of range", "0…4"],
         ),
         ("filter", "[axis.X.filter_fir]\norder = 5\n", 2, &["(P-AXIS-00587) is known, not available"]),
         ("depends", "[axis.X]\nvb_eilgang = 300000\n", 2, &["= 300000", "1…200000 µm/s", "dynamik.vb_max"]),
@@ -202,7 +262,31 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             "deep",
             "[channel]\nlook_ahead = 9999\n[axis.X]\n",
             2,
-            &["channel.look_ahead = 9999", "10…500 blocks"],
+            &["channel.look_ahead (P-STUP-00071) = 9999", "10…500 blocks"],
+        ),
+        (
+            "shallow",
+            "[channel]\nlook_ahead = 9\n[axis.X]\n",
+            2,
+            &["(P-STUP-00071) = 9: out of range", "10…500 blocks"],
+        ),
+        (
+            "step",
+            "[axis.X]\n[channel.prog_start.slope]\nprofile = 0\n",
+            3,
+            &["(P-CHAN-00071) = 0: out of range", " 1 (TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available"],
+        ),
+        (
+            "slopes",
+            "[axis.X]\n[channel.prog_start.slope]\nprofile = 7\n",
+            3,
+            &["(P-CHAN-00071) = 7: out of range", " 1 (TRAPEZ): 0 STEP"],
+        ),
+        (
+            "unset",
+            "[axis.X]\n[channel]\ncycle_us = 1000\n",
+            2,
+            &["(P-CHAN-00071) = 0 (the default): out of range", " 1 (TRAPEZ): 0 STEP"],
         ),
         (
             "decimals",
@@ -223,7 +307,13 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
         }
         assert_eq!(text.matches("error").count(), 1, "{name}: {text}");
     }
-    assert!(machine_refusal("empty", "").contains("a machine needs an axis"));
+    let text = machine_refusal("bare", "[axis.X]\n");
+    assert!(
+        text.contains("m.toml: channel.prog_start.slope.profile (P-CHAN-00071) = 0 (the default)"),
+        "{text}"
+    );
+    let slope = "[channel.prog_start.slope]\nprofile = 1\n";
+    assert!(machine_refusal("empty", slope).contains("a machine needs an axis"));
     let seven: String = ('A'..='G').map(|letter| format!("[axis.{letter}]\n")).collect();
     assert!(machine_refusal("seven", &seven).contains("7 axes: this simulator is built for 1 to 6"));
 }
@@ -262,5 +352,82 @@ fn refusals_in_called_files_show_that_file() {
             let text = refusal(&[command, &program]);
             assert!(text.contains(place) && text.contains(line), "{text}");
         }
+    }
+}
+
+#[test]
+fn lines_end_with_lf_crlf_or_cr() {
+    let directory = directory("line-ends");
+    let lines = ["%main", "N10 G01 X10 F600", "N20 X20 Q5", "M30", ""];
+    for (name, end) in [("lf", "\n"), ("crlf", "\r\n"), ("cr", "\r")] {
+        let text = refusal(&["check", &file(&directory, &format!("{name}.nc"), lines.join(end).as_bytes())]);
+        assert!(text.contains(&format!("{name}.nc:3:9")) && text.contains("3 | N20 X20 Q5\n"), "{text}");
+        let good = lines.join(end).replace(" Q5", "");
+        let output = glidepath(&["check", &file(&directory, &format!("{name}.nc"), good.as_bytes())]);
+        assert!(String::from_utf8_lossy(&output.stdout).contains("2 motion blocks"), "{name}");
+    }
+}
+
+#[test]
+fn endless_programs_are_stopped() {
+    let directory = directory("endless");
+    let silent = file(&directory, "silent.nc", b"N10 G00 X1\n$WHILE 1\nP1=5\n$ENDWHILE\nM30\n");
+    let moving = file(&directory, "moving.nc", b"$WHILE 1\nN10 G00 X1\nN20 X0\n$ENDWHILE\nM30\n");
+    for command in ["run", "check"] {
+        let text = refusal(&[command, &silent]);
+        assert!(text.contains("no motion and no other command in 1000000 lines"), "{text}");
+        assert!(text.contains("silent.nc:"), "{text}");
+        let text = refusal(&[command, &moving, "--max-commands", "1000"]);
+        assert!(text.contains("goes on after 1000 commands") && text.contains("moving.nc:2:"), "{text}");
+        assert!(text.contains("--max-commands"), "{text}");
+    }
+    let three = file(&directory, "three.nc", b"N10 G00 X1\nN20 X0\nM30\n");
+    assert_eq!(glidepath(&["check", &three, "--max-commands", "3"]).status.code(), Some(0));
+    refusal(&["check", &three, "--max-commands", "2"]);
+}
+
+#[test]
+fn a_warning_in_a_loop_is_told_once() {
+    let directory = directory("warned-once");
+    let text = b"$FOR P1=1,5,1\nN10 G00 XP1 (to\n$ENDFOR\nN20 X0 (back\nM30\n";
+    let output = glidepath(&["check", &file(&directory, "a.nc", text)]);
+    let (told, out) = (stderr(&output), String::from_utf8_lossy(&output.stdout).into_owned());
+    assert!(out.contains("2 warnings") && told.matches("comment without )").count() == 2, "{out}{told}");
+    assert!(told.contains("a.nc:2:13") && told.contains("a.nc:4:8"), "{told}");
+}
+
+#[test]
+fn a_called_file_is_not_overwritten_and_is_named() {
+    let directory = directory("called-kept");
+    let called = file(&directory, "sub.nc", b"N30 G01 X3 F600\nN40 X4\n");
+    let program = file(&directory, "main.nc", b"N10 G00 X1\nL sub\nN50 G01 X5\nM30\n");
+    for option in ["--trace", "--summary", "--contour"] {
+        let text = refusal(&["run", &program, option, &called]);
+        assert!(text.contains("reads or writes it already"), "{text}");
+    }
+    assert_eq!(fs::read(&called).expect("it is still there"), b"N30 G01 X3 F600\nN40 X4\n");
+
+    let summary = directory.join("s.json").to_str().expect("plain characters").to_owned();
+    let output = glidepath(&["run", &program, "--summary", &summary]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains(&format!("line 1 of {called}")), "{output:?}");
+    let text = fs::read_to_string(&summary).expect("it was asked for");
+    let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let places: Vec<_> = summary["plan"].as_array().into_iter().flatten().collect();
+    let places: Vec<_> =
+        places.iter().map(|block| (block["line"].as_u64(), block["file"].as_str())).collect();
+    let sub = Some(called.as_str());
+    assert_eq!(places, [(Some(1), None), (Some(1), sub), (Some(2), sub), (Some(3), None)]);
+}
+
+#[test]
+fn radius_errors_point_at_the_words_that_give_it() {
+    let directory = directory("radius");
+    for (arc, column, word) in
+        [("G02 X10 Y10 I5 J5.1", 17, "^^^^^^^"), ("G02 X50 Y0 R3", 16, "^^"), ("G03 I0 J0", 9, "^^^^^")]
+    {
+        let text = format!("N10 G00 X0\nN20 {arc} F600\nM30\n");
+        let text = refusal(&["run", &file(&directory, "a.nc", text.as_bytes())]);
+        assert!(text.contains(&format!("a.nc:2:{column}\n")), "{arc}: {text}");
+        assert!(text.contains(&format!(" {word} ")) || text.contains(&format!(" {word}\n")), "{arc}: {text}");
     }
 }

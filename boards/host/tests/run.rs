@@ -313,3 +313,15 @@ fn the_first_refusal_counts() {
         assert!(text.contains(&format!("{name}.nc:3:5")) && text.contains("N20 #HSC ON"), "{text}");
     }
 }
+
+#[test]
+fn limits_of_the_summary_are_weighted() {
+    let text = "%w\nG131 150\nG133 = 50\nN10 G01 X200 F18000\nG131 10\nG133 200\nN20 X0\nM30\n";
+    let run = run("weighted", &written("weighted", text), None);
+    let axis = &run.summary["axes"]["X"];
+    // 2000 mm/s² in 150 ms, or in the geometric ramp of 10 ms.
+    assert!((number(&axis["j_limit"]) - 3000.0 / 0.01).abs() < 1e-6, "{axis}");
+    assert!((number(&axis["a_max"]) - 3000.0).abs() < 30.0, "{axis}");
+    let jerk = number(&axis["j_max"]);
+    assert!((jerk - 3000.0 / 0.075).abs() < 0.01 * jerk, "{axis}");
+}

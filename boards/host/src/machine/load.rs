@@ -9,6 +9,30 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Parameters of which this simulator takes less than ISG's range: name, smallest, largest, and why.
+const NARROWER: &[(&str, i64, i64, &str)] = &[
+    ("look_ahead", 10, BLOCKS as i64, "blocks, this simulator is built for no more"),
+    (
+        "prog_start.slope.profile",
+        1,
+        1,
+        "(TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available in this version",
+    ),
+];
+
+/// The range a parameter is held against, in thousandths, and in words.
+fn range_of<Target>(parameter: &Parameter<Target>) -> (i64, i64, String) {
+    if let Some((_, min, max, why)) = NARROWER.iter().find(|(name, ..)| *name == parameter.name) {
+        let range = if min == max { min.to_string() } else { format!("{min}…{max}") };
+        return (min * 1000, max * 1000, format!("{range} {why}"));
+    }
+    // Some units are explanations.
+    let unit = parameter.unit;
+    let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
+    let (min, max) = (parameter.min_milli, parameter.max_milli);
+    (min, max, format!("{}…{} {unit}", thousandths(min), thousandths(max)))
+}
+
 /// Reads a machine file.
 ///
 /// # Errors
@@ -83,13 +107,6 @@ impl Loader<'_> {
                 }
             }
         }
-        if machine.channel.look_ahead as usize > BLOCKS {
-            let message = format!("channel.look_ahead = {}: out of range", machine.channel.look_ahead);
-            let at =
-                document.get_ref().get("channel").and_then(|channel| channel.get_ref().get("look_ahead"));
-            let at = at.map_or(0..0, Spanned::span);
-            self.refuse(&at, message, &format!("10…{BLOCKS} blocks, this simulator is built for no more"));
-        }
         for (key, value) in document.get_ref() {
             if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {
                 for (name, table) in axes {
@@ -103,12 +120,35 @@ impl Loader<'_> {
                 }
             }
         }
+        self.defaults(document.get_ref(), &machine.channel);
         if machine.axes.is_empty() && self.refused.is_empty() {
             let message = format!("{}: a machine needs an axis", self.source.name);
             self.refused
                 .push(Diagnostic::error(message).expected("for example: [axis.X] with type = \"linear\""));
         }
         machine
+    }
+
+    /// Defaults of the channel that this simulator does not take: they have to be set.
+    fn defaults(&mut self, document: &DeTable<'_>, channel: &ChannelData) {
+        if !self.refused.is_empty() {
+            return;
+        }
+        for parameter in CHANNEL {
+            let (min, max, range) = range_of(parameter);
+            let value = (parameter.get)(channel);
+            if value < min || value > max {
+                let label = label("channel", parameter.id, parameter.name);
+                let message = format!("{label} = {} (the default): out of range", thousandths(value));
+                match document.iter().find(|(key, _)| key.get_ref() == "channel") {
+                    Some((key, _)) => self.refuse(&key.span(), message, &range),
+                    None => {
+                        let message = format!("{}: {message}", self.source.name);
+                        self.refused.push(Diagnostic::error(message).expected(range));
+                    }
+                }
+            }
+        }
     }
 
     fn axis(
@@ -202,11 +242,11 @@ impl Loader<'_> {
             }
             return;
         };
-        // Some units are explanations.
-        let unit = parameter.unit;
-        let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
-        let range =
-            format!("{}…{} {unit}", thousandths(parameter.min_milli), thousandths(parameter.max_milli));
+        if !parameter.words.is_empty() {
+            self.set_word(table, entry, parameter, target);
+            return;
+        }
+        let (min, max, range) = range_of(parameter);
         let kind = if parameter.decimals { "a number" } else { "an integer" };
         let label = label(table, parameter.id, name);
         let text = self.text(&entry.value.span()).to_owned();
@@ -222,12 +262,31 @@ impl Loader<'_> {
                 let message = format!("{label} = {text}: too many decimals");
                 self.refuse(&entry.value.span(), message, &format!("three decimals at most, {range}"));
             }
-            Ok(value)
-                if value < i128::from(parameter.min_milli) || value > i128::from(parameter.max_milli) =>
-            {
+            Ok(value) if value < i128::from(min) || value > i128::from(max) => {
                 self.refuse(&entry.value.span(), format!("{label} = {text}: out of range"), &range);
             }
             Ok(value) => (parameter.set)(target, value as i64),
+        }
+    }
+
+    /// One of the words of a parameter.
+    fn set_word<Target>(
+        &mut self,
+        table: &str,
+        entry: &Entry<'_>,
+        parameter: &Parameter<Target>,
+        target: &mut Target,
+    ) {
+        let given = entry.value.get_ref().as_str();
+        match parameter.words.iter().position(|word| Some(*word) == given) {
+            Some(index) => (parameter.set)(target, index as i64 * 1000),
+            None => {
+                let span = entry.value.span();
+                let label = label(table, parameter.id, &entry.name);
+                let message = format!("{label} = {}: a wrong type of value", self.text(&span));
+                let words: Vec<String> = parameter.words.iter().map(|word| format!("\"{word}\"")).collect();
+                self.refuse(&span, message, &words.join(" or "));
+            }
         }
     }
 
@@ -331,6 +390,7 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glidepath::machine::AccelerationUnit;
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -338,6 +398,58 @@ mod tests {
         let loaded = load(path).unwrap_or_else(|_| panic!("default.toml is refused"));
         assert_eq!(loaded.axes, Machine::built_in().axes);
         assert_eq!(loaded.channel, Machine::built_in().channel);
+    }
+
+    #[test]
+    fn every_parameter_is_read() {
+        let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
+        let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\n\
+            [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
+            [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
+            cir_radial_acc_limit = 1\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
+            r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
+            a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
+            vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
+        std::fs::write(&dir, text).expect("a file for the test");
+        let machine = load(&dir).unwrap_or_else(|_| panic!("refused"));
+        let _ = std::fs::remove_file(&dir);
+        let name = AxisName::new("X").expect("a letter");
+        let axis = AxisData {
+            vb_max_red: 83_333,
+            a_max: 4000,
+            r_trans_weight: 30,
+            tr_w_min: 20_000,
+            a_grenz_stufe: [1, 2],
+            a_stufe: [3, 4],
+            d_grenz_stufe: [5, 6],
+            d_stufe: [7, 8],
+            vb_stufe_1_2: 9,
+            vb_grenz_stufe_1_2: 10,
+            ..AxisData::new(name, AxisKind::Linear)
+        };
+        let channel = ChannelData {
+            cycle_us: 2000,
+            look_ahead: 30,
+            feedrate_factor_milli: 100,
+            slope_profile: 1,
+            acceleration_weight: 2,
+            ramp_weight: 4,
+            corr_v_trans_jerk: true,
+            override_weight_prog_feed: 2,
+            vector_acceleration_milli: 500_500,
+            vector_deceleration_milli: 400_000,
+            vector_velocity_milli: 1_500_000,
+            vector_unit: AccelerationUnit::MmS2,
+            cir_radial_acc_limit: true,
+        };
+        assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
+        // What is left out has ISG's defaults.
+        let default = ChannelData::new();
+        let path = [default.vector_acceleration_milli, default.vector_deceleration_milli];
+        assert_eq!((path, default.vector_velocity_milli), ([100_000_000_000; 2], 2_000_000_000_000));
+        let stages = AxisData { a_max: 900, ..AxisData::new(name, AxisKind::Linear) }.stages(false);
+        assert_eq!((stages.a, stages.d, stages.change_over), ([900; 2], [900; 2], 100_000));
+        assert_eq!((axis.stages(true).d, axis.stages(true).change_over), ([5, 6], 10));
     }
 
     #[test]

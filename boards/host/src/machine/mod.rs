@@ -88,6 +88,23 @@ pub struct Limits {
     pub jerk: f64,
 }
 
+impl Limits {
+    /// The larger one of each.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            speed: self.speed.max(other.speed),
+            speed_rapid: self.speed_rapid.max(other.speed_rapid),
+            accel: self.accel.max(other.accel),
+            accel_feed: self.accel_feed.max(other.accel_feed),
+            brake_feed: self.brake_feed.max(other.brake_feed),
+            accel_rapid: self.accel_rapid.max(other.accel_rapid),
+            ramp_feed: self.ramp_feed.max(other.ramp_feed),
+            ramp_rapid: self.ramp_rapid.max(other.ramp_rapid),
+            jerk: self.jerk.max(other.jerk),
+        }
+    }
+}
+
 /// The limits of an axis: jerk is acceleration over ramp time.
 pub fn limits(axis: &AxisData) -> Limits {
     let jerk = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.max(1));

@@ -3,7 +3,6 @@ use super::Scene;
 use super::canvas::{AXES, Anchor, Canvas, Colour, GRID, INK, LIMIT, Point, Rect, SOFT, Stroke, TextStyle};
 use super::font::Font;
 use super::scale::{Scale, label, round_up, ticks};
-use crate::machine::limits;
 
 /// Above this number of blocks their borders would be a grey area.
 const BORDERS: usize = 120;
@@ -26,7 +25,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     let rapid = scene.program.motions().any(|segment| segment.feed.is_none());
     let [mut up, mut down, mut most, mut ramp, mut jerk] = [0.0_f64; 5];
     for &index in main {
-        let limits = limits(&scene.machine.axes[index]);
+        let limits = scene.program.allowed(index, scene.machine);
         let [rapid_accel, rapid_ramp] =
             if rapid { [limits.accel_rapid, limits.ramp_rapid] } else { [0.0; 2] };
         up = up.max(limits.accel_feed).max(rapid_accel);

@@ -132,7 +132,7 @@ mod tests {
             Segment { kind: arc, ..line(0.0, 100.0) },
             Segment { feed: None, ..line(0.0, 0.0) },
         ];
-        let program = Program { start: vec![0.0; 3], segments, motions: 4, warnings: Vec::new() };
+        let program = Program { segments, motions: 4, ..Program::empty(&machine) };
         let mut statistics = Statistics::new(&[Position::ZERO; 3]);
         let mut picture = Picture::new(&machine, vec![0, 1, 2]);
         for tick in 0..=ticks {

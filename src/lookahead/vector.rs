@@ -1,0 +1,130 @@
+//! #VECTOR LIMIT: limits along the path, for the blocks that follow. They only lower what the axes permit.
+//!
+//! - ACC, DEC and VEL are switched on and off one by one; ALL is the three of them. Without a value they are those of the
+//!   channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
+//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. Where no main axis moves, degrees.
+//! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends both.
+//! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a weight.
+//! - ACC acts on lines; on arcs too with P-CHAN-00350.
+use super::limits::{Limits, MARGIN, min};
+use crate::machine::{AccelerationUnit, ChannelData};
+use crate::math::float::to_f32;
+use crate::nc::{Limit, VectorLimit};
+
+/// A limit of acceleration below the smallest one of machine data, 1 mm/s².
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooLow;
+
+/// Limits along the path of one kind of motion, per tick; `f32::MAX` where there is none.
+#[derive(Clone, Copy, Debug)]
+struct PathLimit {
+    v: f32,
+    a_up: f32,
+    a_down: f32,
+}
+
+impl PathLimit {
+    const NONE: Self = Self { v: f32::MAX, a_up: f32::MAX, a_down: f32::MAX };
+}
+
+/// The limits in force, and what is needed to understand a command.
+#[derive(Clone, Copy, Debug)]
+pub struct PathLimits {
+    feed: PathLimit,
+    rapid: PathLimit,
+    channel: PathLimit,
+    /// mm/tick of 1 mm/min.
+    speed_unit: f32,
+    /// mm/tick² of a unit of P-CHAN-00351.
+    acceleration_unit: f32,
+    /// mm/tick² of 1 mm/s².
+    least: f32,
+    /// P-CHAN-00350.
+    arcs: bool,
+}
+
+impl PathLimits {
+    /// None in force.
+    pub fn new(channel: &ChannelData) -> Self {
+        let cycle_s = channel.cycle_us as f32 * 1e-6;
+        let least = cycle_s * cycle_s;
+        let acceleration_unit = match channel.vector_unit {
+            AccelerationUnit::MmMin2 => least * (1.0 / 3600.0),
+            AccelerationUnit::MmS2 => least,
+        };
+        let speed_unit = cycle_s * (1.0 / 60.0);
+        let milli = |value: u64| to_f32(value.min(i64::MAX as u64) as i64) / 1000.0;
+        Self {
+            feed: PathLimit::NONE,
+            rapid: PathLimit::NONE,
+            channel: PathLimit {
+                v: milli(channel.vector_velocity_milli) * speed_unit,
+                a_up: milli(channel.vector_acceleration_milli) * acceleration_unit,
+                a_down: milli(channel.vector_deceleration_milli) * acceleration_unit,
+            },
+            speed_unit,
+            acceleration_unit,
+            least,
+            arcs: channel.cir_radial_acc_limit,
+        }
+    }
+
+    /// Takes in a command.
+    ///
+    /// # Errors
+    /// An acceleration is too low; nothing has changed.
+    pub fn set(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
+        let all = command.all.then_some(Limit::Channel);
+        let value = |given: Option<Limit>, channel: f32, unit: f32| match given.or(all)? {
+            _ if !command.on => Some(f32::MAX),
+            Limit::Channel => Some(channel * MARGIN),
+            Limit::Is(value) => Some(to_f32(value.to_bits()) * (1.0 / 4_294_967_296.0) * unit * MARGIN),
+        };
+        let v = value(command.vel, self.channel.v, self.speed_unit);
+        let a_up = value(command.acc, self.channel.a_up, self.acceleration_unit);
+        let a_down = value(command.dec, self.channel.a_down, self.acceleration_unit);
+        if [a_up, a_down].into_iter().flatten().any(|a| a < self.least * (MARGIN * MARGIN)) {
+            return Err(TooLow);
+        }
+        let both = command.feed == command.rapid && (command.feed || !command.on);
+        let rapid = command.rapid || both;
+        let feed = command.feed || both || !rapid;
+        for (chosen, limits) in [(feed, &mut self.feed), (rapid, &mut self.rapid)] {
+            if chosen {
+                limits.v = v.unwrap_or(limits.v);
+                limits.a_up = a_up.unwrap_or(limits.a_up);
+                limits.a_down = a_down.unwrap_or(limits.a_down);
+            }
+        }
+        Ok(())
+    }
+
+    fn of(&self, rapid: bool) -> &PathLimit {
+        if rapid { &self.rapid } else { &self.feed }
+    }
+
+    /// VEL, mm/tick.
+    pub fn speed(&self, rapid: bool) -> f32 {
+        self.of(rapid).v
+    }
+
+    /// Lowers accelerations, and the jerks of their ramps with them.
+    pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
+        let path = self.of(rapid);
+        let [up_rise, up_fall, down_rise, down_fall] = &mut limits.j;
+        if !arc || self.arcs {
+            lower(&mut limits.a_up, path.a_up, [up_rise, up_fall]);
+        }
+        lower(&mut limits.a_down, path.a_down, [down_rise, down_fall]);
+    }
+}
+
+fn lower(a: &mut f32, limit: f32, jerks: [&mut f32; 2]) {
+    if limit < *a {
+        let part = limit / *a;
+        for jerk in jerks {
+            *jerk *= part;
+        }
+        *a = min(*a, limit);
+    }
+}

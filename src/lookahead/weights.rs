@@ -1,0 +1,120 @@
+//! G130…G134, G231…G233, G338, G339: the machine data of an axis, weighted.
+//!
+//! A weight is percent of the machine data, not of a weight before it: 50 % twice is 50 %, an axis that is not named has
+//! 100 %. It acts on the blocks that follow, to the end of the program. What it leads to stays inside the ranges of the
+//! machine data, so that everything that holds for these holds for weighted ones too:
+//!
+//! | value | from | to |
+//! |---|---|---|
+//! | accelerations | 1 mm/s² | P-AXIS-00008 |
+//! | ramp times at feed | the larger one of P-AXIS-00201 and P-AXIS-00293 | 2^32 µs |
+//! | rapid and geometric ramp time | P-AXIS-00201, or the machine data where they are below it | 2^32 µs |
+//!
+//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed. G338 and G339 are taken as G133 and G233.
+use crate::machine::{AxisData, ChannelData};
+use crate::math::divide::div_wide;
+use crate::math::wide::mul_shift;
+use crate::nc::{Value, Weight, WeightKind};
+
+/// 100 %, in thousandths of a percent.
+const FULL: u32 = 100_000;
+
+/// The weights of one axis, thousandths of a percent.
+#[derive(Clone, Copy, Debug)]
+struct AxisWeights {
+    acceleration: u32,
+    rapid_acceleration: u32,
+    ramp: u32,
+    rapid_ramp: u32,
+    geometric_ramp: u32,
+}
+
+/// The weights of all axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights<const AXES: usize> {
+    axes: [AxisWeights; AXES],
+}
+
+impl<const AXES: usize> Weights<AXES> {
+    /// 100 %, as at program start.
+    pub const fn new() -> Self {
+        let axis = AxisWeights {
+            acceleration: FULL,
+            rapid_acceleration: FULL,
+            ramp: FULL,
+            rapid_ramp: FULL,
+            geometric_ramp: FULL,
+        };
+        Self { axes: [axis; AXES] }
+    }
+
+    /// Takes in a command: it replaces all weights of its kind.
+    pub fn set(&mut self, weight: &Weight<AXES>) {
+        for (axis, percent) in self.axes.iter_mut().zip(&weight.percent) {
+            let weight_of = match weight.kind {
+                WeightKind::Acceleration | WeightKind::AccelerationAll => &mut axis.acceleration,
+                WeightKind::RapidAcceleration => &mut axis.rapid_acceleration,
+                WeightKind::RampTime | WeightKind::RampTimeAll | WeightKind::G338 => &mut axis.ramp,
+                WeightKind::RapidRampTime | WeightKind::RapidRampTimeAll | WeightKind::G339 => {
+                    &mut axis.rapid_ramp
+                }
+                WeightKind::GeometricRampTime => &mut axis.geometric_ramp,
+            };
+            *weight_of = percent.map_or(FULL, thousandths);
+        }
+    }
+
+    /// The data of the axis with this index, weighted.
+    pub fn apply(&self, axis: usize, data: &AxisData, channel: &ChannelData) -> AxisData {
+        let mut out = *data;
+        let Some(weights) = self.axes.get(axis) else { return out };
+        let a = |value: u32, weight: u32| weigh(value, weight).min(data.a_max).max(1);
+        let (feed, rapid) = (data.stages(false), data.stages(true));
+        if channel.acceleration_weight != 2 {
+            out.a_beschl = a(data.a_beschl, weights.acceleration);
+            out.a_stufe = feed.a.map(|value| a(value, weights.acceleration));
+        }
+        if channel.acceleration_weight != 1 {
+            out.a_brems = a(data.a_brems, weights.acceleration);
+            out.d_stufe = feed.d.map(|value| a(value, weights.acceleration));
+        } else {
+            // Not taken over from weighted accelerations.
+            out.d_stufe = feed.d;
+        }
+        out.a_grenz = a(data.a_grenz, weights.rapid_acceleration);
+        out.a_grenz_stufe = rapid.a.map(|value| a(value, weights.rapid_acceleration));
+        out.d_grenz_stufe = rapid.d.map(|value| a(value, weights.rapid_acceleration));
+
+        let shortest = data.tr_min.max(data.tr_w_min);
+        // In the order of P-CHAN-00073.
+        let ramps =
+            [&mut out.tr_beschl_zu, &mut out.tr_beschl_ab, &mut out.tr_brems_zu, &mut out.tr_brems_ab];
+        for (number, ramp) in (1..).zip(ramps) {
+            if channel.ramp_weight == 0 || channel.ramp_weight == number {
+                *ramp = weigh(*ramp, weights.ramp).max(shortest.min(*ramp));
+            }
+        }
+        out.tr_grenz = weigh(data.tr_grenz, weights.rapid_ramp).max(data.tr_min.min(data.tr_grenz));
+        out.tr_geom = weigh(data.tr_geom, weights.geometric_ramp).max(data.tr_min.min(data.tr_geom));
+        out
+    }
+}
+
+impl<const AXES: usize> Default for Weights<AXES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Percent, LSB 2^-32, as thousandths. The decoder bounds it to 10 000 %.
+fn thousandths(percent: Value) -> u32 {
+    u32::try_from(mul_shift(percent.to_bits(), 1000, 32)).unwrap_or(FULL)
+}
+
+/// A value times a weight, to nearest; at most 2^32 - 1.
+fn weigh(value: u32, weight: u32) -> u32 {
+    // Both have 32 bits: the product fits, and so does its half more.
+    let product = u64::from(value).wrapping_mul(u64::from(weight));
+    let weighted = div_wide(0, product.saturating_add(u64::from(FULL / 2)), u64::from(FULL));
+    u32::try_from(weighted).unwrap_or(u32::MAX)
+}
