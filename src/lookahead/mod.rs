@@ -17,13 +17,13 @@ mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Dynamics, Limits};
+pub use limits::{Dynamics, Law, Limits};
 pub(crate) use limits::{max, min};
 pub use vector::TooLow;
 pub use weights::Weights;
 
 use crate::math::float::to_f32;
-use crate::nc::Place;
+use crate::nc::{Place, SlopeType};
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use heapless::Deque;
@@ -174,7 +174,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut shared = false;
         let mut anchor = true;
-        let through = dynamics.is_across();
+        let through = dynamics.slope() == SlopeType::Hsc;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
