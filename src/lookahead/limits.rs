@@ -23,7 +23,9 @@ use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Element, End};
+use crate::quantity::Speed;
 use crate::slope::bend::Bend;
+use crate::slope::profile::speed_f32;
 use crate::slope::ramp::{Bowed, Ramp, Stepped};
 use crate::tick::SKIP_PER_TICK;
 use core::f32::consts::TAU;
@@ -277,12 +279,15 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut tangential = true;
         let mut square = f32::MAX;
         for (k, axis) in self.axes.iter().enumerate() {
+            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
+            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
+            if t0 == t1 && c0 == c1 {
+                continue;
+            }
             let mut joint = if rapid { axis.rapid.joint } else { axis.feed.joint };
             if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
                 joint.restrict(if rapid { rapid_before } else { feed_before });
             }
-            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
-            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
             let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
             let stepped = self.slope == SlopeType::Step;
@@ -437,6 +442,11 @@ impl Limits {
             }
             _ => {}
         }
+    }
+
+    /// Permits no speed above those.
+    pub(super) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
+        self.v = speed_f32(v_in.max(v_out).to_bits());
     }
 
     /// Largest acceleration or deceleration of both.

@@ -27,7 +27,7 @@ use crate::nc::{Place, SlopeType};
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use heapless::Deque;
-use span::{Pass, Span};
+use span::Pass;
 
 /// A block in the ring.
 #[derive(Clone, Copy, Debug)]
@@ -64,13 +64,13 @@ pub struct Block<const AXES: usize> {
 
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
-pub struct Release {
+pub struct Release<'a, const AXES: usize> {
+    /// Its first block, whose limits are now what all of its blocks permit; of the speeds the highest.
+    pub first: &'a Block<AXES>,
     /// Its blocks.
     pub blocks: usize,
     /// Path length.
     pub length: Distance,
-    /// What all of its blocks permit; of the speeds the highest.
-    pub limits: Limits,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -233,28 +233,33 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.step().then(|| self.ready())
     }
 
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`].
-    pub fn release(&mut self) -> Option<Release> {
-        let mut span = Span::default();
-        let mut blocks = 0;
-        for block in &self.blocks {
-            if blocks > 0 && block.anchor {
-                break;
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]. Once for each span: its
+    /// limits are put together in its first block.
+    pub fn release(&mut self) -> Option<Release<'_, AXES>> {
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back);
+        let first = ring.next()?;
+        let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.kept);
+        let next = loop {
+            match ring.next() {
+                Some(block) if !block.anchor => {
+                    first.limits.join(&block.limits);
+                    length += block.shape.length.to_bits();
+                    (blocks, kept) = (blocks + 1, true);
+                }
+                next => break next,
             }
-            span.add(block, false);
-            blocks += 1;
-        }
-        let first = self.blocks.front()?;
-        let (v_in, flat) = (first.v_in, first.flat);
-        let planned = self.blocks.get(blocks).map(|next| next.v_in);
-        let v_out = planned.and_then(|planned| span.leave(v_in, planned)).unwrap_or(Speed::ZERO);
-        if flat {
-            span.flatten(v_in, v_out);
-        }
-        if let Some(next) = self.blocks.get_mut(blocks) {
+        };
+        let v_in = first.v_in;
+        let mut v_out = Speed::ZERO;
+        if let Some(next) = next {
+            v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
             next.v_in = v_out;
         }
-        Some(Release { blocks, length: Distance::from_bits(span.length), limits: span.limits, v_in, v_out })
+        if first.flat {
+            first.limits.flatten(v_in, v_out);
+        }
+        Some(Release { first, blocks, length: Distance::from_bits(length), v_in, v_out })
     }
 
     /// The first block.
