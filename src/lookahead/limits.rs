@@ -284,9 +284,11 @@ impl<const AXES: usize> Dynamics<AXES> {
             if t0 == t1 && c0 == c1 {
                 continue;
             }
-            let mut joint = if rapid { axis.rapid.joint } else { axis.feed.joint };
+            let mut joint = if rapid { &axis.rapid.joint } else { &axis.feed.joint };
+            let both;
             if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
-                joint.restrict(if rapid { rapid_before } else { feed_before });
+                both = joint.restricted(if rapid { rapid_before } else { feed_before });
+                joint = &both;
             }
             let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
@@ -341,10 +343,12 @@ const TURN_PART: f32 = 0.05;
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl Joint {
-    fn restrict(&mut self, other: &Self) {
-        self.budget = min(self.budget, other.budget);
-        self.knee = min(self.knee, other.knee);
-        self.bend = min(self.bend, other.bend);
+    fn restricted(&self, other: &Self) -> Self {
+        Self {
+            budget: min(self.budget, other.budget),
+            knee: min(self.knee, other.knee),
+            bend: min(self.bend, other.bend),
+        }
     }
 }
 

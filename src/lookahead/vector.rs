@@ -112,6 +112,10 @@ impl PathLimits {
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
+        let bowed = matches!(limits.law, Law::Bowed { .. });
+        if bowed && a_up >= limits.a_up && path.a_down >= limits.a_down {
+            return;
+        }
         let parts = [lower(&mut limits.a_up, a_up), lower(&mut limits.a_down, path.a_down)];
         match &mut limits.law {
             Law::Bowed { j, .. } => {

@@ -176,8 +176,9 @@ impl Emitter {
         } else {
             self.piece(part, t)
         };
-        // At least the tick at hand, whatever rounding does to the end of a sine's piece.
-        let ticks = ((end.saturating_sub(t).saturating_add(TICK - 1) >> 36) as u32).clamp(1, longest);
+        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
+        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
+        let ticks = ticks.min(longest);
         phase.ticks = ticks as u16;
         // Rounding must not take the path beyond the part: the next one would go backward.
         let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
@@ -264,6 +265,7 @@ impl Emitter {
     }
 
     /// The same in a ramp of [`Bend::SineSquare`], and the time at which its piece ends.
+    #[inline(never)]
     fn sine_piece(&self, part: &Part, t: u64) -> (Phase, u64) {
         let falls = part.kind == Kind::SineFall;
         // Falling, it is the rising ramp with time reversed.
