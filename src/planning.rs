@@ -208,17 +208,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.curves > 0 {
             return Ok(self.curves());
         }
-        for _ in 0..PIECES {
-            if !self.emitter.has_piece() {
-                if self.stops {
-                    self.emitter.settle();
-                    self.stops = false;
-                }
-                return self.go_on();
-            }
-            let _ = self.queue.phases.push_with(|phase| self.emitter.step(phase));
+        if self.emitter.hand_out(&mut self.queue.phases, PIECES) {
+            return Ok(Work::Working);
         }
-        Ok(Work::Working)
+        if self.stops {
+            self.emitter.settle();
+            self.stops = false;
+        }
+        self.go_on()
     }
 
     /// Curves of the span at hand; where the queue has no room for all of them, pieces of time that need no more.

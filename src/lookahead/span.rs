@@ -462,12 +462,15 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
     if next >= v_in {
         return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
+    if !kept {
+        return Some(next);
+    }
     let brake = limits.brake();
     let possible = |v_out: Speed| {
         let gain = ramp_gain(&brake, v_out, length);
         v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
     };
-    if !kept || possible(next) {
+    if possible(next) {
         return Some(next);
     }
     // The speed was planned with a lower one here, where slowing down is quicker.

@@ -12,7 +12,7 @@ use crate::math::divide::reciprocal_near;
 use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
-use crate::queue::{Phase, Slot};
+use crate::queue::{PHASES, Phase, Producer, Slot};
 
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
@@ -145,17 +145,41 @@ impl Emitter {
         false
     }
 
+    /// Up to `count` pieces into the queue, which has room for them; `false` when the block is handed out.
+    #[inline(never)]
+    pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32) -> bool {
+        for _ in 0..count {
+            if !self.has_piece() {
+                return false;
+            }
+            queue.push_with(|phase| self.cut(phase));
+        }
+        true
+    }
+
     /// The next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
-        let Some(part) = self.parts.get(self.part) else { return };
+        self.cut(phase);
+    }
+
+    /// The reciprocal, and what follows from it.
+    #[inline(never)]
+    fn divide(&mut self, time: u64, delta: i64) {
+        let per_time = PerTime::new(time);
+        self.of = (time, delta);
+        self.zeros = per_time.zeros;
+        self.reciprocal = per_time.reciprocal;
+        self.slope = per_time.of(delta);
+        self.sixth = per_time.third_of(self.slope);
+    }
+
+    #[inline(always)]
+    fn cut(&mut self, phase: &mut Phase) {
+        let Some(&part) = self.parts.get(self.part) else { return };
+        let part = &part;
         let delta = part.v1 - part.v0;
         if delta != 0 && self.of != (part.time, delta) {
-            let per_time = PerTime::new(part.time);
-            self.of = (part.time, delta);
-            self.zeros = per_time.zeros;
-            self.reciprocal = per_time.reciprocal;
-            self.slope = per_time.of(delta);
-            self.sixth = per_time.third_of(self.slope);
+            self.divide(part.time, delta);
         }
         let t = self.next;
         let mut end = part.time;
@@ -164,18 +188,16 @@ impl Emitter {
             Kind::Hold => LONGEST[1],
             _ => LONGEST[0],
         };
-        *phase = if delta == 0 {
-            Self::cruise(part, t)
+        if delta == 0 {
+            *phase = Self::cruise(part, t);
         } else if matches!(part.kind, Kind::SineRise | Kind::SineFall) {
             longest = LONGEST_SINE;
-            let (phase, until) = self.sine_piece(part, t);
-            end = until;
-            phase
+            (*phase, end) = self.sine_piece(part, t);
         } else if t < TICK {
-            self.first_piece(part, t)
+            self.first_piece(part, t, phase);
         } else {
-            self.piece(part, t)
-        };
+            *phase = self.piece(part, t);
+        }
         // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
         let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
         let ticks = ticks.min(longest);
@@ -229,6 +251,7 @@ impl Emitter {
     }
 
     /// The same in another part, as coefficients in ticks.
+    #[inline(never)]
     fn piece(&self, part: &Part, t: u64) -> Phase {
         let delta = part.v1 - part.v0;
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
@@ -298,35 +321,38 @@ impl Emitter {
 
     /// The same within the first tick of the part, from its start: the powers of t stay below 1.
     #[inline(always)]
-    fn first_piece(&self, part: &Part, t: u64) -> Phase {
+    fn first_piece(&self, part: &Part, t: u64, phase: &mut Phase) {
         // From tick to tick: (x·t) with t in 2^-32 tick
         let t32 = (t >> 4) as u32;
         let times = |x: i64| mul_u32(x, t32, 32);
-        // Speed gained on average and in all, half the acceleration, a sixth of the jerk.
-        let (mean, gained, half, sixth) = match part.kind {
+        // Speed gained on average. The others are written at once: registers are few.
+        let mean = match part.kind {
             Kind::Rise => {
                 let bent = times(self.sixth);
                 let third = times(bent);
-                (third, 3 * third, 3 * bent, self.sixth)
+                phase.speed = Speed::from_bits(part.v0 + 3 * third);
+                phase.half_accel = Accel::from_bits(3 * bent);
+                phase.sixth_jerk = Jerk::from_bits(self.sixth);
+                third
             }
             Kind::Hold => {
                 let half = self.slope >> 1;
                 let mean = times(half);
-                (mean, 2 * mean, half, 0)
+                phase.speed = Speed::from_bits(part.v0 + 2 * mean);
+                phase.half_accel = Accel::from_bits(half);
+                phase.sixth_jerk = Jerk::ZERO;
+                mean
             }
             _ => {
                 let bent = times(-self.sixth);
                 let mean = times(self.slope + bent);
-                (mean, 2 * mean + times(bent), self.slope + 3 * bent, -self.sixth)
+                phase.speed = Speed::from_bits(part.v0 + 2 * mean + times(bent));
+                phase.half_accel = Accel::from_bits(self.slope + 3 * bent);
+                phase.sixth_jerk = Jerk::from_bits(-self.sixth);
+                mean
             }
         };
-        Phase {
-            distance: Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t))),
-            speed: Speed::from_bits(part.v0 + gained),
-            half_accel: Accel::from_bits(half),
-            sixth_jerk: Jerk::from_bits(sixth),
-            ticks: 0,
-        }
+        phase.distance = Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t)));
     }
 }
 
