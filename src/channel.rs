@@ -24,7 +24,7 @@ use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
     Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup,
-    SlopeType, Spline, Step, Text,
+    Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -80,8 +80,6 @@ pub enum MachineError {
     Axis(usize, RangeError),
     /// A parameter of the channel is out of range.
     Channel(RangeError),
-    /// P-CHAN-00071 names a slope that this version does not have.
-    Slope(u8),
     /// Two axes have this name.
     Name(AxisName),
     /// The name begins like another address of the language.
@@ -95,10 +93,6 @@ impl core::fmt::Display for MachineError {
                 f,
                 "{} ({}) = {} is outside {}…{}, bound by {}",
                 e.name, e.id, e.value, e.min, e.max, e.because
-            ),
-            Self::Slope(profile) => write!(
-                f,
-                "prog_start.slope.profile (P-CHAN-00071) = {profile} is known, not available in this version; set 1 (TRAPEZ) or 3 (HSC)"
             ),
             Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
             Self::Reserved(name) => write!(
@@ -122,6 +116,8 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
         }
         Ok(())
     };
+    let slope = u32::from(channel.slope_profile);
+    range("P-CHAN-00071", "prog_start.slope.profile", slope, 0, 3, "STEP, TRAPEZ, SIN2, HSC")?;
     range("", "cycle_us", channel.cycle_us, 100, 10_000, "the range of the tick")?;
     range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
     let factor = channel.feedrate_factor_milli;
@@ -147,9 +143,6 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
         if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
             return Err(MachineError::Name(axis.name));
         }
-    }
-    if !matches!(channel.slope_profile, 1 | 3) {
-        return Err(MachineError::Slope(channel.slope_profile));
     }
     Ok(())
 }
@@ -365,13 +358,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Command::H(head, code) => return Ok(self.output(head.n, Function::H(*code))),
             Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
             Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
-            Command::Slope(_, slope) => match (slope.default, slope.kind) {
-                (true, _) => self.planning.set_slope(None),
-                (_, None) => {}
-                (_, Some(SlopeType::Step)) => return refuse("#SLOPE TYPE=STEP"),
-                (_, Some(SlopeType::Sin2)) => return refuse("#SLOPE TYPE=SIN2"),
-                (_, kind) => self.planning.set_slope(kind),
-            },
+            Command::Slope(_, slope) if slope.default => self.planning.set_slope(None),
+            Command::Slope(_, slope) if slope.kind.is_some() => self.planning.set_slope(slope.kind),
+            Command::Slope(..) => {}
             Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),
             Command::VectorLimit(head, limit) => {
                 let others = [

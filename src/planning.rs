@@ -259,17 +259,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.curves > 0 {
             return Ok(self.curves());
         }
-        for _ in 0..PIECES {
-            if !self.emitter.has_piece() {
-                if self.stops {
-                    self.emitter.settle();
-                    self.stops = false;
-                }
-                return self.go_on();
-            }
-            let _ = self.queue.phases.push_with(|phase| self.emitter.step(phase));
+        if self.emitter.hand_out(&mut self.queue.phases, PIECES) {
+            return Ok(Work::Working);
         }
-        Ok(Work::Working)
+        if self.stops {
+            self.emitter.settle();
+            self.stops = false;
+        }
+        self.go_on()
     }
 
     /// Curves of the span at hand; where the queue has no room for all of them, pieces of time that need no more.
@@ -357,26 +354,26 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.queue.segments.is_full() {
             return Ok(Work::Waiting);
         }
-        let (Some(span), Some(first)) = (self.lookahead.release(), self.lookahead.first()) else {
+        let Some(span) = self.lookahead.release() else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
         let planned = &mut self.planned;
-        (planned.block, planned.blocks) = (first.number, span.end.wrapping_sub(self.begun));
+        (planned.block, planned.blocks) = (span.first.number, span.end.wrapping_sub(self.begun));
         self.begun = span.end;
-        (planned.n, planned.place, planned.length) = (first.n, first.place, span.length);
+        (planned.n, planned.place, planned.length) = (span.first.n, span.first.place, span.length);
         (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
-        if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.limits) {
+        if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.first.limits) {
             self.lookahead.clear();
             return Err(error);
         }
         self.emitter.begin(&self.profile, self.distance, span.length);
         self.stops = span.v_out == Speed::ZERO;
+        self.curves = span.blocks;
         self.planned.v_peak = self.profile.peak();
         self.planned.time = self.profile.time();
         self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
-        self.curves = span.blocks;
         self.curve();
         Ok(Work::Planned)
     }

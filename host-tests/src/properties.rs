@@ -22,14 +22,31 @@ pub struct Verdict {
 
 /// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then tangential
 /// and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric ramp time).
-pub fn permitted(axis: &AxisData, rapid: bool, feed: bool, curved: bool) -> Limits {
+///
+/// `slope` as in P-CHAN-00071. A ramp of SIN2 has a jerk of π/2 · a / ramp time; STEP has any, and the larger one of the
+/// accelerations of its stages.
+pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bool) -> Limits {
+    if slope == 0 {
+        let sets = [(feed, axis.vb_max, axis.stages(false)), (rapid, axis.vb_eilgang, axis.stages(true))];
+        let mut limits = Limits { v: 0.0, a: 0.0, jerk: f64::INFINITY };
+        for (_, v, stages) in sets.into_iter().filter(|(occurs, ..)| *occurs) {
+            let a = stages.a.into_iter().chain(stages.d).fold(0, u32::max);
+            limits.v = limits.v.max(f64::from(v) * 1e-3);
+            limits.a = limits.a.max(f64::from(if curved { axis.a_max } else { a }));
+        }
+        return limits;
+    }
+    let shape = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
     let mut limits = Limits { v: 0.0, a: 0.0, jerk: 0.0 };
     let mut allow = |um_s: u32, mm_s2: u32, ramps: &[u32]| {
         limits.v = limits.v.max(f64::from(um_s) * 1e-3);
         limits.a = limits.a.max(f64::from(if curved { axis.a_max } else { mm_s2 }));
         for &ramp in ramps {
-            let us = if curved { ramp.min(axis.tr_geom.max(1)) } else { ramp };
-            limits.jerk = limits.jerk.max(f64::from(mm_s2) / (f64::from(us) * 1e-6));
+            let jerk = |us: u32| f64::from(mm_s2) / (f64::from(us) * 1e-6);
+            limits.jerk = limits.jerk.max(shape * jerk(ramp));
+            if curved {
+                limits.jerk = limits.jerk.max(jerk(ramp.min(axis.tr_geom.max(1))));
+            }
         }
     };
     if feed {
@@ -47,7 +64,8 @@ pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Con
     let rapid = contour.elements.iter().any(|e| e.feed.is_none());
     let feed = contour.elements.iter().any(|e| e.feed.is_some());
     let curved = contour.elements.len() > 1 || contour.elements.iter().any(|e| e.shape != Shape::Line);
-    machine.axes.iter().map(|axis| permitted(axis, rapid, feed, curved)).collect()
+    let slope = machine.channel.slope_profile;
+    machine.axes.iter().map(|axis| permitted(axis, slope, rapid, feed, curved)).collect()
 }
 
 /// Runs a program and asks the judge for everything.

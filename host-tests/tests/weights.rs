@@ -264,7 +264,7 @@ fn excess(
             .iter()
             .map(|(_, _, block)| {
                 let rapid = program.moves[*block].kind == host_tests::cases::Kind::Rapid;
-                permitted(&weighted(&machine.axes[k], percents[*block][k]), rapid, !rapid, true)
+                permitted(&weighted(&machine.axes[k], percents[*block][k]), 1, rapid, !rapid, true)
             })
             .collect();
         let mut first = 0;

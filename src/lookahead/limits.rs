@@ -10,15 +10,23 @@
 //!
 //! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
 //! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
-//! `B`.
+//! `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows at most the larger one of `B` and
+//! π/2 · a / ramp time.
+//!
+//! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
+//! the slope, which does not vanish there. A quarter of `a_max` is left to knees, beside them on lines and always on arcs, and
+//! a knee takes no more than the acceleration of a stage changes in a cycle.
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
-use crate::machine::{AxisData, ChannelData, MachineData};
+use crate::machine::{AxisData, ChannelData, MachineData, Stages};
 use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Bounds, Element, End};
-use crate::slope::ramp::Ramp;
+use crate::quantity::Speed;
+use crate::slope::bend::Bend;
+use crate::slope::profile::speed_f32;
+use crate::slope::ramp::{Bowed, Ramp, Stepped};
 use crate::tick::SKIP_PER_TICK;
 use core::f32::consts::TAU;
 
@@ -48,8 +56,36 @@ const SKIP: f32 = (SKIP_PER_TICK - 1) as f32;
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
+/// A jerk that is none, mm/tick³.
+const NO_LIMIT: f32 = 1e20;
+/// STEP: a step below this part of what a knee may take is rounding of coordinates.
+const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
+/// Two change-over speeds that differ by less are one.
+const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
+
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
 pub type Ramps = [f32; 4];
+
+/// What a slope permits beside speed and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// TRAPEZ, SIN2, HSC.
+    Bowed {
+        /// Shape of the ramps.
+        bend: Bend,
+        /// Mean jerk of each ramp.
+        j: Ramps,
+    },
+    /// STEP: the path has one change-over speed, that of the axis which reaches its own first.
+    Stepped {
+        /// Speed up to which the accelerations of the limits hold.
+        change_over: f32,
+        /// Acceleration above it.
+        a_up: f32,
+        /// Deceleration above it.
+        a_down: f32,
+    },
+}
 
 /// Permitted values along the path: mm/tick, mm/tick², mm/tick³.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +96,8 @@ pub struct Limits {
     pub a_up: f32,
     /// Deceleration.
     pub a_down: f32,
-    /// Jerk of each ramp.
-    pub j: Ramps,
+    /// What the slope adds to that.
+    pub law: Law,
     /// Jerk left to the slope beside a transition.
     pub j_shared: f32,
     /// Acceleration left to it.
@@ -86,6 +122,10 @@ struct Set {
     v: f32,
     a_up: f32,
     a_down: f32,
+    /// STEP: the same above the change-over speed, and that.
+    upper: [f32; 2],
+    change_over: f32,
+    /// The others: mean jerks.
     j: Ramps,
     joint: Joint,
     /// The least a / ramp time, at most `B`.
@@ -144,16 +184,20 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// Weights the axes in the elements that follow. The transition to the first of them belongs to both sides.
     pub fn weigh(&mut self, weight: &Weight<AXES>) {
         self.weights.set(weight);
-        self.convert();
+        self.change();
     }
 
     /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
-        self.slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
-        self.convert();
+        let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
+        if slope != self.slope {
+            self.slope = slope;
+            self.change();
+        }
     }
 
-    fn convert(&mut self) {
+    /// The axes anew, for the elements that follow.
+    fn change(&mut self) {
         if self.before.is_none() {
             self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
         }
@@ -176,6 +220,15 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.before = None;
     }
 
+    /// The law of the slope before any axis restricts it.
+    fn law(&self, change_over: f32) -> Law {
+        match self.slope {
+            SlopeType::Step => Law::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
+            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, j: [f32::MAX; 4] },
+            SlopeType::Trapez | SlopeType::Hsc => Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
+        }
+    }
+
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
         let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
@@ -184,14 +237,24 @@ impl<const AXES: usize> Dynamics<AXES> {
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
-        for (k, (axis, tangent)) in self.axes.iter().zip(&element.entry.tangent).enumerate() {
-            let share = match element.circle {
-                Some(circle) if circle.plane.contains(&k) => circle.share,
-                _ => size_f32(tangent.unsigned_abs()) * LSB_40,
-            };
-            if share > 0.0 {
-                limits.restrict(&sets(axis), 1.0 / share);
+        let turns = |k: usize| element.circle.filter(|circle| circle.plane.contains(&k));
+        let shares = || {
+            let shares =
+                self.axes.iter().zip(&element.entry.tangent).enumerate().map(|(k, (axis, tangent))| {
+                    let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
+                    (k, sets(axis), turns(k).map_or_else(along, |circle| circle.share))
+                });
+            shares.filter(|(_, _, share)| *share > 0.0)
+        };
+        let mut change_over = f32::MAX;
+        if self.slope == SlopeType::Step {
+            for (_, set, share) in shares() {
+                change_over = min(change_over, set.change_over / share);
             }
+        }
+        limits.law = self.law(change_over);
+        for (k, set, share) in shares() {
+            limits.restrict(&set, 1.0 / share, turns(k).is_some());
         }
         if let Some(circle) = element.circle {
             let curvature = circle.share * circle.share / circle.radius;
@@ -200,9 +263,10 @@ impl<const AXES: usize> Dynamics<AXES> {
             let mut budget = f32::MAX;
             for axis in circle.plane.into_iter().filter_map(|k| self.axes.get(k)) {
                 let set = sets(axis);
-                normal = min(normal, min(set.a_up, set.a_down));
-                a_max = min(a_max, axis.a_max);
-                budget = min(budget, set.joint.budget);
+                normal = min(normal, set.least());
+                let stepped = self.slope == SlopeType::Step;
+                a_max = min(a_max, if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max });
+                budget = min(budget, if stepped { NO_LIMIT } else { set.joint.budget });
             }
             let normal = min(normal, NORMAL_PART * a_max);
             limits.bend(curvature, normal, a_max, budget, circle.share);
@@ -231,25 +295,32 @@ impl<const AXES: usize> Dynamics<AXES> {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
         }
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let stepped = self.slope == SlopeType::Step;
+        let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
+        let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
+        let mut change_over = f32::MAX;
+        if stepped {
+            for (axis, slope) in self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0) {
+                change_over = min(change_over, sets(axis).change_over / slope);
+            }
+        }
+        limits.law = self.law(change_over);
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = sets(axis);
             if *slope > 0.0 {
-                limits.restrict(&set, 1.0 / slope);
+                limits.restrict(&set, 1.0 / slope, true);
             }
             if *bend > 0.0 {
-                let normal = min(min(set.a_up, set.a_down), NORMAL_PART * axis.a_max);
+                let normal = min(set.least(), NORMAL_PART * a_max(axis));
                 limits.v = min(limits.v, sqrt_f32(normal / bend));
             }
-            let budget = set.curving_budget(curving.jerk);
+            let budget = budget_of(&set);
             if budget < f32::MAX {
                 if *twist > 0.0 {
                     limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
                 }
-                if *slope > 0.0 {
-                    let j = ARC_SLOPE_PART * budget / slope;
-                    for own in &mut limits.j {
-                        *own = min(*own, j);
-                    }
+                if let (true, Law::Bowed { bend, j }) = (*slope > 0.0, &mut limits.law) {
+                    lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
         }
@@ -259,9 +330,9 @@ impl<const AXES: usize> Dynamics<AXES> {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
-                    a = min(a, max(axis.a_max - bend * v * v, 0.0) / slope);
+                    a = min(a, max(a_max(axis) - bend * v * v, 0.0) / slope);
                 }
-                let budget = sets(axis).curving_budget(curving.jerk);
+                let budget = budget_of(&sets(axis));
                 if *bend > 0.0 && budget < f32::MAX {
                     let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
                     a = min(a, left / (3.0 * v * bend));
@@ -278,8 +349,8 @@ impl<const AXES: usize> Dynamics<AXES> {
             // Over its length the square of the speed changes by 2·a·length.
             best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
         }
-        limits.a_up = min(limits.a_up, best.2);
-        limits.a_down = min(limits.a_down, best.2);
+        limits.lower_accelerations(best.2);
+        self.path.lower(&mut limits, feed.is_none(), true);
         limits
     }
 
@@ -304,19 +375,24 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v = f32::MAX;
         let mut tangential = true;
         let mut square = f32::MAX;
-        let tangents = from.tangent.iter().zip(&to.tangent);
-        let curvatures = from.curvature.iter().zip(&to.curvature);
-        let steps = self.axes.iter().zip(tangents).zip(curvatures);
-        for (k, ((axis, (t0, t1)), (c0, c1))) in steps.enumerate() {
-            let mut joint = if rapid { axis.rapid.joint } else { axis.feed.joint };
+        for (k, axis) in self.axes.iter().enumerate() {
+            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
+            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
+            if t0 == t1 && c0 == c1 {
+                continue;
+            }
+            let mut joint = if rapid { &axis.rapid.joint } else { &axis.feed.joint };
+            let both;
             if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
-                joint.restrict(if rapid { rapid_before } else { feed_before });
+                both = joint.restricted(if rapid { rapid_before } else { feed_before });
+                joint = &both;
             }
             let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
-            let unseen = SMOOTH * joint.budget;
+            let stepped = self.slope == SlopeType::Step;
+            let unseen = if stepped { STEP_SMOOTH } else { SMOOTH } * joint.budget;
             let knee = if fastest * knee <= unseen { 0.0 } else { knee };
-            let bend = if fastest * fastest * bend <= unseen { 0.0 } else { bend };
+            let bend = if stepped || fastest * fastest * bend <= unseen { 0.0 } else { bend };
             let part = TRANSITION_PART * joint.budget;
             if knee > 0.0 {
                 tangential = false;
@@ -341,9 +417,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
-    /// Whether acceleration may pass transitions (HSC).
-    pub fn is_across(&self) -> bool {
-        self.slope == SlopeType::Hsc
+    /// The slope of the elements that follow.
+    pub fn slope(&self) -> SlopeType {
+        self.slope
     }
 
     /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of every
@@ -364,10 +440,12 @@ const TURN_PART: f32 = 0.05;
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl Joint {
-    fn restrict(&mut self, other: &Self) {
-        self.budget = min(self.budget, other.budget);
-        self.knee = min(self.knee, other.knee);
-        self.bend = min(self.bend, other.bend);
+    fn restricted(&self, other: &Self) -> Self {
+        Self {
+            budget: min(self.budget, other.budget),
+            knee: min(self.knee, other.knee),
+            bend: min(self.bend, other.bend),
+        }
     }
 }
 
@@ -390,8 +468,10 @@ impl Axis {
         let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
         let geometric = ticks(data.tr_geom);
         let a_max = accel(data.a_max);
-        let set = |v: u32, a: [u32; 2], tr: [u32; 4]| {
-            let [a_up, a_down] = a.map(accel);
+        let stepped = slope == SlopeType::Step;
+        let set = |v: u32, a: [u32; 2], tr: [u32; 4], stages: Stages| {
+            let [a_up, a_down] = if stepped { [stages.a[0], stages.d[0]] } else { a }.map(accel);
+            let upper = [stages.a[1], stages.d[1]].map(accel);
             // HSC has one ramp time: the longest.
             let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
             let tr = tr.map(ticks);
@@ -410,22 +490,47 @@ impl Axis {
             let a = min(a_up, a_down);
             // Of `a`, in 0.1 %; 0: cycle time / ramp time.
             let part = |weight: u32| a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
-            let knee = min(part(data.a_trans_weight), KNEE_PART * a_max);
-            let bend = if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX };
-            let a_shared = if shortest < LONG_RAMP || slope == SlopeType::Hsc {
-                (1.0 - KNEE_PART) * a_max
-            } else {
-                f32::MAX
+            let mut set = Set {
+                v: speed(v),
+                a_up,
+                a_down,
+                upper,
+                change_over: speed(stages.change_over),
+                j,
+                joint: Joint {
+                    budget,
+                    knee: min(part(data.a_trans_weight), KNEE_PART * a_max),
+                    bend: if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX },
+                },
+                ramp_budget: min(ramp_budget, budget),
+                a_shared: f32::MAX,
             };
-            let ramp_budget = min(ramp_budget, budget);
-            Set { v: speed(v), a_up, a_down, j, joint: Joint { budget, knee, bend }, ramp_budget, a_shared }
+            if stepped {
+                // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
+                let knee = min(set.least(), KNEE_PART * a_max);
+                set.joint = Joint { budget: knee / TRANSITION_PART, knee, bend: f32::MAX };
+            } else {
+                set.upper = [f32::MAX; 2];
+            }
+            if stepped || shortest < LONG_RAMP || slope == SlopeType::Hsc {
+                set.a_shared = (1.0 - KNEE_PART) * a_max;
+            }
+            set
         };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
+        let (a_feed, a_rapid) = ([data.a_beschl, data.a_brems], [data.a_grenz; 2]);
         Self {
-            feed: set(data.vb_max, [data.a_beschl, data.a_brems], tr),
-            rapid: set(data.vb_eilgang, [data.a_grenz; 2], [data.tr_grenz; 4]),
+            feed: set(data.vb_max, a_feed, tr, data.stages(false)),
+            rapid: set(data.vb_eilgang, a_rapid, [data.tr_grenz; 4], data.stages(true)),
             a_max,
         }
+    }
+}
+
+impl Set {
+    /// Smallest acceleration.
+    fn least(&self) -> f32 {
+        min(min(self.a_up, self.a_down), min(self.upper[0], self.upper[1]))
     }
 }
 
@@ -435,7 +540,7 @@ impl Limits {
         v: f32::MAX,
         a_up: f32::MAX,
         a_down: f32::MAX,
-        j: [f32::MAX; 4],
+        law: Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
         j_shared: f32::MAX,
         a_shared: f32::MAX,
     };
@@ -445,9 +550,18 @@ impl Limits {
         self.v = max(self.v, other.v);
         self.a_up = min(self.a_up, other.a_up);
         self.a_down = min(self.a_down, other.a_down);
-        for (j, other) in self.j.iter_mut().zip(other.j) {
-            *j = min(*j, other);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j, .. }, Law::Bowed { j: other, .. }) => lower(j, *other),
+            (Law::Stepped { change_over, .. }, Law::Stepped { change_over: other, .. }) => {
+                *change_over = min(*change_over, *other);
+            }
+            _ => {}
         }
+    }
+
+    /// Permits no speed above those.
+    pub(super) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
+        self.v = speed_f32(v_in.max(v_out).to_bits());
     }
 
     /// Largest acceleration or deceleration of both.
@@ -457,32 +571,64 @@ impl Limits {
 
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
-        Ramp::new(self.a_up, self.j[0], self.j[1])
+        match self.law {
+            Law::Bowed { bend, j: [rise, fall, ..] } => Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall)),
+            Law::Stepped { change_over, a_up, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
+            }
+        }
     }
 
     /// The slope that loses speed, seen backward from the lower one.
     pub fn brake(&self) -> Ramp {
-        Ramp::new(self.a_down, self.j[3], self.j[2])
+        match self.law {
+            Law::Bowed { bend, j: [.., rise, fall] } => {
+                Ramp::Bowed(Bowed::new(bend, self.a_down, fall, rise))
+            }
+            Law::Stepped { change_over, a_down, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_down, a_down], change_over })
+            }
+        }
     }
 
     /// Leaves a transition its part.
     pub(super) fn share(&mut self) {
-        for j in &mut self.j {
-            *j = min(*j, self.j_shared);
+        if let Law::Bowed { j, .. } = &mut self.law {
+            lower(j, [self.j_shared; 4]);
         }
-        self.a_up = min(self.a_up, self.a_shared);
-        self.a_down = min(self.a_down, self.a_shared);
+        self.lower_accelerations(self.a_shared);
     }
 
-    /// Takes in an axis that moves `1 / scale` times as far as the path.
-    fn restrict(&mut self, set: &Set, scale: f32) {
+    /// No acceleration above `a`.
+    fn lower_accelerations(&mut self, a: f32) {
+        self.a_up = min(self.a_up, a);
+        self.a_down = min(self.a_down, a);
+        if let Law::Stepped { a_up, a_down, .. } = &mut self.law {
+            *a_up = min(*a_up, a);
+            *a_down = min(*a_down, a);
+        }
+    }
+
+    /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
+    fn restrict(&mut self, set: &Set, scale: f32, turns: bool) {
         self.v = min(self.v, set.v * scale);
         self.a_up = min(self.a_up, set.a_up * scale);
         self.a_down = min(self.a_down, set.a_down * scale);
-        for (j, axis) in self.j.iter_mut().zip(set.j) {
-            *j = min(*j, axis * scale);
+        let mut peak = 1.0;
+        match &mut self.law {
+            Law::Bowed { bend, j } => {
+                lower(j, set.j.map(|j| j * scale));
+                peak = 1.0 / bend.peak_jerk();
+            }
+            Law::Stepped { change_over, a_up, a_down } => {
+                // The axis may be below its own change-over speed while the path is above its.
+                let both = turns || set.change_over * scale > *change_over * SAME;
+                let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
+                *a_up = min(*a_up, above(set.a_up, set.upper[0]));
+                *a_down = min(*a_down, above(set.a_down, set.upper[1]));
+            }
         }
-        self.j_shared = min(self.j_shared, TRANSITION_PART * set.joint.budget * scale);
+        self.j_shared = min(self.j_shared, TRANSITION_PART * peak * set.joint.budget * scale);
         self.a_shared = min(self.a_shared, set.a_shared * scale);
     }
 
@@ -495,8 +641,8 @@ impl Limits {
     fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         self.v = min(self.v, sqrt_f32(normal / curvature));
         self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
-        for j in &mut self.j {
-            *j = min(*j, ARC_SLOPE_PART * budget / share);
+        if let Law::Bowed { bend, j } = &mut self.law {
+            lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
         }
         let length = TAU / curvature;
         let mut best = (f32::MAX, 0.0, 0.0);
@@ -513,8 +659,13 @@ impl Limits {
             v *= ARC_SPEED_STEP;
         }
         self.v = best.1;
-        self.a_up = min(self.a_up, best.2);
-        self.a_down = min(self.a_down, best.2);
+        self.lower_accelerations(best.2);
+    }
+}
+
+fn lower<const N: usize>(values: &mut [f32; N], others: [f32; N]) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = min(*value, other);
     }
 }
 

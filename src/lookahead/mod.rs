@@ -17,17 +17,17 @@ mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Curving, Dynamics, Limits};
+pub use limits::{Curving, Dynamics, Law, Limits};
 pub(crate) use limits::{max, min};
 pub use vector::TooLow;
 pub use weights::Weights;
 
 use crate::math::float::to_f32;
-use crate::nc::Place;
+use crate::nc::{Place, SlopeType};
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use heapless::Deque;
-use span::{Pass, Span};
+use span::Pass;
 
 /// A block in the ring.
 #[derive(Clone, Copy, Debug)]
@@ -66,15 +66,15 @@ pub struct Block<const AXES: usize> {
 
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
-pub struct Release {
+pub struct Release<'a, const AXES: usize> {
+    /// Its first block, whose limits are now what all of its blocks permit; of the speeds the highest.
+    pub first: &'a Block<AXES>,
     /// Its blocks.
     pub blocks: usize,
     /// Number of the last motion block that it belongs to, plus 1.
     pub end: u32,
     /// Path length.
     pub length: Distance,
-    /// What all of its blocks permit; of the speeds the highest.
-    pub limits: Limits,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -178,7 +178,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut shared = false;
         let mut anchor = true;
-        let through = dynamics.is_across();
+        let through = dynamics.slope() == SlopeType::Hsc;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -238,30 +238,35 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.step().then(|| self.ready())
     }
 
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`].
-    pub fn release(&mut self) -> Option<Release> {
-        let mut span = Span::default();
-        let (mut blocks, mut end) = (0, 0);
-        for block in &self.blocks {
-            if blocks > 0 && block.anchor {
-                break;
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]. Once for each span: its
+    /// limits are put together in its first block.
+    pub fn release(&mut self) -> Option<Release<'_, AXES>> {
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back);
+        let first = ring.next()?;
+        let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.kept);
+        let mut last = first.number;
+        let next = loop {
+            match ring.next() {
+                Some(block) if !block.anchor => {
+                    first.limits.join(&block.limits);
+                    length += block.shape.length.to_bits();
+                    (blocks, kept, last) = (blocks + 1, true, block.number);
+                }
+                next => break next,
             }
-            span.add(block, false);
-            blocks += 1;
-            end = block.number.wrapping_add(1);
-        }
-        let first = self.blocks.front()?;
-        let (v_in, flat) = (first.v_in, first.flat);
-        let planned = self.blocks.get(blocks).map(|next| next.v_in);
-        let v_out = planned.and_then(|planned| span.leave(v_in, planned)).unwrap_or(Speed::ZERO);
-        if flat {
-            span.flatten(v_in, v_out);
-        }
-        if let Some(next) = self.blocks.get_mut(blocks) {
+        };
+        let v_in = first.v_in;
+        let mut v_out = Speed::ZERO;
+        if let Some(next) = next {
+            v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
             next.v_in = v_out;
         }
-        let length = Distance::from_bits(span.length);
-        Some(Release { blocks, end, length, limits: span.limits, v_in, v_out })
+        if first.flat {
+            first.limits.flatten(v_in, v_out);
+        }
+        let (end, length) = (last.wrapping_add(1), Distance::from_bits(length));
+        Some(Release { first, blocks, end, length, v_in, v_out })
     }
 
     /// The first block.

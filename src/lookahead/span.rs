@@ -136,38 +136,8 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    /// Permits no speed above those at its ends.
-    pub fn flatten(&mut self, v_in: Speed, v_out: Speed) {
-        self.limits.v = speed_f32(v_in.max(v_out).to_bits());
-    }
-
-    /// Highest speed at its end, at most `next`, that can be reached from `v_in`; `None` if it is too short even for a
-    /// standstill.
-    pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
-        if next >= v_in {
-            return Some(self.faster(&self.limits.speed_up(), v_in, self.limits.v).min(next));
-        }
-        let brake = self.limits.brake();
-        let length = self.millimetres();
-        let possible = |v_out: Speed| {
-            let gain = ramp_gain(&brake, v_out, length);
-            v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
-        };
-        if !self.kept || possible(next) {
-            return Some(next);
-        }
-        // The speed was planned with a lower one here, where slowing down is quicker.
-        let (mut low, mut high) = (0, next.to_bits());
-        for _ in 0..LEAVE_STEPS {
-            let middle = low + (high - low) / 2;
-            if possible(Speed::from_bits(middle)) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        let v_out = Speed::from_bits(low);
-        (low > 0 || possible(v_out)).then_some(v_out)
+    fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
+        leave(&self.limits, self.length, self.kept, v_in, next)
     }
 }
 
@@ -337,7 +307,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         let flat = self.blocks.get(pass.from).is_some_and(|first| first.flat);
         if flat {
-            pass.span.flatten(pass.v_in, v_out);
+            pass.span.limits.flatten(pass.v_in, v_out);
         }
         // A flat span only slows down, as the plan before did.
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm || flat);
@@ -483,6 +453,38 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let batch = self.batch();
         (batch..self.blocks.len()).find(|&k| self.blocks.get(k).is_some_and(|b| b.anchor)).unwrap_or(batch)
     }
+}
+
+/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too short even for
+/// a standstill. `kept`: the speed at its start may have been planned for another end speed.
+pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
+    let length = to_f32(length) * LSB_44;
+    if next >= v_in {
+        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
+    }
+    if !kept {
+        return Some(next);
+    }
+    let brake = limits.brake();
+    let possible = |v_out: Speed| {
+        let gain = ramp_gain(&brake, v_out, length);
+        v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
+    };
+    if possible(next) {
+        return Some(next);
+    }
+    // The speed was planned with a lower one here, where slowing down is quicker.
+    let (mut low, mut high) = (0, next.to_bits());
+    for _ in 0..LEAVE_STEPS {
+        let middle = low + (high - low) / 2;
+        if possible(Speed::from_bits(middle)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let v_out = Speed::from_bits(low);
+    (low > 0 || possible(v_out)).then_some(v_out)
 }
 
 /// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.

@@ -6,7 +6,7 @@
 //! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends both.
 //! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a weight.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
-use super::limits::{Limits, MARGIN, min};
+use super::limits::{Law, Limits, MARGIN};
 use crate::machine::{AccelerationUnit, ChannelData};
 use crate::math::float::to_f32;
 use crate::nc::{Limit, VectorLimit};
@@ -111,20 +111,32 @@ impl PathLimits {
     /// Lowers accelerations, and the jerks of their ramps with them.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
-        let [up_rise, up_fall, down_rise, down_fall] = &mut limits.j;
-        if !arc || self.arcs {
-            lower(&mut limits.a_up, path.a_up, [up_rise, up_fall]);
+        let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
+        let bowed = matches!(limits.law, Law::Bowed { .. });
+        if bowed && a_up >= limits.a_up && path.a_down >= limits.a_down {
+            return;
         }
-        lower(&mut limits.a_down, path.a_down, [down_rise, down_fall]);
+        let parts = [lower(&mut limits.a_up, a_up), lower(&mut limits.a_down, path.a_down)];
+        match &mut limits.law {
+            Law::Bowed { j, .. } => {
+                for (j, part) in j.iter_mut().zip([parts[0], parts[0], parts[1], parts[1]]) {
+                    *j *= part;
+                }
+            }
+            Law::Stepped { a_up: upper_up, a_down: upper_down, .. } => {
+                lower(upper_up, a_up);
+                lower(upper_down, path.a_down);
+            }
+        }
     }
 }
 
-fn lower(a: &mut f32, limit: f32, jerks: [&mut f32; 2]) {
-    if limit < *a {
-        let part = limit / *a;
-        for jerk in jerks {
-            *jerk *= part;
-        }
-        *a = min(*a, limit);
+/// Lowers `a` to a limit; gives the part that is left of it.
+fn lower(a: &mut f32, limit: f32) -> f32 {
+    if limit >= *a {
+        return 1.0;
     }
+    let part = limit / *a;
+    *a = limit;
+    part
 }

@@ -4,7 +4,6 @@
 //! s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder of one last
 //! step settles the last unit. No division, no loop.
 use super::wide::mul_wide;
-use micromath::F32Ext;
 
 /// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
 const fn inverse_sqrt(m: u32) -> u32 {
@@ -105,22 +104,38 @@ pub const fn sqrt_u64(x: u64) -> u32 {
 
 /// √x, relative error ≤ 9.0e-8 < 2^-23 (all mantissas measured); 0 for 0, NaN below 0.
 ///
-/// Squares of whole numbers up to 4095² have exact roots. 45 instructions on thumbv7em, three of them divisions.
+/// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
+/// divisions.
 ///
-/// Seed from micromath (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
+/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
+#[inline(always)]
 pub fn sqrt_f32(x: f32) -> f32 {
-    if x == 0.0 || x == f32::INFINITY {
-        return x;
-    }
-    // The seed reads the exponent, which subnormal numbers do not have: scale by 2^48.
-    let (x, scale) =
-        if x < f32::MIN_POSITIVE { (x * 281_474_976_710_656.0, 1.0 / 16_777_216.0) } else { (x, 1.0) };
-    let mut s = F32Ext::sqrt(x);
+    // Neither 0, subnormal, infinite nor negative.
+    const NORMAL: core::ops::Range<u32> = f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits();
+    if x.to_bits().wrapping_sub(NORMAL.start) < NORMAL.end - NORMAL.start { heron(x) } else { sqrt_special(x) }
+}
+
+/// The same for a normal number above 0.
+#[inline(always)]
+fn heron(x: f32) -> f32 {
+    let mut s = f32::from_bits((x.to_bits() + 1.0f32.to_bits()) >> 1);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
     // The difference is exact, so that only its half carries the quotient's rounding.
-    s += 0.5 * (x / s - s);
-    s * scale
+    s + 0.5 * (x / s - s)
+}
+
+#[cold]
+#[inline(never)]
+fn sqrt_special(x: f32) -> f32 {
+    if x == 0.0 || x == f32::INFINITY {
+        x
+    } else if x > 0.0 {
+        // The seed reads the exponent, which subnormal numbers do not have: scale by 2^48.
+        heron(x * 281_474_976_710_656.0) * (1.0 / 16_777_216.0)
+    } else {
+        f32::NAN
+    }
 }
 
 /// ³√x with the sign of x, relative error ≤ 9.8e-8 (all mantissas measured); 0 for 0.

@@ -20,7 +20,7 @@ pub fn line<const AXES: usize>(
             return Err(PathError::TooLong);
         }
     }
-    if travel == [0; AXES] {
+    if travel.iter().all(|x| *x == 0) {
         return Ok(None);
     }
     let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);

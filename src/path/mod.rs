@@ -26,7 +26,7 @@ pub use poly::{Bounds, poly};
 
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
-use crate::math::wide::{Halves, mul_near, mul_wide};
+use crate::math::wide::{Halves, mul_near, square_wide};
 use crate::nc::Plane;
 use crate::quantity::{Distance, Position};
 
@@ -289,8 +289,8 @@ fn add(base: Position, offset: i64) -> Position {
 #[inline(always)]
 fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);
-    for term in terms {
-        let (hi, lo) = mul_wide(term.unsigned_abs(), term.unsigned_abs());
+    for term in terms.into_iter().filter(|term| *term != 0) {
+        let (hi, lo) = square_wide(term.unsigned_abs());
         let (sum, carry) = low.overflowing_add(lo);
         low = sum;
         high = high.saturating_add(hi + u64::from(carry));
@@ -309,11 +309,12 @@ fn path_length<const AXES: usize>(
     travel: &[i64; AXES],
     main: &[Option<usize>; 3],
 ) -> Result<Distance, PathError> {
-    let tracking = || travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))).map(|(_, x)| *x);
     let length = if main_length == 0 {
-        hypot(tracking().map(|x| x << FINER))
+        let tracking = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+        hypot(tracking.map(|(_, x)| *x << FINER))
     } else {
-        tracking().map(|x| x.saturating_abs() << (FINER - 10)).fold(main_length, i64::max)
+        // A 1024th of what a main axis travels is below their length.
+        travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(main_length, i64::max)
     };
     if length < LONGEST { Ok(Distance::from_bits(length)) } else { Err(PathError::TooLong) }
 }

@@ -6,18 +6,20 @@
 //!
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
-use super::profile::{Change, Profile};
+use super::bend::{Bend, sine_node, sine_piece, sine_square};
+use super::profile::{Change, Form, Profile};
 use crate::math::divide::reciprocal_near;
 use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
-use crate::queue::{Phase, Slot};
+use crate::queue::{PHASES, Phase, Producer, Slot};
 
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
 
-/// Longest pieces, ticks: with jerk, with acceleration, at constant speed.
+/// Longest pieces, ticks: with jerk, with acceleration, at constant speed; with a jerk that is the product of others.
 const LONGEST: [u32; 3] = [128, 512, 65_535];
+const LONGEST_SINE: u32 = 64;
 
 /// How speed changes within a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +30,9 @@ enum Kind {
     Hold,
     /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
     Fall,
+    /// The same two with the acceleration of [`Bend::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 − u).
+    SineRise,
+    SineFall,
 }
 
 /// One part of a profile: `u` is its time as a fraction.
@@ -105,7 +110,12 @@ impl Emitter {
     /// The three parts of a change of speed, from path distance `from` on; gives their end.
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
-        for (k, kind) in [Kind::Rise, Kind::Hold, Kind::Fall].into_iter().enumerate() {
+        let kinds = match change.form {
+            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
+            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
+            Form::Stepped => [Kind::Hold; 3],
+        };
+        for (k, kind) in kinds.into_iter().enumerate() {
             let to = at.wrapping_add(change.lengths[k]);
             let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
             self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
@@ -135,32 +145,62 @@ impl Emitter {
         false
     }
 
+    /// Up to `count` pieces into the queue, which has room for them; `false` when the block is handed out.
+    #[inline(never)]
+    pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32) -> bool {
+        for _ in 0..count {
+            if !self.has_piece() {
+                return false;
+            }
+            queue.push_with(|phase| self.cut(phase));
+        }
+        true
+    }
+
     /// The next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
-        let Some(part) = self.parts.get(self.part) else { return };
-        let longest = match part.kind {
-            Kind::Hold if part.v0 == part.v1 => LONGEST[2],
+        self.cut(phase);
+    }
+
+    /// The reciprocal, and what follows from it.
+    #[inline(never)]
+    fn divide(&mut self, time: u64, delta: i64) {
+        let per_time = PerTime::new(time);
+        self.of = (time, delta);
+        self.zeros = per_time.zeros;
+        self.reciprocal = per_time.reciprocal;
+        self.slope = per_time.of(delta);
+        self.sixth = per_time.third_of(self.slope);
+    }
+
+    #[inline(always)]
+    fn cut(&mut self, phase: &mut Phase) {
+        let Some(&part) = self.parts.get(self.part) else { return };
+        let part = &part;
+        let delta = part.v1 - part.v0;
+        if delta != 0 && self.of != (part.time, delta) {
+            self.divide(part.time, delta);
+        }
+        let t = self.next;
+        let mut end = part.time;
+        let mut longest = match part.kind {
+            Kind::Hold if delta == 0 => LONGEST[2],
             Kind::Hold => LONGEST[1],
             _ => LONGEST[0],
         };
-        let ticks = (((part.time - self.next + (TICK - 1)) >> 36) as u32).min(longest);
-        let delta = part.v1 - part.v0;
-        if delta != 0 && self.of != (part.time, delta) {
-            let per_time = PerTime::new(part.time);
-            self.of = (part.time, delta);
-            self.zeros = per_time.zeros;
-            self.reciprocal = per_time.reciprocal;
-            self.slope = per_time.of(delta);
-            self.sixth = per_time.third_of(self.slope);
-        }
-        let t = self.next;
-        *phase = if delta == 0 {
-            Self::cruise(part, t)
+        if delta == 0 {
+            *phase = Self::cruise(part, t);
+        } else if matches!(part.kind, Kind::SineRise | Kind::SineFall) {
+            longest = LONGEST_SINE;
+            (*phase, end) = self.sine_piece(part, t);
         } else if t < TICK {
-            self.first_piece(part, t)
+            self.first_piece(part, t, phase);
         } else {
-            self.piece(part, t)
-        };
+            *phase = self.piece(part, t);
+        }
+        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
+        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
+        let ticks = ticks.min(longest);
         phase.ticks = ticks as u16;
         // Rounding must not take the path beyond the part: the next one would go backward.
         let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
@@ -211,6 +251,7 @@ impl Emitter {
     }
 
     /// The same in another part, as coefficients in ticks.
+    #[inline(never)]
     fn piece(&self, part: &Part, t: u64) -> Phase {
         let delta = part.v1 - part.v0;
         let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
@@ -229,7 +270,7 @@ impl Emitter {
                 let s = part.from.wrapping_add(area(part.v0 + (gained >> 1), t));
                 (s, part.v0 + gained, slope >> 1, 0)
             }
-            Kind::Fall => {
+            _ => {
                 let left = part.time - t;
                 let u = fraction(left);
                 let missing = by(by(delta, u), u);
@@ -246,37 +287,72 @@ impl Emitter {
         }
     }
 
+    /// The same in a ramp of [`Bend::SineSquare`], and the time at which its piece ends.
+    #[inline(never)]
+    fn sine_piece(&self, part: &Part, t: u64) -> (Phase, u64) {
+        let falls = part.kind == Kind::SineFall;
+        // Falling, it is the rising ramp with time reversed.
+        let from_zero = if falls { part.time - t } else { t };
+        let u = (mul_wide(from_zero << self.zeros, self.reciprocal).0) as i64;
+        let k = sine_piece(u, falls);
+        let bent = sine_square(u, k);
+        let by = |x: i64, u: i64| mul_near(x, u) << 2;
+        let delta = part.v1 - part.v0;
+        let gained = by(delta, bent.speed);
+        let made = area(by(delta, bent.distance), part.time);
+        // self.sixth is a sixth of the mean jerk: eight pieces.
+        let jerk = mul_shift(self.sixth, bent.jerk, 59);
+        let (s, v, jerk, end) = if falls {
+            let s = part.to.wrapping_sub(area(part.v1, from_zero).wrapping_sub(made));
+            (s, part.v1 - gained, -jerk, part.time - sine_node(part.time, k))
+        } else {
+            let s = part.from.wrapping_add(area(part.v0, from_zero)).wrapping_add(made);
+            (s, part.v0 + gained, jerk, sine_node(part.time, k + 1))
+        };
+        let phase = Phase {
+            distance: Distance::from_bits(s),
+            speed: Speed::from_bits(v),
+            half_accel: Accel::from_bits(by(self.slope, bent.half_accel)),
+            sixth_jerk: Jerk::from_bits(jerk),
+            ticks: 0,
+        };
+        (phase, end)
+    }
+
     /// The same within the first tick of the part, from its start: the powers of t stay below 1.
     #[inline(always)]
-    fn first_piece(&self, part: &Part, t: u64) -> Phase {
+    fn first_piece(&self, part: &Part, t: u64, phase: &mut Phase) {
         // From tick to tick: (x·t) with t in 2^-32 tick
         let t32 = (t >> 4) as u32;
         let times = |x: i64| mul_u32(x, t32, 32);
-        // Speed gained on average and in all, half the acceleration, a sixth of the jerk.
-        let (mean, gained, half, sixth) = match part.kind {
+        // Speed gained on average. The others are written at once: registers are few.
+        let mean = match part.kind {
             Kind::Rise => {
                 let bent = times(self.sixth);
                 let third = times(bent);
-                (third, 3 * third, 3 * bent, self.sixth)
+                phase.speed = Speed::from_bits(part.v0 + 3 * third);
+                phase.half_accel = Accel::from_bits(3 * bent);
+                phase.sixth_jerk = Jerk::from_bits(self.sixth);
+                third
             }
             Kind::Hold => {
                 let half = self.slope >> 1;
                 let mean = times(half);
-                (mean, 2 * mean, half, 0)
+                phase.speed = Speed::from_bits(part.v0 + 2 * mean);
+                phase.half_accel = Accel::from_bits(half);
+                phase.sixth_jerk = Jerk::ZERO;
+                mean
             }
-            Kind::Fall => {
+            _ => {
                 let bent = times(-self.sixth);
                 let mean = times(self.slope + bent);
-                (mean, 2 * mean + times(bent), self.slope + 3 * bent, -self.sixth)
+                phase.speed = Speed::from_bits(part.v0 + 2 * mean + times(bent));
+                phase.half_accel = Accel::from_bits(self.slope + 3 * bent);
+                phase.sixth_jerk = Jerk::from_bits(-self.sixth);
+                mean
             }
         };
-        Phase {
-            distance: Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t))),
-            speed: Speed::from_bits(part.v0 + gained),
-            half_accel: Accel::from_bits(half),
-            sixth_jerk: Jerk::from_bits(sixth),
-            ticks: 0,
-        }
+        phase.distance = Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t)));
     }
 }
 

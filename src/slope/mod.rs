@@ -1,8 +1,12 @@
 //! Speed over time for a length; knows nothing of geometry.
 //!
-//! The one slope of this version is TRAPEZ: jerk-limited, with four ramp times, acceleration zero at the ends of a
-//! block. [`ramp`] holds its formulas, [`profile`] the time law of one block, [`emit`] cuts it into what the tick
-//! needs.
+//! A slope is the law of a change of speed. STEP: two accelerations. The others are jerk-limited, with four ramp times and
+//! acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine squared.
+//!
+//! [`bend`] holds the shapes of a ramp, [`ramp`] the formulas of a change, [`profile`] the time law of one block, [`emit`] cuts it
+//! into what the tick needs.
+pub mod bend;
+
 pub mod ramp;
 
 pub mod profile;

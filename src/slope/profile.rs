@@ -5,8 +5,9 @@
 //! computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a slope that fills the
 //! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
 //! that, and [`Profile::plan`] verifies it.
-use super::ramp::{Ramp, root_of_cubic};
-use crate::lookahead::{Limits, max, min};
+use super::bend::Bend;
+use super::ramp::{Bowed, Ramp, Stepped, root_of_cubic};
+use crate::lookahead::{Law, Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
@@ -14,9 +15,26 @@ use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{Distance, Speed, Time};
 use crate::slope::emit::TICK;
 
-/// Three parts of a change of speed: acceleration rises, holds, falls.
+/// What the three parts of a change of speed are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Acceleration rises, holds, falls.
+    Bowed(Bend),
+    /// One acceleration, nothing, another one.
+    Stepped,
+}
+
+impl Default for Form {
+    fn default() -> Self {
+        Self::Bowed(Bend::Linear)
+    }
+}
+
+/// Three parts of a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Change {
+    /// What they are.
+    pub form: Form,
     /// Their times, LSB 2^-36 tick.
     pub times: [u64; 3],
     /// Speed before the first, between them and after the last, LSB 2^-58 mm/tick.
@@ -58,9 +76,39 @@ pub fn speed_f32(bits: i64) -> f32 {
 }
 
 impl Change {
-    /// Becomes the change from `v0` to `v1` with these times: speeds between the parts follow from equal peak accelerations,
-    /// dv = ap (t1/2 + t2 + t3/2).
-    fn set(&mut self, v0: i64, v1: i64, times: [u64; 3]) {
+    /// Becomes the change from `v0` to `v1` along a ramp, which begins at the lower one of them. Rounded so that no
+    /// acceleration and no jerk is raised.
+    fn plan(&mut self, ramp: &Ramp, v0: i64, v1: i64) {
+        let (low, high) = (v0.min(v1), v0.max(v1));
+        let bits = |t: f32| if t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 };
+        let ordered =
+            |[near, hold, far]: [u64; 3]| if v0 <= v1 { [near, hold, far] } else { [far, hold, near] };
+        match ramp {
+            _ if v0 == v1 => self.set(Form::default(), v0, v1, [0; 3]),
+            Ramp::Bowed(ramp) => {
+                let [near, hold, far] = ramp.times(speed_f32(high - low));
+                let first = bits(near);
+                let times = [first, bits(hold), if far == near { first } else { bits(far) }];
+                self.set(Form::Bowed(ramp.bend()), v0, v1, ordered(times));
+            }
+            Ramp::Stepped(ramp) => {
+                let middle = speed_bits(ramp.change_over).clamp(low, high);
+                let time = |dv: i64, a: f32| bits(speed_f32(dv) / a);
+                let times = [time(middle - low, ramp.a[0]), 0, time(high - middle, ramp.a[1])];
+                self.speeds[1] = middle;
+                self.set(Form::Stepped, v0, v1, ordered(times));
+            }
+        }
+    }
+
+    /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from equal peak
+    /// accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
+    fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
+        self.form = form;
+        let bend = match form {
+            Form::Bowed(bend) => bend,
+            Form::Stepped => return self.set_stepped(v0, v1, times),
+        };
         let dv = v1 - v0;
         if dv == 0 {
             (self.times, self.speeds, self.lengths) = ([0; 3], [v0; 4], [0; 3]);
@@ -82,14 +130,23 @@ impl Change {
             (dv >> 1, dv - (dv >> 1))
         };
         let [a, b] = [v0 + first, v1 - last];
-        let third_first = third(first);
-        // Halves that differ by one bit have the same third.
-        let third_last = if t1 == t3 { third_first } else { third(last) };
-        // ∫v: a third of the change in a rising part, half while it holds, two thirds in a falling part
+        // Good to 2^-54 mm/tick
+        let mean = |x: i64| mul_near(x, bend.mean()) << 2;
+        let mean_first = mean(first);
+        // Halves that differ by one bit have the same mean.
+        let mean_last = if t1 == t3 { mean_first } else { mean(last) };
+        // ∫v: linear, a third of the change in a rising part, half while it holds, two thirds in a falling part
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
         self.times = times;
         self.speeds = [v0, a, b, v1];
-        self.lengths = [area(v0 + third_first, t1), hold, area(v1 - third_last, t3)];
+        self.lengths = [area(v0 + mean_first, t1), hold, area(v1 - mean_last, t3)];
+    }
+
+    fn set_stepped(&mut self, v0: i64, v1: i64, [t1, _, t3]: [u64; 3]) {
+        let middle = self.speeds[1];
+        self.times = [t1, 0, t3];
+        self.speeds = [v0, middle, middle, v1];
+        self.lengths = [area(v0 + (middle - v0) / 2, t1), 0, area(middle + (v1 - middle) / 2, t3)];
     }
 
     /// Path length of all three parts, LSB 2^-44 mm.
@@ -106,10 +163,22 @@ impl Change {
     fn shrink(&mut self, factor: u64) {
         let times =
             self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
-        self.set(self.speeds[0], self.speeds[3], times);
+        self.set(self.form, self.speeds[0], self.speeds[3], times);
     }
 
-    /// Whether peak acceleration and jerks are permitted, without a division: dv ≤ a·whole/2 and
+    /// Whether both accelerations of a stepped change are permitted.
+    fn is_stepped_inside(&self, a: [f32; 2]) -> bool {
+        let [v0, middle, _, v1] = self.speeds;
+        let parts = [(middle - v0, self.times[0]), (v1 - middle, self.times[2])];
+        parts.into_iter().zip(a).all(|((dv, time), a)| {
+            let dv = dv.unsigned_abs();
+            // 2^-36 to 2^-58
+            dv <= ROUNDING
+                || size_f32(dv - ROUNDING) <= a * ACCEL_SLACK * (size_f32(time) * (1u64 << 22) as f32)
+        })
+    }
+
+    /// Whether peak acceleration and mean jerks of a bowed change are permitted, without a division: dv ≤ a·whole/2 and
     /// dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3. In `f32`: `dv` and `whole` are good to 2^-23 each, the product
     /// to 2^-23 more.
     fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
@@ -141,11 +210,6 @@ fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
 }
 
-/// A third, good to 2^-54 mm/tick.
-fn third(x: i64) -> i64 {
-    mul_near(x, 0x1555_5555_5555_5555) << 2
-}
-
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
@@ -164,20 +228,8 @@ impl Profile {
         let low = v_in.max(v_out);
         let peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
 
-        let times = |ramp: &Ramp, from: i64| {
-            if peak == from {
-                return [0; 3];
-            }
-            // up, so that rounding never raises a jerk
-            let bits = |t: f32| to_bits::<36>(t) as u64 + 1;
-            let [near, hold, far] = ramp.times(speed_f32(peak - from));
-            let first = bits(near);
-            [first, if hold == 0.0 { 0 } else { bits(hold) }, if far == near { first } else { bits(far) }]
-        };
-        let up_times = times(&up, v_in);
-        let [end, hold, begin] = times(&down, v_out);
-        self.up.set(v_in, peak, up_times);
-        self.down.set(peak, v_out, [begin, hold, end]);
+        self.up.plan(&up, v_in, peak);
+        self.down.plan(&down, peak, v_out);
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
@@ -193,10 +245,17 @@ impl Profile {
             self.up.shrink(factor);
             self.down.shrink(factor);
         }
-        let inside = self.up.is_inside(limits.a_up, limits.j[0], limits.j[1])
-            && self.down.is_inside(limits.a_down, limits.j[2], limits.j[3])
-            && peak <= speed_bits(limits.v * ACCEL_SLACK)
-            && self.cruise < LONGEST;
+        let changes = match limits.law {
+            Law::Bowed { j: [up_rise, up_fall, down_rise, down_fall], .. } => {
+                self.up.is_inside(limits.a_up, up_rise, up_fall)
+                    && self.down.is_inside(limits.a_down, down_rise, down_fall)
+            }
+            Law::Stepped { a_up, a_down, .. } => {
+                self.up.is_stepped_inside([limits.a_up, a_up])
+                    && self.down.is_stepped_inside([a_down, limits.a_down])
+            }
+        };
+        let inside = changes && peak <= speed_bits(limits.v * ACCEL_SLACK) && self.cruise < LONGEST;
         if inside { Ok(()) } else { Err(Unplannable) }
     }
 
@@ -230,22 +289,32 @@ pub fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: 
     };
     let [mut below, mut above] = [0.0, speed_f32(limit)];
     let mut limit_checked = false;
-    let mut x = if v_in == v_out {
-        let x = triangular(up, down, from_in, target);
-        if x <= min(up.full, down.full) && x < above {
-            return gained(x, limit, low);
+    let mut x = match (up, down) {
+        (Ramp::Bowed(up), Ramp::Bowed(down)) if v_in == v_out => {
+            let x = triangular(up, down, from_in, target);
+            if x <= min(up.full, down.full) && x < above {
+                return gained(x, limit, low);
+            }
+            x
         }
-        x
-    } else {
-        let (near, far) = if v_in == low { (up, down) } else { (down, up) };
-        let [length, slope] = far.distance(min(from_in, from_out), max(above_in, above_out));
-        if length >= target {
-            return 0;
+        _ if v_in == v_out => stepped_peak(up, down, from_in, target),
+        _ => {
+            let (near, far) = if v_in == low { (up, down) } else { (down, up) };
+            let [length, slope] = far.distance(min(from_in, from_out), max(above_in, above_out));
+            if length >= target {
+                return 0;
+            }
+            let higher = max(from_in, from_out);
+            match (up, down, near) {
+                (Ramp::Bowed(up), Ramp::Bowed(down), Ramp::Bowed(near)) => {
+                    // A peak far above both speeds hardly knows that they differ.
+                    let gap = max(above_in, above_out);
+                    let guess = triangular(up, down, higher, target);
+                    if guess > FAR * gap { guess } else { lopsided(near, higher, slope, target - length) }
+                }
+                _ => stepped_peak(up, down, higher, target - length),
+            }
         }
-        // A peak far above both speeds hardly knows that they differ.
-        let gap = max(above_in, above_out);
-        let guess = triangular(up, down, max(from_in, from_out), target);
-        if guess > FAR * gap { guess } else { lopsided(near, max(from_in, from_out), slope, target - length) }
     };
     for _ in 0..PEAK_STEPS {
         if x >= above {
@@ -289,7 +358,7 @@ const PEAK_STEPS: usize = 24;
 
 /// The peak above `low` if both speeds were `low` and no plateau were reached: with k² = x/full of the one slope and
 /// (r·k)² of the other, both together take c1·k + c3·k³. Exact from rest to rest, a good guess elsewhere.
-fn triangular(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
+fn triangular(up: &Bowed, down: &Bowed, low: f32, length: f32) -> f32 {
     let ratio = up.full / down.full;
     let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
     let c1 = low * (up.time() + ratio * down.time());
@@ -298,9 +367,17 @@ fn triangular(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
     k * k * up.full
 }
 
+/// The peak of two stepped ramps from `low` on; both of a block are.
+fn stepped_peak(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
+    match (up, down) {
+        (Ramp::Stepped(up), Ramp::Stepped(down)) => Stepped::peak(up, down, low, length),
+        _ => 0.0,
+    }
+}
+
 /// The peak above the higher speed `low` if the slope on its side reaches no plateau and the other one, already long,
 /// grows by `slope` per speed: with k² = x/full the two take c1·k + c2·k² + c3·k³ more.
-fn lopsided(near: &Ramp, low: f32, slope: f32, length: f32) -> f32 {
+fn lopsided(near: &Bowed, low: f32, slope: f32, length: f32) -> f32 {
     let k = root_of_cubic([low * near.time(), slope * near.full, near.cubic], length);
     k * k * near.full
 }

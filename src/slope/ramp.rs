@@ -1,21 +1,108 @@
-//! TRAPEZ: the change of speed whose acceleration rises, holds and falls linearly.
+//! The change of speed: how long it takes and how far it goes, for given limits.
 //!
-//! From v0 to v1 > v0 with plateau a and jerks j_rise, j_fall: t_rise = a/j_rise, t_fall = a/j_fall,
-//! full = a (t_rise + t_fall)/2. If dv ≥ full the plateau lasts (dv − full)/a; else both ramps shrink by
-//! k = √(dv/full) and the acceleration peaks at k·a. Distance, with the times t1, t2, t3 of the three parts,
+//! **TRAPEZ, HSC, SIN2** ([`Bowed`]): acceleration rises, holds and falls. From v0 to v1 > v0 with plateau a and ramp
+//! times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps ([`Bend`]). If dv ≥ full the plateau
+//! lasts (dv − full)/a; else both ramps shrink by k = √(dv/full) and the acceleration peaks at k·a. Distance, with the times
+//! t1, t2, t3 of the three parts and q of the shape (TRAPEZ 1/6),
 //!
 //! ```text
-//! S = v0 (t1+t2+t3) + ap (t1²/6 + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + t3²/3)
+//! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
 //! ```
+//!
+//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it: v1² = v0² + 2 a S in each.
 //!
 //! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in ticks: it
 //! decides times, which the integers of [`super::profile`] then take as given.
-use crate::lookahead::max;
+use super::bend::Bend;
+use crate::lookahead::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
 /// A slope between two speeds, seen from the lower one. Times in ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ramp {
+pub enum Ramp {
+    /// Jerk-limited.
+    Bowed(Bowed),
+    /// Acceleration steps.
+    Stepped(Stepped),
+}
+
+impl Ramp {
+    /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
+    pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        match self {
+            Self::Bowed(ramp) => ramp.distance(low, dv),
+            Self::Stepped(ramp) => ramp.distance(low, dv),
+        }
+    }
+
+    /// Path length from `low` to where a change by `total` has gained `dv`.
+    pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
+        match self {
+            Self::Bowed(ramp) => ramp.passes(low, total, dv),
+            Self::Stepped(ramp) => ramp.distance(low, max(dv, 0.0))[0],
+        }
+    }
+
+    /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
+    pub fn reach(&self, low: f32, length: f32) -> f32 {
+        let dv = match self {
+            Self::Bowed(ramp) => ramp.reach(low, length),
+            Self::Stepped(ramp) => ramp.reach(low, length),
+        };
+        dv * (1.0 - 1.0 / 2_097_152.0)
+    }
+}
+
+/// Two accelerations and the speed between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepped {
+    /// Below and above `change_over`.
+    pub a: [f32; 2],
+    /// Speed at which one follows the other.
+    pub change_over: f32,
+}
+
+impl Stepped {
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        let below = min(max(self.change_over - low, 0.0), dv);
+        let above = dv - below;
+        let middle = low + below;
+        let length = below * (low + 0.5 * below) / self.a[0] + above * (middle + 0.5 * above) / self.a[1];
+        [length, (low + dv) / if above > 0.0 { self.a[1] } else { self.a[0] }]
+    }
+
+    fn reach(&self, low: f32, length: f32) -> f32 {
+        let below = self.change_over - low;
+        let mut gain = 0.0;
+        let mut rest = length;
+        if below > 0.0 {
+            let first = below * (low + 0.5 * below) / self.a[0];
+            if length <= first {
+                return gained_over(low, self.a[0] * length);
+            }
+            (gain, rest) = (below, length - first);
+        }
+        gain + gained_over(low + gain, self.a[1] * rest)
+    }
+
+    /// The peak above `low` of a speeding up and a slowing down that start there and take `length` together.
+    pub fn peak(up: &Self, down: &Self, low: f32, length: f32) -> f32 {
+        // Length per half the square of speed: both together are one slope.
+        let both = |stage: usize| 1.0 / (1.0 / up.a[stage] + 1.0 / down.a[stage]);
+        let change_over = min(up.change_over, down.change_over);
+        Self { a: [both(0), both(1)], change_over }.reach(low, length)
+    }
+}
+
+/// Change of speed from `low` on where half its square grows by `half`.
+fn gained_over(low: f32, half: f32) -> f32 {
+    2.0 * half / max(low + sqrt_f32(low * low + 2.0 * half), f32::MIN_POSITIVE)
+}
+
+/// Acceleration rises, holds and falls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bowed {
+    bend: Bend,
     /// Plateau acceleration.
     a: f32,
     /// Full length of the ramp at the lower speed.
@@ -24,22 +111,29 @@ pub struct Ramp {
     fall: f32,
     /// Change of speed that reaches the plateau: a (rise + fall)/2.
     pub full: f32,
-    /// Distance of that change from standstill: a (rise²/6 + rise·fall/2 + fall²/3).
+    /// Distance of that change from standstill: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
 }
 
-impl Ramp {
-    /// Slope with plateau `a` and the jerks of its ramp at the lower and at the higher speed.
-    pub fn new(a: f32, j_low: f32, j_high: f32) -> Self {
+impl Bowed {
+    /// Slope with plateau `a` and the mean jerks of its ramps at the lower and at the higher speed.
+    pub fn new(bend: Bend, a: f32, j_low: f32, j_high: f32) -> Self {
+        let [q, q_mirrored] = bend.distances();
         let rise = a / j_low;
         let fall = a / j_high;
         Self {
+            bend,
             a,
             rise,
             fall,
             full: 0.5 * a * (rise + fall),
-            cubic: a * (rise * rise * (1.0 / 6.0) + 0.5 * rise * fall + fall * fall * (1.0 / 3.0)),
+            cubic: a * (rise * rise * q + 0.5 * rise * fall + fall * fall * q_mirrored),
         }
+    }
+
+    /// Shape of both ramps.
+    pub fn bend(&self) -> Bend {
+        self.bend
     }
 
     /// Times of the ramp at the lower speed, of the plateau and of the ramp at the higher speed.
@@ -53,7 +147,7 @@ impl Ramp {
     }
 
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
-    pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;
@@ -68,7 +162,7 @@ impl Ramp {
     }
 
     /// Path length from `low` to where a change by `total` has gained `dv`.
-    pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
+    fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         if dv <= 0.0 {
             return 0.0;
         }
@@ -80,16 +174,17 @@ impl Ramp {
         let (a, rise) = (k * self.a, k * self.rise);
         let risen = 0.5 * a * rise;
         if dv <= risen {
-            let t = sqrt_f32(2.0 * dv * self.rise / self.a);
-            return t * (low + dv * (1.0 / 3.0));
+            let [u, s] = self.bend.reaches(dv / risen);
+            return rise * (low * u + risen * s);
         }
         if dv <= risen + a * hold {
             let t = (dv - risen) / a;
-            return rise * (low + risen * (1.0 / 3.0)) + t * (low + 0.5 * (risen + dv));
+            return rise * (low + risen * (2.0 * self.bend.distances()[0])) + t * (low + 0.5 * (risen + dv));
         }
         let left = max(total - dv, 0.0);
-        let t = sqrt_f32(2.0 * left * self.fall / self.a);
-        self.distance(low, total)[0] - t * (low + total - left * (1.0 / 3.0))
+        let fallen = 0.5 * a * k * self.fall;
+        let [u, s] = self.bend.reaches(min(left / fallen, 1.0));
+        self.distance(low, total)[0] - k * self.fall * ((low + total) * u - fallen * s)
     }
 
     /// Both ramps in full.
@@ -97,22 +192,21 @@ impl Ramp {
         self.rise + self.fall
     }
 
-    /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
+    /// Largest change of speed from `low` on within `length`.
     ///
     /// Below `full` it is the root k of cubic·k³ + low·(rise + fall)·k = length: increasing and convex, so that
     /// Newton's method from an upper bound falls onto it.
-    pub fn reach(&self, low: f32, length: f32) -> f32 {
+    fn reach(&self, low: f32, length: f32) -> f32 {
         let linear = low * (self.rise + self.fall);
         let rest = length - (linear + self.cubic);
-        let dv = if rest >= 0.0 {
+        if rest >= 0.0 {
             // a/2·hold² + (low + a·rise/2 + a·fall)·hold = rest
             let b = low + self.a * (0.5 * self.rise + self.fall);
             self.full + self.a * (2.0 * rest) / (b + sqrt_f32(b * b + 2.0 * self.a * rest))
         } else {
             let k = root_of_cubic([linear, 0.0, self.cubic], length);
             k * k * self.full
-        };
-        dv * (1.0 - 1.0 / 2_097_152.0)
+        }
     }
 }
 
