@@ -363,7 +363,7 @@ fn triangular(up: &Bowed, down: &Bowed, low: f32, length: f32) -> f32 {
     let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
     let c1 = low * (up.time() + ratio * down.time());
     let c3 = up.cubic + ratio * ratio * ratio * down.cubic;
-    let k = root_of_cubic([c1, 0.0, c3], length);
+    let k = root_of_cubic(c1, 0.0, c3, length);
     k * k * up.full
 }
 
@@ -378,6 +378,6 @@ fn stepped_peak(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
 /// The peak above the higher speed `low` if the slope on its side reaches no plateau and the other one, already long,
 /// grows by `slope` per speed: with k² = x/full the two take c1·k + c2·k² + c3·k³ more.
 fn lopsided(near: &Bowed, low: f32, slope: f32, length: f32) -> f32 {
-    let k = root_of_cubic([low * near.time(), slope * near.full, near.cubic], length);
+    let k = root_of_cubic(low * near.time(), slope * near.full, near.cubic, length);
     k * k * near.full
 }
