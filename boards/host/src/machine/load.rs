@@ -10,15 +10,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Parameters of which this simulator takes less than ISG's range: name, smallest, largest, and why.
-const NARROWER: &[(&str, i64, i64, &str)] = &[
-    ("look_ahead", 10, BLOCKS as i64, "blocks, this simulator is built for no more"),
-    (
-        "prog_start.slope.profile",
-        1,
-        1,
-        "(TRAPEZ): 0 STEP, 2 SIN2 and 3 HSC are not available in this version",
-    ),
-];
+const NARROWER: &[(&str, i64, i64, &str)] =
+    &[("look_ahead", 10, BLOCKS as i64, "blocks, this simulator is built for no more")];
 
 /// The range a parameter is held against, in thousandths, and in words.
 fn range_of<Target>(parameter: &Parameter<Target>) -> (i64, i64, String) {
@@ -120,35 +113,12 @@ impl Loader<'_> {
                 }
             }
         }
-        self.defaults(document.get_ref(), &machine.channel);
         if machine.axes.is_empty() && self.refused.is_empty() {
             let message = format!("{}: a machine needs an axis", self.source.name);
             self.refused
                 .push(Diagnostic::error(message).expected("for example: [axis.X] with type = \"linear\""));
         }
         machine
-    }
-
-    /// Defaults of the channel that this simulator does not take: they have to be set.
-    fn defaults(&mut self, document: &DeTable<'_>, channel: &ChannelData) {
-        if !self.refused.is_empty() {
-            return;
-        }
-        for parameter in CHANNEL {
-            let (min, max, range) = range_of(parameter);
-            let value = (parameter.get)(channel);
-            if value < min || value > max {
-                let label = label("channel", parameter.id, parameter.name);
-                let message = format!("{label} = {} (the default): out of range", thousandths(value));
-                match document.iter().find(|(key, _)| key.get_ref() == "channel") {
-                    Some((key, _)) => self.refuse(&key.span(), message, &range),
-                    None => {
-                        let message = format!("{}: {message}", self.source.name);
-                        self.refused.push(Diagnostic::error(message).expected(range));
-                    }
-                }
-            }
-        }
     }
 
     fn axis(
