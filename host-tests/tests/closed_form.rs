@@ -1,6 +1,6 @@
 //! The reference against itself: closed forms, quadrature of their own jerk, and each other.
 use host_tests::cases::random::Random;
-use host_tests::reference::profile::{Change, Profile, Ramps, reach, rest_to_rest};
+use host_tests::reference::profile::{Change, Profile, Ramps, Slope, reach, rest_to_rest};
 
 fn close(a: f64, b: f64, relative: f64) -> bool {
     (a - b).abs() <= relative * a.abs().max(b.abs())
@@ -116,5 +116,61 @@ fn reach_is_the_inverse_of_the_distance() {
         let distance = Change::new(v0, v1, ramps).distance;
         assert!(close(reach(distance, v0, 1e4, ramps), v1, 1e-11));
         assert_eq!(reach(distance * 1.001, v0, v1, ramps), v1);
+    }
+}
+
+/// Speed, distance and largest difference of acceleration against a·sin²(πt/2T), by quadrature.
+#[test]
+fn a_ramp_of_sin2_is_a_sine_squared_within_a_hundredth() {
+    let mut r = Random::new(4);
+    for _ in 0..50 {
+        let ramps =
+            Ramps { a: r.magnitude(10.0, 1e4), up: r.magnitude(0.05, 1.0), down: r.magnitude(0.05, 1.0) };
+        let v0 = if r.once_in(3) { 0.0 } else { r.magnitude(0.1, 500.0) };
+        let v1 = v0 + ramps.a * (ramps.up + ramps.down) * r.magnitude(0.01, 3.0);
+        let change = Change::new(v0, v1, Slope::Sin2(ramps));
+        let [up, hold, down] = change.times;
+        let exact = |t: f64| {
+            let left = up + hold + down - t;
+            let u = if t < up { t / up } else { (left / down).min(1.0) };
+            change.a_peak * (std::f64::consts::FRAC_PI_2 * u).sin().powi(2)
+        };
+        let steps = 20_000;
+        let h = change.time() / f64::from(steps);
+        let (mut v, mut s) = (v0, 0.0);
+        for i in 0..steps {
+            let t = h * (f64::from(i) + 0.5);
+            let state = change.along(v0, t);
+            assert!((state.a - exact(t)).abs() < 0.0095 * change.a_peak, "{t} of {ramps:?}");
+            assert!((state.v - (v + exact(t) * h / 2.0)).abs() < 0.0022 * change.a_peak * up.max(down));
+            s += h * (v + exact(t) * h / 2.0);
+            v += exact(t) * h;
+        }
+        assert!(close(v, v1, 1e-7), "{v} {v1}");
+        // q is larger than that of the sine, 1/4 − 1/π², at the lower speed for it, at the higher one against it.
+        let excess = 0.149_970_798_037_416 - (0.25 - std::f64::consts::FRAC_1_PI.powi(2));
+        let shift = change.a_peak * (up * up - down * down) * excess;
+        assert!(close(s + shift, change.distance, 1e-6), "{s} {shift} {}", change.distance);
+        // The jerk stays below that of the sine.
+        for section in change.sections.iter().filter(|section| section.time > 0.0) {
+            let jerk = (section.a[1] - section.a[0]).abs() / section.time;
+            let ramp = up.min(down).max(1e-300);
+            assert!(jerk <= std::f64::consts::FRAC_PI_2 * change.a_peak / ramp);
+        }
+    }
+}
+
+#[test]
+fn step_covers_the_difference_of_squares() {
+    let mut r = Random::new(5);
+    for _ in 0..200 {
+        let (a, over) = ([r.magnitude(10.0, 1e4), r.magnitude(10.0, 1e4)], r.magnitude(1.0, 500.0));
+        let (v0, dv) = (r.magnitude(0.1, 500.0), r.magnitude(0.1, 500.0));
+        let v1 = v0 + dv;
+        let middle = over.clamp(v0, v1);
+        let s = (middle * middle - v0 * v0) / (2.0 * a[0]) + (v1 * v1 - middle * middle) / (2.0 * a[1]);
+        let change = Change::new(v0, v1, Slope::Step(a, over));
+        assert!(close(change.distance, s, 1e-10), "{s} {}", change.distance);
+        assert!(close(change.along(v0, change.time()).v, v1, 1e-12));
     }
 }

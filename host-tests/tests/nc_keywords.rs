@@ -136,8 +136,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#CONTOUR MODE [POST_ACTION]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
-        "#SLOPE [TYPE=STEP]",
-        "#SLOPE [TYPE=SIN2]",
         "#FILTER ON [ORDER=20]",
         "#VECTOR LIMIT ON [RADIAL_ACC=1000]",
         "#VECTOR LIMIT ON [VEL=1000 RADIAL_JERK]",
@@ -168,16 +166,7 @@ fn what_is_not_available_is_refused_where_it_stands() {
         assert!(error.to_string().ends_with("known, not available in this version"), "{command}: {error}");
     }
     // What switches off has nothing to do.
-    for command in [
-        "G260",
-        "#CONTOUR MODE OFF",
-        "G150",
-        "#SPLINE OFF",
-        "#SLOPE DEFAULT",
-        "#SLOPE [TYPE=TRAPEZ]",
-        "#SLOPE [TYPE=HSC]",
-        "#SET SLOPE PROFIL [3]",
-    ] {
+    for command in ["G260", "#CONTOUR MODE OFF", "G150", "#SPLINE OFF", "#SLOPE DEFAULT"] {
         let error = refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"));
         assert!(error.is_none(), "{command}: {error:?}");
     }

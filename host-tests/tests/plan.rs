@@ -13,7 +13,7 @@ use host_tests::{check, tolerance};
 
 fn reference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (Contour, Vec<Profile>) {
     let contour = program.contour_as_decoded(machine);
-    let axes = Machine::new(&machine.axes, machine.channel.cycle_us);
+    let axes = Machine::new(&machine.axes, &machine.channel);
     let profiles = plan(&blocks(&contour, &axes), machine.channel.look_ahead as usize);
     (contour, profiles)
 }
@@ -31,14 +31,23 @@ fn permitted<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) 
     check::ends(&trace, &start, &stops)
 }
 
+/// TRAPEZ, SIN2, STEP.
+const SLOPES: [u8; 3] = [1, 2, 0];
+
+fn machines_of<const AXES: usize>(cycle_us: u32, slopes: &[u8]) -> impl Iterator<Item = MachineData<AXES>> {
+    slopes.iter().flat_map(move |&slope| {
+        [machines::even(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
+            .map(|machine| machines::with_slope(machine, slope))
+    })
+}
+
 fn judge<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
     let mut faults = Vec::new();
-    for program in programs {
-        for machine in
-            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
-        {
+    for (program, slopes) in programs.zip(SLOPES.chunks(1).cycle()) {
+        for machine in machines_of::<AXES>(cycle_us, slopes) {
             if let Err(fault) = permitted(&program, &machine) {
-                faults.push(format!("{}: {fault}", program.name));
+                let slope = machine.channel.slope_profile;
+                faults.push(format!("{}, slope {slope}: {fault}", program.name));
             }
         }
     }
@@ -92,8 +101,8 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
             let off = if scale == 0.0 { library } else { (library - reference).abs() / scale };
             if off > tolerance::PLAN {
                 println!(
-                    "{}, block {i}: {what} {library}, reference {reference}, {off:.2e}\n  {:?}",
-                    program.name, program.moves[i]
+                    "{}, slope {}, block {i}: {what} {library}, reference {reference}, {off:.2e}\n  {:?}",
+                    program.name, machine.channel.slope_profile, program.moves[i]
                 );
             }
             largest = largest.max(off);
@@ -106,9 +115,7 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
 fn same_plan<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_us: u32) {
     let mut worst = 0.0_f64;
     for program in programs {
-        for machine in
-            [machines::even::<AXES>(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)]
-        {
+        for machine in machines_of::<AXES>(cycle_us, &SLOPES) {
             worst = worst.max(compare(&program, &machine));
         }
     }

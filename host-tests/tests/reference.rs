@@ -12,7 +12,7 @@ use host_tests::trace::run;
 fn difference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (f64, f64, f64) {
     let run = run::<AXES, 120>(program, machine).unwrap();
     let contour = program.contour_as_decoded(machine);
-    let axes = Machine::new(&machine.axes, machine.channel.cycle_us);
+    let axes = Machine::new(&machine.axes, &machine.channel);
     let laws = laws(&blocks(&contour, &axes), &run.blocks);
     let motion = Motion::new(&contour, &laws, 1.0);
     let ramps = laws.iter().flat_map(|law| [law.rise.distance, law.fall.distance]);
@@ -29,8 +29,9 @@ fn difference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
 
 fn close<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) {
     let (off, own, time) = difference(program, machine);
-    println!("{}: {:.3} nm in {time:.1} s", program.name, off * 1e6);
-    assert!(own <= tolerance::REFERENCE, "{}: {} nm", program.name, off * 1e6);
+    let name = format!("{}, slope {}", program.name, machine.channel.slope_profile);
+    println!("{name}: {:.3} nm in {time:.1} s", off * 1e6);
+    assert!(own <= tolerance::REFERENCE, "{name}: {} nm", off * 1e6);
 }
 
 #[test]
@@ -57,19 +58,27 @@ fn named_programs_and_edges() {
     ];
     for program in named.into_iter().chain(edges::three_axes()) {
         for machine in [machines::even::<3>(1000), machines::uneven(1000), machines::mill(1000)] {
-            close(&program, &machine);
+            for slope in [1, 2, 0] {
+                close(&program, &machines::with_slope(machine, slope));
+            }
         }
     }
     for program in edges::rotary() {
-        close(&program, &machines::mill::<4>(1000));
+        for slope in [1, 2, 0] {
+            close(&program, &machines::with_slope(machines::mill::<4>(1000), slope));
+        }
     }
 }
 
 #[test]
 fn other_cycles_and_axes() {
     for seed in 3100..3106 {
-        close(&program(seed, Mix::general(3, 40)), &machines::mill::<3>(250));
-        close(&program(seed, Mix::general(3, 40)), &machines::even::<3>(4000));
-        close(&program(seed, Mix::general(6, 40)), &machines::mill::<6>(1000));
+        for slope in [1, 2, 0] {
+            let of = |machine| machines::with_slope(machine, slope);
+            close(&program(seed, Mix::general(3, 40)), &of(machines::mill::<3>(250)));
+            close(&program(seed, Mix::general(3, 40)), &of(machines::even::<3>(4000)));
+            let machine = machines::with_slope(machines::mill::<6>(1000), slope);
+            close(&program(seed, Mix::general(6, 40)), &machine);
+        }
     }
 }

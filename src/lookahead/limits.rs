@@ -14,8 +14,8 @@
 //! π/2 · a / ramp time.
 //!
 //! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
-//! the slope, which does not vanish there. A quarter of `a_max` is left to knees, beside them on lines and always on arcs, and
-//! a knee takes no more than the acceleration of a stage changes in a cycle.
+//! the slope, which does not vanish there. A quarter of `a_max` is left to knees: beside them and beside blocks that may pass
+//! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
 use crate::machine::{AxisData, ChannelData, MachineData, Stages};
@@ -592,9 +592,18 @@ impl Limits {
     }
 
     /// Leaves a transition its part.
+    ///
+    /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one factor: with q < 1/6
+    /// and a ramp at the lower speed shorter than a third of the other one, a longer one alone would shorten the way.
     pub(super) fn share(&mut self) {
-        if let Law::Bowed { j, .. } = &mut self.law {
-            lower(j, [self.j_shared; 4]);
+        match &mut self.law {
+            Law::Bowed { bend: Bend::SineSquare, j } => {
+                let highest = j.iter().fold(0.0, |highest, j| max(highest, *j));
+                let part = min(1.0, self.j_shared / highest);
+                *j = j.map(|j| j * part);
+            }
+            Law::Bowed { j, .. } => lower(j, [self.j_shared; 4]),
+            Law::Stepped { .. } => {}
         }
         self.lower_accelerations(self.a_shared);
     }

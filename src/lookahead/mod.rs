@@ -183,8 +183,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
-            if let Some(v) = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap) {
-                cap = min(cap, v);
+            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
+            // STEP: what passes within a tick of a knee shows together with it.
+            let brief = last.length < before.limits.v || length < limits.v;
+            if v.is_some() || (brief && dynamics.slope() == SlopeType::Step) {
+                cap = min(cap, v.unwrap_or(cap));
                 limits.share();
                 shared = true;
                 if !last.shared {

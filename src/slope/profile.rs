@@ -92,7 +92,8 @@ impl Change {
                 self.set(Form::Bowed(ramp.bend()), v0, v1, ordered(times));
             }
             Ramp::Stepped(ramp) => {
-                let middle = speed_bits(ramp.change_over).clamp(low, high);
+                let [below, above] = ramp.parts(speed_f32(low), speed_f32(high - low));
+                let middle = if above > 0.0 { (low + speed_bits(below)).min(high) } else { high };
                 let time = |dv: i64, a: f32| bits(speed_f32(dv) / a);
                 let times = [time(middle - low, ramp.a[0]), 0, time(high - middle, ramp.a[1])];
                 self.speeds[1] = middle;

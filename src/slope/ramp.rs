@@ -63,9 +63,15 @@ pub struct Stepped {
 }
 
 impl Stepped {
-    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    /// What of a change by `dv` from `low` on lies below and above the change-over speed. Of a small change that is known to
+    /// 2^-23 of the speed only: distances, and the plan, must take the same.
+    pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
-        let above = dv - below;
+        [below, dv - below]
+    }
+
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        let [below, above] = self.parts(low, dv);
         let middle = low + below;
         let length = below * (low + 0.5 * below) / self.a[0] + above * (middle + 0.5 * above) / self.a[1];
         [length, (low + dv) / if above > 0.0 { self.a[1] } else { self.a[0] }]

@@ -82,6 +82,20 @@ pub fn mill<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     })
 }
 
+/// The machine with a slope of P-CHAN-00071; for STEP with two stages about the accelerations of the other slopes.
+pub fn with_slope<const AXES: usize>(mut machine: MachineData<AXES>, slope: u8) -> MachineData<AXES> {
+    machine.channel.slope_profile = slope;
+    for axis in &mut machine.axes {
+        axis.a_stufe = [axis.a_beschl, axis.a_beschl / 5 * 3];
+        axis.d_stufe = [axis.a_brems / 5 * 4, 0];
+        axis.vb_stufe_1_2 = axis.vb_max / 4;
+        axis.a_grenz_stufe = [axis.a_grenz / 5 * 3, axis.a_grenz];
+        axis.d_grenz_stufe = [0, axis.a_grenz / 2];
+        axis.vb_grenz_stufe_1_2 = axis.vb_eilgang / 3;
+    }
+    machine
+}
+
 /// A machine that nobody would build: every axis has its own random limits, within what the parameters allow.
 pub fn arbitrary<const AXES: usize>(seed: u64) -> MachineData<AXES> {
     let mut r = Random::new(seed);
@@ -108,7 +122,19 @@ pub fn arbitrary<const AXES: usize>(seed: u64) -> MachineData<AXES> {
         if r.once_in(3) {
             axis.a_trans_weight = r.between(1.0, 1000.0) as u32;
         }
+        stages(seed.wrapping_mul(64) + k as u64 + 33, axis);
     });
     machine.channel.look_ahead = [10, 30, 120][(r.bits() % 3) as usize];
     machine
+}
+
+/// Random stages of the slope STEP.
+fn stages(seed: u64, axis: &mut AxisData) {
+    let mut r = Random::new(seed);
+    let mut a = || (f64::from(axis.a_max) * r.between(0.1, 1.0)) as u32;
+    (axis.a_stufe, axis.a_grenz_stufe) = ([a(), a()], [a(), a()]);
+    let mut d = || if r.once_in(3) { 0 } else { (f64::from(axis.a_max) * r.between(0.1, 1.0)) as u32 };
+    (axis.d_stufe, axis.d_grenz_stufe) = ([d(), d()], [d(), d()]);
+    axis.vb_stufe_1_2 = r.magnitude(1000.0, f64::from(axis.vb_max)) as u32;
+    axis.vb_grenz_stufe_1_2 = r.magnitude(1000.0, f64::from(axis.vb_max)) as u32;
 }

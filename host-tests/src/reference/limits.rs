@@ -4,11 +4,14 @@
 //!
 //! - every limit of a straight block is that of the axis that reaches its own first;
 //! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part of it;
+//! - a ramp of SIN2 has π/2 times the jerk of a linear one;
+//! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter of the largest
+//!   acceleration, which lines beside it and all arcs leave to it;
 //! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`].
 use super::geometry::{Element, Shape};
-use super::profile::Ramps;
+use super::profile::{Ramps, Slope};
 use crate::tolerance;
-use glidepath::machine::AxisData;
+use glidepath::machine::{AxisData, ChannelData};
 
 /// Part of B for a joint that is not smooth; the slope beside it gets as much.
 const JOINT: f64 = 0.4;
@@ -38,7 +41,11 @@ pub struct BlockLimits {
     pub a_up: f64,
     /// Deceleration.
     pub a_down: f64,
-    /// Jerk while acceleration rises and falls, while deceleration rises and falls.
+    /// P-CHAN-00071.
+    pub slope: u8,
+    /// STEP: the change-over speed, acceleration and deceleration above it.
+    pub upper: [f64; 3],
+    /// Mean jerk while acceleration rises and falls, while deceleration rises and falls.
     pub j: [f64; 4],
     /// Jerk that a block beside a joint may use.
     pub j_beside: f64,
@@ -47,21 +54,41 @@ pub struct BlockLimits {
 }
 
 impl BlockLimits {
-    /// Acceleration and its ramps.
-    pub fn accelerate(&self) -> Ramps {
-        Ramps { a: self.a_up, up: self.a_up / self.j[0], down: self.a_up / self.j[1] }
+    /// Acceleration, in the order of time.
+    pub fn accelerate(&self) -> Slope {
+        self.follow(self.a_up, self.upper[1], self.j[0], self.j[1])
     }
 
-    /// Deceleration and its ramps, in the order of time.
-    pub fn brake(&self) -> Ramps {
-        Ramps { a: self.a_down, up: self.a_down / self.j[2], down: self.a_down / self.j[3] }
+    /// Deceleration, in the order of time.
+    pub fn brake(&self) -> Slope {
+        self.follow(self.a_down, self.upper[2], self.j[2], self.j[3])
     }
 
-    /// Leaves the joint its part of the jerk.
+    fn follow(&self, a: f64, upper: f64, rise: f64, fall: f64) -> Slope {
+        let ramps = Ramps { a, up: a / rise, down: a / fall };
+        match self.slope {
+            0 => Slope::Step([a, upper], self.upper[0]),
+            2 => Slope::Sin2(ramps),
+            _ => Slope::Trapez(ramps),
+        }
+    }
+
+    /// Leaves the joint its part of the jerk. Ramps of SIN2 keep their proportions.
     pub fn share(&mut self) {
-        self.j = self.j.map(|j| j.min(self.j_beside));
-        self.a_up = self.a_up.min(self.a_beside);
-        self.a_down = self.a_down.min(self.a_beside);
+        if self.slope == 2 {
+            let part = self.j.into_iter().map(|j| self.j_beside / j).fold(1.0, f64::min);
+            self.j = self.j.map(|j| j * part);
+        } else {
+            self.j = self.j.map(|j| j.min(self.j_beside));
+        }
+        self.lower(self.a_beside);
+    }
+
+    fn lower(&mut self, a: f64) {
+        let [_, upper_up, upper_down] = &mut self.upper;
+        for value in [&mut self.a_up, &mut self.a_down, upper_up, upper_down] {
+            *value = value.min(a);
+        }
     }
 }
 
@@ -72,6 +99,10 @@ pub struct AxisLimits {
     a_up: f64,
     a_down: f64,
     j: [f64; 4],
+    /// STEP: accelerations and decelerations of both stages, change-over speed.
+    up: [f64; 2],
+    down: [f64; 2],
+    change_over: f64,
     /// B.
     jerk: f64,
     /// Step of speed at a knee.
@@ -81,8 +112,8 @@ pub struct AxisLimits {
 }
 
 impl AxisLimits {
-    /// Of a machine's axis, for a cycle in µs.
-    pub fn new(axis: &AxisData, cycle_us: u32, rapid: bool) -> Self {
+    /// Of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
+    pub fn new(axis: &AxisData, cycle_us: u32, slope: u8, rapid: bool) -> Self {
         let cycle = f64::from(cycle_us) * 1e-6;
         let keep = 1.0 - tolerance::SPEED_MARGIN;
         let acceleration = |mm_s2: u32| f64::from(mm_s2) * cycle * cycle * keep;
@@ -93,7 +124,15 @@ impl AxisLimits {
             let ramps = [axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab];
             (axis.vb_max, axis.a_beschl, axis.a_brems, ramps)
         };
-        let (a_up, a_down) = (acceleration(up), acceleration(down));
+        let stages =
+            if rapid { [axis.a_grenz_stufe, axis.d_grenz_stufe] } else { [axis.a_stufe, axis.d_stufe] };
+        // A deceleration of 0 is that of the acceleration.
+        let down_of = |i: usize| if stages[1][i] == 0 { stages[0][i] } else { stages[1][i] };
+        let stage = |mm_s2: u32| acceleration(mm_s2.min(axis.a_max));
+        let (accelerate, brake) = (stages[0].map(stage), [0, 1].map(|i| stage(down_of(i))));
+        let change_over = if rapid { axis.vb_grenz_stufe_1_2 } else { axis.vb_stufe_1_2 };
+        let (a_up, a_down) =
+            if slope == 0 { (accelerate[0], brake[0]) } else { (acceleration(up), acceleration(down)) };
         let jerk_with = |k: usize, ticks: f64| {
             let a = if k < 2 { a_up } else { a_down };
             a / ticks * (1.0 - tolerance::JERK_MARGIN)
@@ -106,16 +145,30 @@ impl AxisLimits {
             if axis.a_trans_weight == 0 { 1.0 / longest } else { f64::from(axis.a_trans_weight) * 1e-3 };
         let shortest = ramps.into_iter().map(ticks).fold(f64::INFINITY, f64::min);
         let a_max = acceleration(axis.a_max);
-        Self {
+        let mut limits = Self {
             v: f64::from(v) * 1e-3 * cycle * keep,
             a_up,
             a_down,
             j,
+            up: accelerate,
+            down: brake,
+            change_over: f64::from(change_over.min(axis.vb_max)) * 1e-3 * cycle * keep,
             jerk: shared.into_iter().fold(f64::INFINITY, f64::min),
             knee: (a_up.min(a_down) * weight).min(KNEE * a_max),
             a_beside: if shortest < LONG_RAMP { (1.0 - KNEE) * a_max } else { f64::INFINITY },
             a_max,
+        };
+        if slope == 0 {
+            let least = accelerate.into_iter().chain(brake).fold(f64::INFINITY, f64::min);
+            limits.knee = least.min(KNEE * a_max);
+            limits.jerk = limits.knee / JOINT;
+            limits.a_beside = (1.0 - KNEE) * a_max;
         }
+        limits
+    }
+
+    fn least(&self) -> f64 {
+        self.up.into_iter().chain(self.down).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -125,13 +178,15 @@ pub struct Machine {
     feed: Vec<AxisLimits>,
     rapid: Vec<AxisLimits>,
     cycle_us: u32,
+    slope: u8,
 }
 
 impl Machine {
     /// From its data.
-    pub fn new(axes: &[AxisData], cycle_us: u32) -> Self {
-        let of = |rapid| axes.iter().map(|a| AxisLimits::new(a, cycle_us, rapid)).collect();
-        Self { feed: of(false), rapid: of(true), cycle_us }
+    pub fn new(axes: &[AxisData], channel: &ChannelData) -> Self {
+        let (cycle_us, slope) = (channel.cycle_us, channel.slope_profile);
+        let of = |rapid| axes.iter().map(|a| AxisLimits::new(a, cycle_us, slope, rapid)).collect();
+        Self { feed: of(false), rapid: of(true), cycle_us, slope }
     }
 
     fn axes(&self, rapid: bool) -> &[AxisLimits] {
@@ -148,12 +203,31 @@ impl Machine {
         };
         let keep = 1.0 - tolerance::SPEED_MARGIN;
         let feed = element.feed.map_or(f64::INFINITY, |f| f / 60.0 * f64::from(self.cycle_us) * 1e-6 * keep);
+        let arc = match &element.shape {
+            Shape::Arc { axes, .. } => axes.to_vec(),
+            Shape::Line => Vec::new(),
+        };
+        let change_over = least(&|a| a.change_over);
+        // Axes that are slower than their own change-over at that speed, always or within an arc, need both.
+        let above = |of: &dyn Fn(&AxisLimits) -> [f64; 2]| {
+            let each = axes.iter().zip(&shares).enumerate().filter(|(_, (_, d))| **d > 0.0);
+            let upper = each.map(|(k, (axis, d))| {
+                let [lower, upper] = of(axis);
+                let both = arc.contains(&k) || axis.change_over / d > change_over * (1.0 + 1e-6);
+                (if both { lower.min(upper) } else { upper }) / d
+            });
+            upper.fold(f64::INFINITY, f64::min)
+        };
+        // The mean jerk of a ramp with the highest jerk 1.
+        let mean = if self.slope == 2 { std::f64::consts::FRAC_2_PI } else { 1.0 };
         let mut limits = BlockLimits {
+            slope: self.slope,
+            upper: [change_over, above(&|a| a.up), above(&|a| a.down)],
             v: least(&|a| a.v).min(feed).min(BLOCKS_PER_TICK * path_length(element)),
             a_up: least(&|a| a.a_up),
             a_down: least(&|a| a.a_down),
             j: std::array::from_fn(|k| least(&|a| a.j[k])),
-            j_beside: JOINT * least(&|a| a.jerk),
+            j_beside: mean * JOINT * least(&|a| a.jerk),
             a_beside: least(&|a| a.a_beside),
         };
         if let Shape::Arc { axes: plane, radius, .. } = &element.shape {
@@ -161,12 +235,16 @@ impl Machine {
             let curvature = share * share / radius[0].min(radius[1]);
             let both =
                 |limit: &dyn Fn(&AxisLimits) -> f64| limit(&axes[plane[0]]).min(limit(&axes[plane[1]]));
-            let (a_max, jerk) = (both(&|a| a.a_max), both(&|a| a.jerk));
+            let (mut a_max, mut jerk) = (both(&|a| a.a_max), both(&|a| a.jerk));
+            let mut normal = both(&|a| a.a_up.min(a.a_down));
+            if self.slope == 0 {
+                (a_max, jerk, normal) = ((1.0 - KNEE) * a_max, 1e20, both(&AxisLimits::least));
+            }
             // Across the path v²κ, its change along the path v³κ².
-            let across = both(&|a| a.a_up.min(a.a_down)).min(ACROSS * a_max);
+            let across = normal.min(ACROSS * a_max);
             limits.v = limits.v.min((across / curvature).sqrt());
             limits.v = limits.v.min((ARC_TURN * jerk / (curvature * curvature)).cbrt());
-            limits.j = limits.j.map(|j| j.min(ARC_SLOPE * jerk / share));
+            limits.j = limits.j.map(|j| j.min(mean * ARC_SLOPE * jerk / share));
             // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the less. The
             // speed that is best for the full circle, from rest to rest with constant acceleration.
             let slope = limits.a_up.min(limits.a_down);
@@ -182,8 +260,7 @@ impl Machine {
             });
             if let Some((_, v, a)) = choices.min_by(|x, y| x.0.total_cmp(&y.0)) {
                 limits.v = v;
-                limits.a_up = limits.a_up.min(a);
-                limits.a_down = limits.a_down.min(a);
+                limits.lower(a);
             }
         }
         limits
@@ -199,9 +276,10 @@ impl Machine {
             let knee = (begin.tangent[k] - end.tangent[k]).abs();
             let bend = (begin.curvature[k] - end.curvature[k]).abs();
             // Steps too small to be seen, at any speed the joint can be passed.
-            let unseen = |step: f64| step <= SMOOTH * axis.jerk;
+            let smooth = if self.slope == 0 { 2f64.powi(-22) } else { SMOOTH };
+            let unseen = |step: f64| step <= smooth * axis.jerk;
             let knee = if unseen(fastest * knee) { 0.0 } else { knee };
-            let bend = if unseen(fastest * fastest * bend) { 0.0 } else { bend };
+            let bend = if self.slope == 0 || unseen(fastest * fastest * bend) { 0.0 } else { bend };
             let both = if knee > 0.0 && bend > 0.0 { 0.5 } else { 1.0 };
             let part = both * JOINT * axis.jerk;
             if knee > 0.0 {

@@ -30,8 +30,11 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
             && !before.stop
         {
             v_start = last.limits.v.min(limits.v);
-            if let Some(v) = machine.joint(before, element, v_start) {
-                v_start = v_start.min(v);
+            let joint = machine.joint(before, element, v_start);
+            // With STEP, blocks that may pass within a tick count as joints.
+            let within = last.length < last.limits.v || path_length(element) < limits.v;
+            if joint.is_some() || (limits.slope == 0 && within) {
+                v_start = v_start.min(joint.unwrap_or(v_start));
                 last.limits.share();
                 limits.share();
             }

@@ -1,8 +1,11 @@
-//! Time laws with four ramp times (TRAPEZ), in closed form.
+//! Time laws in closed form, or from the integral of their acceleration.
 //!
-//! A speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and lowers it within `down`.
-//! Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below that both ramps keep their slope and
-//! shrink by the same factor, above it the peak is held. Braking is the same motion with time reversed.
+//! TRAPEZ and SIN2: a speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and lowers it within
+//! `down`. Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below that both ramps keep their shape and
+//! shrink by the same factor, above it the peak is held. Braking is the same motion with time reversed. A ramp of SIN2 is
+//! linear between the values of sin² at eighths of its time.
+//!
+//! STEP: one acceleration below the change-over speed and another above it.
 //!
 //! Units are whatever length and time the caller uses throughout.
 
@@ -27,37 +30,136 @@ impl Ramps {
     }
 }
 
-/// A monotone change of speed, acceleration zero at both ends.
+/// What a change of speed follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slope {
+    /// TRAPEZ.
+    Trapez(Ramps),
+    /// SIN2.
+    Sin2(Ramps),
+    /// STEP: accelerations below and above a speed.
+    Step([f64; 2], f64),
+}
+
+impl From<Ramps> for Slope {
+    fn from(ramps: Ramps) -> Self {
+        Self::Trapez(ramps)
+    }
+}
+
+impl Slope {
+    /// The slope seen when time runs backward.
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Trapez(ramps) => Self::Trapez(ramps.reversed()),
+            Self::Sin2(ramps) => Self::Sin2(ramps.reversed()),
+            step @ Self::Step(..) => step,
+        }
+    }
+}
+
+/// Pieces of a ramp of SIN2.
+const EIGHTHS: usize = 8;
+
+/// A time during which acceleration changes linearly.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Section {
+    /// Duration.
+    pub time: f64,
+    /// Acceleration at its start and at its end.
+    pub a: [f64; 2],
+}
+
+impl Section {
+    /// Speed and distance `t` after its start with the speed `v`.
+    fn after(&self, v: f64, t: f64) -> PathState {
+        let [a, end] = self.a;
+        let jerk = if self.time > 0.0 { (end - a) / self.time } else { 0.0 };
+        PathState {
+            s: t * (v + t * (a / 2.0 + t * jerk / 6.0)),
+            v: v + t * (a + t * jerk / 2.0),
+            a: a + t * jerk,
+        }
+    }
+}
+
+/// A monotone change of speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
     /// Highest acceleration reached.
     pub a_peak: f64,
-    /// Duration of the rising ramp, of the hold, of the falling ramp.
+    /// Duration of the rising ramp, of the hold, of the falling ramp; of both stages of STEP with nothing between.
     pub times: [f64; 3],
     /// Distance covered.
     pub distance: f64,
+    /// The whole of it, piece by piece.
+    pub sections: [Section; 2 * EIGHTHS + 1],
 }
 
 impl Change {
     /// The quickest change from `v0` to `v1 >= v0`.
-    pub fn new(v0: f64, v1: f64, ramps: Ramps) -> Self {
+    pub fn new(v0: f64, v1: f64, slope: impl Into<Slope>) -> Self {
         let dv = v1 - v0;
         if dv <= 0.0 {
             return Self::default();
         }
-        let full = ramps.a * (ramps.up + ramps.down) / 2.0;
-        let (scale, hold) = if dv >= full { (1.0, (dv - full) / ramps.a) } else { ((dv / full).sqrt(), 0.0) };
-        let (a, up, down) = (ramps.a * scale, ramps.up * scale, ramps.down * scale);
-        // Distance: rising ramp, hold, falling ramp counted from its end.
-        let v_hold = v0 + a * up / 2.0;
-        let distance = v0 * up + a * up * up / 6.0 + v_hold * hold + a * hold * hold / 2.0 + v1 * down
-            - a * down * down / 6.0;
-        Self { a_peak: a, times: [up, hold, down], distance }
+        let mut change = Self::default();
+        let nodes = match slope.into() {
+            Slope::Step(a, change_over) => {
+                let middle = change_over.clamp(v0, v1);
+                let times = [(middle - v0) / a[0], (v1 - middle) / a[1]];
+                for (section, (a, time)) in change.sections.iter_mut().zip(a.into_iter().zip(times)) {
+                    *section = Section { time, a: [a; 2] };
+                }
+                change.times = [times[0], 0.0, times[1]];
+                change.a_peak = if times[1] == 0.0 { a[0] } else { a[0].max(a[1]) };
+                None
+            }
+            Slope::Trapez(ramps) => Some((ramps, vec![0.0, 1.0])),
+            Slope::Sin2(ramps) => {
+                let eighth = std::f64::consts::FRAC_PI_2 / EIGHTHS as f64;
+                Some((ramps, (0..=EIGHTHS).map(|k| (k as f64 * eighth).sin().powi(2)).collect()))
+            }
+        };
+        if let Some((ramps, nodes)) = nodes {
+            let full = ramps.a * (ramps.up + ramps.down) / 2.0;
+            let (scale, hold) =
+                if dv >= full { (1.0, (dv - full) / ramps.a) } else { ((dv / full).sqrt(), 0.0) };
+            let (a, up, down) = (ramps.a * scale, ramps.up * scale, ramps.down * scale);
+            let pieces = nodes.len() - 1;
+            for (k, node) in nodes.windows(2).enumerate() {
+                let [low, high] = [a * node[0], a * node[1]];
+                change.sections[k] = Section { time: up / pieces as f64, a: [low, high] };
+                change.sections[2 * pieces - k] = Section { time: down / pieces as f64, a: [high, low] };
+            }
+            change.sections[pieces] = Section { time: hold, a: [a; 2] };
+            (change.a_peak, change.times) = (a, [up, hold, down]);
+        }
+        change.distance = change.along(v0, change.time()).s;
+        change
     }
 
     /// Duration.
     pub fn time(&self) -> f64 {
         self.times.iter().sum()
+    }
+
+    /// Path values `t` after its start at the speed `v0`; before it, constant speed.
+    pub fn along(&self, v0: f64, t: f64) -> PathState {
+        let mut state = PathState { s: 0.0, v: v0, a: 0.0 };
+        if t <= 0.0 {
+            return PathState { s: v0 * t, ..state };
+        }
+        let mut left = t;
+        for section in self.sections.iter().filter(|section| section.time > 0.0) {
+            let step = section.after(state.v, left.min(section.time));
+            state = PathState { s: state.s + step.s, ..step };
+            left -= section.time;
+            if left <= 0.0 {
+                break;
+            }
+        }
+        state
     }
 }
 
@@ -99,9 +201,10 @@ impl Profile {
         v_in: f64,
         v_out: f64,
         v_max: f64,
-        accelerate: Ramps,
-        brake: Ramps,
+        accelerate: impl Into<Slope>,
+        brake: impl Into<Slope>,
     ) -> Option<Self> {
+        let (accelerate, brake) = (accelerate.into(), brake.into());
         let through = |v: f64| {
             let rise = Change::new(v_in, v, accelerate);
             let fall = Change::new(v_out, v, brake.reversed());
@@ -124,9 +227,10 @@ impl Profile {
         v_in: f64,
         v_out: f64,
         v_peak: f64,
-        accelerate: Ramps,
-        brake: Ramps,
+        accelerate: impl Into<Slope>,
+        brake: impl Into<Slope>,
     ) -> Self {
+        let (accelerate, brake) = (accelerate.into(), brake.into());
         let rise = Change::new(v_in, v_peak, accelerate);
         let fall = Change::new(v_out, v_peak, brake.reversed());
         let cruise = ((length - rise.distance - fall.distance) / v_peak).max(0.0);
@@ -142,10 +246,10 @@ impl Profile {
     pub fn at(&self, t: f64) -> PathState {
         let left = self.time() - t;
         if t < self.rise.time() {
-            return along(self.v_in, &self.rise, t);
+            return self.rise.along(self.v_in, t);
         }
         if left < self.fall.time() {
-            let back = along(self.v_out, &self.fall, left);
+            let back = self.fall.along(self.v_out, left);
             return PathState { s: self.length - back.s, v: back.v, a: -back.a };
         }
         let on = t - self.rise.time();
@@ -153,40 +257,13 @@ impl Profile {
     }
 }
 
-/// Path values `t` into a speed change that starts at `v0`; before it, constant speed.
-fn along(v0: f64, change: &Change, t: f64) -> PathState {
-    let [up, hold, down] = change.times;
-    let a = change.a_peak;
-    if t <= 0.0 || up + hold + down <= 0.0 {
-        return PathState { s: v0 * t, v: v0, a: 0.0 };
-    }
-    if t < up {
-        let jerk = a / up;
-        return PathState { s: v0 * t + jerk * t * t * t / 6.0, v: v0 + jerk * t * t / 2.0, a: jerk * t };
-    }
-    let v_hold = v0 + a * up / 2.0;
-    let s_hold = v0 * up + a * up * up / 6.0;
-    let t = t - up;
-    if t < hold {
-        return PathState { s: s_hold + v_hold * t + a * t * t / 2.0, v: v_hold + a * t, a };
-    }
-    let v_fall = v_hold + a * hold;
-    let s_fall = s_hold + v_hold * hold + a * hold * hold / 2.0;
-    let t = t - hold;
-    let jerk = a / down;
-    PathState {
-        s: s_fall + v_fall * t + a * t * t / 2.0 - jerk * t * t * t / 6.0,
-        v: v_fall + a * t - jerk * t * t / 2.0,
-        a: a - jerk * t,
-    }
-}
-
 /// The highest speed that can be reached from `v0` within `length`, at most `v_max`.
-pub fn reach(length: f64, v0: f64, v_max: f64, ramps: Ramps) -> f64 {
+pub fn reach(length: f64, v0: f64, v_max: f64, slope: impl Into<Slope>) -> f64 {
+    let slope = slope.into();
     if v_max <= v0 {
         return v_max;
     }
-    largest(v0, v_max, |v| Change::new(v0, v, ramps).distance <= length)
+    largest(v0, v_max, |v| Change::new(v0, v, slope).distance <= length)
 }
 
 /// The largest value in the bracket that fits, where `fits` holds below some value and not above it.

@@ -14,8 +14,6 @@ struct Allowed {
     /// In thousandths.
     min: i64,
     max: i64,
-    /// Of the whole numbers between them only these, where there are any.
-    only: &'static [i64],
     /// The same in words.
     words: String,
 }
@@ -24,7 +22,6 @@ impl Allowed {
     fn takes(&self, milli: i128) -> bool {
         let (min, max) = (i128::from(self.min), i128::from(self.max));
         (min..=max).contains(&milli)
-            && (self.only.is_empty() || self.only.iter().any(|&one| milli == i128::from(one) * 1000))
     }
 
     /// ISG's range.
@@ -34,7 +31,7 @@ impl Allowed {
         let unit = if unit.contains(',') { format!("({unit})") } else { unit.to_owned() };
         let (min, max) = (parameter.min_milli, parameter.max_milli);
         let words = format!("{}…{} {unit}", thousandths(min), thousandths(max));
-        Self { min, max, only: &[], words }
+        Self { min, max, words }
     }
 
     /// What this simulator takes, which of some parameters is less.
@@ -43,10 +40,8 @@ impl Allowed {
             LOOK_AHEAD => Self {
                 min: 10_000,
                 max: BLOCKS as i64 * 1000,
-                only: &[],
                 words: format!("10…{BLOCKS} blocks, this simulator is built for no more"),
             },
-            SLOPE => Self { only: SLOPES, words: SLOPES_IN_WORDS.into(), ..Self::known(parameter) },
             _ => Self::known(parameter),
         }
     }
@@ -54,9 +49,6 @@ impl Allowed {
 
 const LOOK_AHEAD: &str = "look_ahead";
 const SLOPE: &str = "prog_start.slope.profile";
-/// Slopes that this version has.
-const SLOPES: &[i64] = &[1, 3];
-const SLOPES_IN_WORDS: &str = "1 (TRAPEZ) or 3 (HSC): 0 STEP and 2 SIN2 are not available in this version";
 
 /// Channel parameters that the command line sets in place of the machine data.
 #[derive(Clone, Copy, Debug, Default)]
@@ -196,35 +188,12 @@ impl Loader<'_> {
                 }
             }
         }
-        self.defaults(document.get_ref(), &machine.channel);
         if machine.axes.is_empty() && self.refused.is_empty() {
             let message = format!("{}: a machine needs an axis", self.source.name);
             self.refused
                 .push(Diagnostic::error(message).expected("for example: [axis.X] with type = \"linear\""));
         }
         machine
-    }
-
-    /// Defaults of the channel that this simulator does not take: they have to be set.
-    fn defaults(&mut self, document: &DeTable<'_>, channel: &ChannelData) {
-        if !self.refused.is_empty() {
-            return;
-        }
-        for parameter in CHANNEL {
-            let allowed = Allowed::here(parameter);
-            let value = (parameter.get)(channel);
-            if !allowed.takes(i128::from(value)) {
-                let label = label("channel", parameter.id, parameter.name);
-                let message = format!("{label} = {} (the default): out of range", thousandths(value));
-                match document.iter().find(|(key, _)| key.get_ref() == "channel") {
-                    Some((key, _)) => self.refuse(&key.span(), message, &allowed.words),
-                    None => {
-                        let message = format!("{}: {message}", self.source.name);
-                        self.refused.push(Diagnostic::error(message).expected(allowed.words));
-                    }
-                }
-            }
-        }
     }
 
     fn axis(
