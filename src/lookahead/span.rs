@@ -181,7 +181,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         } else {
             if self.blockwise {
                 self.blockwise = false;
-                self.blocks.iter_mut().for_each(|block| block.v_old = block.v_in);
+                self.blocks.iter_mut().for_each(|block| (block.v_old, block.checked) = (block.v_in, false));
             }
             let span = Span::default();
             Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until: left, changed: true })
