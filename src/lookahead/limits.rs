@@ -608,6 +608,12 @@ impl Limits {
         self.lower_accelerations(self.a_shared);
     }
 
+    /// With a transition's part left to it.
+    pub(super) fn shared(mut self) -> Self {
+        self.share();
+        self
+    }
+
     /// No acceleration above `a`.
     fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(self.a_up, a);

@@ -211,11 +211,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             left -= 1;
             let last = left + 1 == self.blocks.len();
             let Some(block) = self.blocks.get_mut(left) else { continue };
-            let mut limits = block.limits;
-            if last && self.open {
-                limits.share();
-            }
-            let v = faster(&limits.brake(), block.length, v_out, block.cap);
+            let brake = if last && self.open { block.limits.shared().brake() } else { block.limits.brake() };
+            let v = faster(&brake, block.length, v_out, block.cap);
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
             // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
             // What was planned with a lower end speed stays possible, and is not taken back.

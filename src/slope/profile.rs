@@ -78,6 +78,7 @@ pub fn speed_f32(bits: i64) -> f32 {
 impl Change {
     /// Becomes the change from `v0` to `v1` along a ramp, which begins at the lower one of them. Rounded so that no
     /// acceleration and no jerk is raised.
+    #[inline(always)]
     fn plan(&mut self, ramp: &Ramp, v0: i64, v1: i64) {
         let (low, high) = (v0.min(v1), v0.max(v1));
         let bits = |t: f32| if t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 };
@@ -275,6 +276,7 @@ impl Profile {
 ///
 /// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
 /// halves where a step leaves it; the first guess is exact from rest to rest.
+#[inline(always)]
 pub fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
