@@ -36,7 +36,10 @@ pub const CASES_3: &[Case] = cases!(
     "short_blocks",
     "cam",
     "rapid_and_feed",
-    "dwell"
+    "dwell",
+    "step",
+    "sin2",
+    "hsc"
 );
 
 /// Programs for [`AXES_4`].
