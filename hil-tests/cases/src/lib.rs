@@ -37,6 +37,9 @@ pub const CASES_3: &[Case] = cases!(
     "cam",
     "rapid_and_feed",
     "dwell",
+    "step",
+    "sin2",
+    "hsc",
     "contour"
 );
 

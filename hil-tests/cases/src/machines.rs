@@ -1,4 +1,4 @@
-//! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms.
+//! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms; two stages for STEP.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 
 const fn name(letter: &str) -> AxisName {
@@ -13,6 +13,9 @@ const fn axis(data: AxisData, a: u32, ramp_us: u32) -> AxisData {
         a_beschl: a,
         a_brems: a,
         a_grenz: a,
+        a_stufe: [a, a / 5 * 3],
+        d_stufe: [a / 5 * 4, 0],
+        a_grenz_stufe: [a / 5 * 3, a],
         tr_beschl_ab: ramp_us,
         tr_beschl_zu: ramp_us,
         tr_brems_ab: ramp_us,

@@ -1,0 +1,146 @@
+//! SIN2 and STEP, and slopes that change within a program: limits at every tick, exact ends, the same motion mirrored and again.
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use host_tests::cases::random::{Mix, program};
+use host_tests::cases::{Program, edges, machines, set_point};
+use host_tests::check;
+use host_tests::properties::{axis_limits, verify};
+use host_tests::tolerance;
+use host_tests::trace::{run, run_in_bursts, run_text};
+
+/// SIN2, STEP.
+const SLOPES: [u8; 2] = [2, 0];
+
+fn good<const AXES: usize>(program: &Program, machine: MachineData<AXES>) {
+    for slope in SLOPES {
+        let machine = machines::with_slope(machine, slope);
+        verify::<AXES, 120>(program, &machine).unwrap_or_else(|fault| panic!("slope {slope}: {fault}"));
+    }
+}
+
+#[test]
+fn random_programs_keep_every_limit() {
+    for seed in 900..912 {
+        let mix = |axes| if seed % 4 == 3 { Mix::surface(axes, 300) } else { Mix::general(axes, 40) };
+        good::<1>(&program(seed, mix(1)), machines::uneven(1000));
+        good::<3>(&program(seed, mix(3)), machines::mill(1000));
+        good::<6>(&program(seed, mix(6)), machines::even(4000));
+    }
+}
+
+#[test]
+fn arbitrary_machines_keep_every_limit() {
+    // `cargo run --release -p host-tests --example soak -- 0 5000 2` goes on with SIN2, `... 0` with STEP.
+    for seed in 0..60 {
+        for slope in SLOPES {
+            let mut one = machines::arbitrary::<1>(seed);
+            let mut three = machines::arbitrary::<3>(seed);
+            (one.channel.slope_profile, three.channel.slope_profile) = (slope, slope);
+            verify::<1, 120>(&program(seed, Mix::arbitrary(1, seed)), &one).unwrap_or_else(|e| panic!("{e}"));
+            verify::<3, 120>(&program(seed, Mix::arbitrary(3, seed)), &three)
+                .unwrap_or_else(|e| panic!("{e}"));
+        }
+    }
+}
+
+#[test]
+fn edges_keep_every_limit() {
+    for program in edges::three_axes() {
+        good::<3>(&program, machines::even(1000));
+        good::<3>(&program, machines::uneven(1000));
+    }
+    for program in edges::rotary() {
+        good::<4>(&program, machines::mill(1000));
+    }
+}
+
+#[test]
+fn mirrored_programs_give_mirrored_set_points_and_every_run_the_same() {
+    for slope in SLOPES {
+        for seed in 920..926 {
+            let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+            let program = program(seed, Mix::general(3, 40));
+            let plain = run::<3, 120>(&program, &machine).unwrap();
+            let other = run::<3, 120>(&program.mirrored(1), &machine).unwrap();
+            assert_eq!(plain.trace.len(), other.trace.len());
+            for (a, b) in plain.trace.columns[1].iter().zip(&other.trace.columns[1]) {
+                assert!((a + b).abs() <= tolerance::MIRROR, "slope {slope}, seed {seed}: {a} {b}");
+            }
+            let again = run_in_bursts::<3, 120>(&program, &machine, 17).unwrap();
+            assert_eq!((plain.digest, plain.trace), (again.digest, again.trace));
+        }
+    }
+}
+
+/// The program with a slope before every third block.
+fn changing<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, slopes: &[&str]) -> String {
+    let mut text = String::new();
+    for (i, line) in program.text(machine).lines().enumerate() {
+        if i > 1 && i % 3 == 0 {
+            text += slopes[(i / 3) % slopes.len()];
+            text.push('\n');
+        }
+        text += line;
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn slopes_change_within_a_program() {
+    let bowed = ["#SLOPE [TYPE=SIN2]", "#SLOPE [TYPE=HSC]", "#SLOPE DEFAULT"];
+    let all = ["#SLOPE [TYPE=STEP]", "#SET SLOPE PROFIL [2]", "#SLOPE [TYPE=HSC]", "#SLOPE [TYPE=TRAPEZ]"];
+    for seed in 930..950 {
+        let mix = if seed % 2 == 0 { Mix::surface(3, 200) } else { Mix::general(3, 40) };
+        let program = program(seed, mix);
+        for (slopes, profile) in [(&bowed[..], 2), (&all[..], 0)] {
+            let mut machine = machines::with_slope(machines::even::<3>(1000), profile);
+            let contour = program.contour(&machine);
+            // SIN2 has the highest jerk of the three, STEP any.
+            let limits = axis_limits(&machine, &contour);
+            machine.channel.slope_profile = 1;
+            let text = changing(&program, &machine, slopes);
+            let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
+            let from = std::array::from_fn(|k| Position::from_bits(start[k]));
+            let fault = |what: String| -> ! { panic!("seed {seed}: {what}\n{text}") };
+            let run = run_text::<3, 120>(&text, from, &machine, 1).unwrap_or_else(|e| fault(e));
+            check::ends(&run.trace, &start, &program.end_points()).unwrap_or_else(|e| fault(e));
+            check::limits(&run.trace, &limits).unwrap_or_else(|e| fault(e));
+            check::path(&run.trace, &contour, tolerance::PATH, 350.0).unwrap_or_else(|e| fault(e));
+        }
+    }
+}
+
+/// STEP: the speed of an axis steps by what its smallest acceleration gives in a tick, or by a quarter of P-AXIS-00008 where that
+/// is less; P-AXIS-00013 is for the other slopes.
+#[test]
+fn a_knee_of_step_takes_a_tick_of_the_acceleration() {
+    for (a_max, step) in [(100_000, 1.2), (2000, 0.5)] {
+        let machine = machines::machine(1000, |_, axis| {
+            (axis.vb_max, axis.vb_eilgang, axis.a_trans_weight) = (1_000_000, 1_000_000, 7);
+            machines::accelerations(axis, 2000, a_max);
+            axis.a_stufe = [2000, 1200];
+        });
+        let machine = MachineData::<3> { channel: machines::with_slope(machine, 0).channel, ..machine };
+        let program = Program::new("knee", 3).line(&[50.0, 0.0], 60_000.0).line(&[50.0, 50.0], 60_000.0);
+        let run = verify::<3, 120>(&program, &machine).unwrap_or_else(|fault| panic!("{fault}")).run;
+        let v = run.blocks[0].v_out.to_bits() as f64 / 2f64.powi(58) / 0.001;
+        assert!((v / step - 1.0).abs() < 1e-5, "{v} mm/s, step {step}");
+    }
+}
+
+/// STEP needs no anchor: a line in pieces takes the time of the whole.
+#[test]
+fn a_line_in_pieces_takes_the_time_of_the_whole_with_step() {
+    let machine = machines::with_slope(machines::even::<3>(1000), 0);
+    let whole = Program::new("whole", 3).line(&[100.0], 12_000.0);
+    let pieces = |count: u32| {
+        let ends = (1..=count).map(|i| 100.0 * (f64::from(i) / f64::from(count)).powf(1.2));
+        ends.fold(Program::new("pieces", 3), |program, x| program.line(&[x], 12_000.0))
+    };
+    let time = |program: &Program| verify::<3, 120>(program, &machine).unwrap().run.trace.time();
+    for count in [2, 10, 60] {
+        let (one, cut) = (time(&whole), time(&pieces(count)));
+        assert!((cut - one).abs() <= 0.001 + 1e-9, "{count} pieces: {cut} s, whole {one} s");
+    }
+}

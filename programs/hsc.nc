@@ -1,0 +1,27 @@
+( Acceleration runs across blocks: knees, arcs, short blocks, and a block with another slope. )
+%hsc
+N10 G17 G90 G53
+N20 #SLOPE [TYPE=HSC]
+N30 G00 X10 Y10 Z5
+N40 G01 Z0 F3000
+N50 X110 F12000
+N60 X150 Y14
+N70 X170 Y34
+N80 G03 X150 Y54 I-20 J0
+N90 G01 X60
+N100 G02 X40 Y74 I0 J20 F6000
+( Short blocks on a line and on a wave )
+N110 $FOR P1 = 1, 40, 1
+N120 G01 X[40+0.3*P1] Y74 F9000
+N130 $ENDFOR
+N140 $FOR P1 = 1, 60, 1
+N150 G01 X[52+0.5*P1] Y[74+2*SIN[6*P1]]
+N160 $ENDFOR
+N170 G60 G01 Z2 F2000
+( A block between two slopes )
+N180 #SLOPE DEFAULT
+N190 G01 X60 Y40 F12000
+N200 #SLOPE [TYPE=HSC]
+N210 X20 Y20
+N220 G00 X0 Y0 Z0
+N230 M30
