@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 2] = [("total.tick_max_3_axes", 400), ("size.bytes_per_block_3_axes", 160)];
+/// Hard limits of the project, whatever is accepted: key, largest value. The helix is the longest tick without, the
+/// total with curves in corners.
+const LIMITS: [(&str, u64); 3] =
+    [("case.helix.tick_max", 400), ("total.tick_max_3_axes", 600), ("size.bytes_per_block_3_axes", 160)];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
 const GOALS: [(&str, u64); 1] = [("total.block_mean_3_axes", 6000)];
