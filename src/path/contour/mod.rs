@@ -416,8 +416,9 @@ impl<const AXES: usize> Held<AXES> {
 impl<const AXES: usize> Contouring<AXES> {
     /// What goes on next, if anything does before another block comes.
     pub fn outgoing(&mut self) -> Option<Outgoing<AXES>> {
-        if let Some(before) = self.before.take() {
-            return Some(before);
+        // Asked before taking: an empty one would be copied too.
+        if self.before.is_some() {
+            return self.before.take();
         }
         if let Some((course, data, curving)) = &mut self.course {
             let data = data[usize::from(!course.is_before())];
@@ -430,10 +431,13 @@ impl<const AXES: usize> Contouring<AXES> {
             }
             self.course = None;
         }
-        if let Some(bridge) = self.bridge.take() {
-            return Some(bridge);
+        if self.bridge.is_some() {
+            return self.bridge.take();
         }
-        let held = self.held.take_if(|held| held.rule.is_none())?;
+        if self.held.as_ref()?.rule.is_some() {
+            return None;
+        }
+        let held = self.held.take()?;
         self.bridge = held.bridge(&self.main);
         Some(Outgoing { element: held.block.element, data: held.block.data, curving: None })
     }
