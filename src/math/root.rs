@@ -4,6 +4,7 @@
 //! s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder of one last
 //! step settles the last unit. No division, no loop.
 use super::wide::mul_wide;
+use micromath::F32Ext;
 
 /// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
 const fn inverse_sqrt(m: u32) -> u32 {
@@ -107,7 +108,7 @@ pub const fn sqrt_u64(x: u64) -> u32 {
 /// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
 /// divisions.
 ///
-/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
+/// Seed from micromath (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
 #[inline(always)]
 pub fn sqrt_f32(x: f32) -> f32 {
     // Neither 0, subnormal, infinite nor negative.
@@ -122,7 +123,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
 /// The same for a normal number above 0.
 #[inline(always)]
 fn heron(x: f32) -> f32 {
-    let mut s = f32::from_bits((x.to_bits() + 1.0f32.to_bits()) >> 1);
+    let mut s = F32Ext::sqrt(x);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
     // The difference is exact, so that only its half carries the quotient's rounding.

@@ -502,14 +502,13 @@ mod tests {
     #[test]
     fn the_command_line_has_the_last_word() {
         let path = std::env::temp_dir().join(format!("glidepath-overrides-{}", std::process::id()));
-        // STEP is ISG's default; a look-ahead beyond this simulator's memory.
+        // A look-ahead beyond this simulator's memory.
         std::fs::write(&path, "[channel]\nlook_ahead = 9000\n[axis.X]\n").expect("a file for the test");
         let both = Overrides { slope: Some(3), look_ahead: Some(60) };
         let machine = load(&path, &both).unwrap_or_else(|_| panic!("refused"));
         assert_eq!((machine.channel.slope_profile, machine.channel.look_ahead), (3, 60));
-        for one in [Overrides { slope: None, ..both }, Overrides { look_ahead: None, ..both }] {
-            assert!(load(&path, &one).is_err(), "{one:?}");
-        }
+        let slope_only = Overrides { look_ahead: None, ..both };
+        assert!(load(&path, &slope_only).is_err(), "more blocks than this simulator is built for");
         let _ = std::fs::remove_file(&path);
     }
 
