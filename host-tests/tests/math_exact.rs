@@ -1,7 +1,7 @@
 //! Products, quotients and roots against the compiler's 128-bit arithmetic and f64.
 use glidepath::math::divide::{div_shift, div_shift_signed, div_wide, reciprocal_near};
 use glidepath::math::root::{cbrt_f32, sqrt_f32, sqrt_u64, sqrt_wide};
-use glidepath::math::wide::{mul_hi, mul_hi_u, mul_shift, mul_u32, mul_wide};
+use glidepath::math::wide::{mul_hi, mul_hi_u, mul_shift, mul_u32, mul_wide, square_wide};
 
 const CASES: usize = 1_000_000;
 
@@ -42,6 +42,7 @@ fn products_are_exact() {
         let (a, b) = (random.spread(), random.spread());
         let product = u128::from(a) * u128::from(b);
         assert_eq!(mul_wide(a, b), ((product >> 64) as u64, product as u64), "{a} {b}");
+        assert_eq!(square_wide(a), mul_wide(a, a), "{a}");
         assert_eq!(mul_hi_u(a, b), (product >> 64) as u64, "{a} {b}");
         let (a, b) = (a as i64, b as i64);
         let product = i128::from(a) * i128::from(b);

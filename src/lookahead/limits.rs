@@ -616,8 +616,8 @@ impl Limits {
 
     /// No acceleration above `a`.
     fn lower_accelerations(&mut self, a: f32) {
-        self.a_up = min(self.a_up, a);
-        self.a_down = min(self.a_down, a);
+        self.a_up = min(a, self.a_up);
+        self.a_down = min(a, self.a_down);
         if let Law::Stepped { a_up, a_down, .. } = &mut self.law {
             *a_up = min(*a_up, a);
             *a_down = min(*a_down, a);
@@ -626,9 +626,9 @@ impl Limits {
 
     /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
     fn restrict(&mut self, set: &Set, scale: f32, turns: bool) {
-        self.v = min(self.v, set.v * scale);
-        self.a_up = min(self.a_up, set.a_up * scale);
-        self.a_down = min(self.a_down, set.a_down * scale);
+        self.v = min(set.v * scale, self.v);
+        self.a_up = min(set.a_up * scale, self.a_up);
+        self.a_down = min(set.a_down * scale, self.a_down);
         let mut peak = 1.0;
         match &mut self.law {
             Law::Bowed { bend, j } => {
@@ -643,8 +643,8 @@ impl Limits {
                 *a_down = min(*a_down, above(set.a_down, set.upper[1]));
             }
         }
-        self.j_shared = min(self.j_shared, TRANSITION_PART * peak * set.joint.budget * scale);
-        self.a_shared = min(self.a_shared, set.a_shared * scale);
+        self.j_shared = min(TRANSITION_PART * peak * set.joint.budget * scale, self.j_shared);
+        self.a_shared = min(set.a_shared * scale, self.a_shared);
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
@@ -680,11 +680,12 @@ impl Limits {
 
 fn lower<const N: usize>(values: &mut [f32; N], others: [f32; N]) {
     for (value, other) in values.iter_mut().zip(others) {
-        *value = min(*value, other);
+        *value = min(other, *value);
     }
 }
 
-/// f32::min has a NaN rule that costs instructions; no operand here is one.
+/// f32::min has a NaN rule that costs instructions; no operand here is one. What is lowered comes second: it then stays in its
+/// register.
 pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }

@@ -112,7 +112,11 @@ pub const fn sqrt_u64(x: u64) -> u32 {
 pub fn sqrt_f32(x: f32) -> f32 {
     // Neither 0, subnormal, infinite nor negative.
     const NORMAL: core::ops::Range<u32> = f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits();
-    if x.to_bits().wrapping_sub(NORMAL.start) < NORMAL.end - NORMAL.start { heron(x) } else { sqrt_special(x) }
+    if x.to_bits().wrapping_sub(NORMAL.start) < NORMAL.end - NORMAL.start {
+        heron(x)
+    } else {
+        sqrt_special(x)
+    }
 }
 
 /// The same for a normal number above 0.

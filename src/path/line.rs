@@ -39,6 +39,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel per `w` at
     /// the end, by one reciprocal for all axes. At the end the product is off by less than twenty of its LSB; the
     /// guard bits hide that.
+    #[inline(always)]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         let reciprocal = self.reciprocal();
         for (gain, travel) in self.gain.iter_mut().zip(travel) {

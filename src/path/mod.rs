@@ -304,6 +304,7 @@ const FINER: u32 = 12;
 /// Path length of a block, from what its main axes travel (mm, LSB 2^-44) and what every axis travels: the main
 /// axes count. Where none of them moves, the length is that of the tracking axes together. Where a tracking axis
 /// moves more than 1024 degrees per millimetre, a 1024th of its travel counts, so that a distance still resolves it.
+#[inline(always)]
 fn path_length<const AXES: usize>(
     main_length: i64,
     travel: &[i64; AXES],

@@ -108,6 +108,7 @@ impl Emitter {
     }
 
     /// The three parts of a change of speed, from path distance `from` on; gives their end.
+    #[inline(always)]
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
         let kinds = match change.form {
