@@ -135,8 +135,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let (from, to) = (&self.programmed, &motion.target);
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
-                if let Some(element) = path::line(from, to, &self.main)? {
-                    self.append(&element, Form::Line, motion, feed)?;
+                if let Some(line) = path::straight(from, to, &self.main)? {
+                    self.append(&line.element(), Form::Line, motion, feed)?;
                 } else if motion.exact_stop {
                     // At the end of the block before.
                     self.contouring.release(true);

@@ -211,7 +211,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, rapid, shared, through });
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
-            shape: element.shape.copied(),
+            shape: element.shape.linear(),
             limits,
             length,
             cap,
@@ -227,6 +227,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             n,
             place,
         });
+        if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
+            block.shape = element.shape;
+        }
     }
 
     /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its

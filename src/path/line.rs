@@ -1,8 +1,17 @@
 //! G00 and G01: a straight line of all axes together.
-use super::{Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
-use crate::quantity::Position;
+use crate::quantity::{Distance, Position};
+
+/// A line, without the room for what only curves have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Straight<const AXES: usize> {
+    length: Distance,
+    gain: [i64; AXES],
+    tangent: [i64; AXES],
+    shift: u8,
+}
 
 /// The line from `start` to `target`; `None` if no axis moves. `main` are the main axes, whose length is the path's.
 ///
@@ -13,6 +22,18 @@ pub fn line<const AXES: usize>(
     target: &[Position; AXES],
     main: &[Option<usize>; 3],
 ) -> Result<Option<Element<AXES>>, PathError> {
+    Ok(straight(start, target, main)?.map(|line| line.element()))
+}
+
+/// The same, not yet as an element.
+///
+/// # Errors
+/// [`PathError::TooLong`].
+pub(crate) fn straight<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    main: &[Option<usize>; 3],
+) -> Result<Option<Straight<AXES>>, PathError> {
     let mut travel = [0; AXES];
     for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
         *travel = to.to_bits().saturating_sub(from.to_bits());
@@ -26,8 +47,19 @@ pub fn line<const AXES: usize>(
     let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);
     let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);
     shape.set_gains(&travel);
-    let ends = End { tangent: shape.linear_tangent(), curvature: [0.0; AXES] };
-    Ok(Some(Element { shape, entry: ends, exit: ends, circle: None, bounds: None }))
+    let Shape { length, gain, shift, .. } = shape;
+    Ok(Some(Straight { length, gain, tangent: shape.linear_tangent(), shift }))
+}
+
+impl<const AXES: usize> Straight<AXES> {
+    /// The element. Inline: what only curves have is not even copied.
+    #[inline(always)]
+    pub(crate) fn element(&self) -> Element<AXES> {
+        let Self { length, gain, tangent, shift } = *self;
+        let shape = Shape { length, gain, curve: Curve::Line, shift };
+        let ends = End { tangent, curvature: [0.0; AXES] };
+        Element { shape, entry: ends, exit: ends, circle: None, bounds: None }
+    }
 }
 
 impl<const AXES: usize> Shape<AXES> {

@@ -22,6 +22,7 @@ pub mod poly;
 
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
+pub(crate) use line::straight;
 pub use poly::{Bounds, poly};
 
 use crate::math::root::sqrt_wide;
@@ -191,11 +192,11 @@ impl<const AXES: usize> Shape<AXES> {
         Self { length, gain: [0; AXES], curve: Curve::Line, shift }
     }
 
-    /// A copy, of a line without reading the curve's part: inline stores instead of a call to copy memory.
+    /// Its linear part: all of a line, and no call to copy memory.
     #[inline(always)]
-    pub(crate) fn copied(&self) -> Self {
+    pub(crate) fn linear(&self) -> Self {
         let Self { length, gain, shift, .. } = *self;
-        if self.is_line() { Self { length, gain, curve: Curve::Line, shift } } else { *self }
+        Self { length, gain, curve: Curve::Line, shift }
     }
 
     /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
@@ -209,7 +210,8 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    fn is_line(&self) -> bool {
+    /// Whether it is a line.
+    pub(crate) fn is_line(&self) -> bool {
         matches!(self.curve, Curve::Line)
     }
 
