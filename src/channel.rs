@@ -24,7 +24,7 @@ use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
     Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup,
-    Spline, Step, Text,
+    Slope, SlopeType, Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -359,6 +359,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
             Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
             Command::Slope(_, slope) if slope.default => self.planning.set_slope(None),
+            // Only HSC has a better use of jerk.
+            Command::Slope(_, Slope { kind: Some(SlopeType::Hsc), no_opt: Some(false), .. }) => {
+                return refuse("#SLOPE NO_OPT=0");
+            }
             Command::Slope(_, slope) if slope.kind.is_some() => self.planning.set_slope(slope.kind),
             Command::Slope(..) => {}
             Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),

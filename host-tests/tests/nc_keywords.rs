@@ -136,6 +136,7 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#CONTOUR MODE [POST_ACTION]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
+        "#SLOPE [TYPE=HSC NO_OPT=0]",
         "#FILTER ON [ORDER=20]",
         "#VECTOR LIMIT ON [RADIAL_ACC=1000]",
         "#VECTOR LIMIT ON [VEL=1000 RADIAL_JERK]",
