@@ -231,9 +231,9 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
-        let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
+        let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(feed.is_none())), ..Limits::WIDEST };
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
@@ -242,7 +242,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let shares =
                 self.axes.iter().zip(&element.entry.tangent).enumerate().map(|(k, (axis, tangent))| {
                     let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
-                    (k, sets(axis), turns(k).map_or_else(along, |circle| circle.share))
+                    (k, axis.set(rapid), turns(k).map_or_else(along, |circle| circle.share))
                 });
             shares.filter(|(_, _, share)| *share > 0.0)
         };
@@ -254,7 +254,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.law = self.law(change_over);
         for (k, set, share) in shares() {
-            limits.restrict(&set, 1.0 / share, turns(k).is_some());
+            limits.restrict(set, 1.0 / share, turns(k).is_some());
         }
         if let Some(circle) = element.circle {
             let curvature = circle.share * circle.share / circle.radius;
@@ -262,7 +262,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let mut a_max = f32::MAX;
             let mut budget = f32::MAX;
             for axis in circle.plane.into_iter().filter_map(|k| self.axes.get(k)) {
-                let set = sets(axis);
+                let set = axis.set(rapid);
                 normal = min(normal, set.least());
                 let stepped = self.slope == SlopeType::Step;
                 a_max = min(a_max, if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max });
@@ -271,7 +271,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let normal = min(normal, NORMAL_PART * a_max);
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
-        self.path.lower(&mut limits, feed.is_none(), element.circle.is_some());
+        self.path.lower(&mut limits, rapid, element.circle.is_some());
         limits
     }
 
@@ -288,9 +288,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         feed: Option<f32>,
         curving: Curving,
     ) -> Limits {
-        let sets = |axis: &Axis| if feed.is_some() { axis.feed } else { axis.rapid };
+        let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(feed.is_none())), ..Limits::WIDEST };
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
         }
@@ -301,20 +301,20 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut change_over = f32::MAX;
         if stepped {
             for (axis, slope) in self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0) {
-                change_over = min(change_over, sets(axis).change_over / slope);
+                change_over = min(change_over, axis.set(rapid).change_over / slope);
             }
         }
         limits.law = self.law(change_over);
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
-            let set = sets(axis);
+            let set = axis.set(rapid);
             if *slope > 0.0 {
-                limits.restrict(&set, 1.0 / slope, true);
+                limits.restrict(set, 1.0 / slope, true);
             }
             if *bend > 0.0 {
                 let normal = min(set.least(), NORMAL_PART * a_max(axis));
                 limits.v = min(limits.v, sqrt_f32(normal / bend));
             }
-            let budget = budget_of(&set);
+            let budget = budget_of(set);
             if budget < f32::MAX {
                 if *twist > 0.0 {
                     limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
@@ -332,7 +332,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 if *slope > 0.0 {
                     a = min(a, max(a_max(axis) - bend * v * v, 0.0) / slope);
                 }
-                let budget = budget_of(&sets(axis));
+                let budget = budget_of(axis.set(rapid));
                 if *bend > 0.0 && budget < f32::MAX {
                     let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
                     a = min(a, left / (3.0 * v * bend));
@@ -350,7 +350,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
         }
         limits.lower_accelerations(best.2);
-        self.path.lower(&mut limits, feed.is_none(), true);
+        self.path.lower(&mut limits, rapid, true);
         limits
     }
 
@@ -461,6 +461,12 @@ impl Set {
 }
 
 impl Axis {
+    /// Feed or rapid.
+    #[inline(always)]
+    fn set(&self, rapid: bool) -> &Set {
+        if rapid { &self.rapid } else { &self.feed }
+    }
+
     fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;

@@ -135,7 +135,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return Ok(Next::Line);
             }
         }
-        self.finish(w, line)
+        self.finish(&mut w, line)
     }
 
     /// Reads one word. An axis bracket command puts itself into `single`; its span comes back.

@@ -11,7 +11,7 @@ use crate::quantity::{Feed, Position};
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H.
-    pub fn finish(&mut self, mut w: Words<AXES>, line: &Line) -> Result<Next, Fault> {
+    pub fn finish(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<Next, Fault> {
         if let Some(given) = w.spindle.take() {
             if w.consumer == Use::Dwell {
                 let turns = self.time(given, "dwell", "revolutions")?;
@@ -37,10 +37,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.modal.radius = Some(radius);
         }
         match w.consumer {
-            Use::Motion => self.motion_of(&mut w, line)?,
-            Use::Dwell => self.dwell_of(&mut w, line)?,
-            Use::Shift => self.shift_of(&w)?,
-            Use::Weight(_) => self.weights_of(&w)?,
+            Use::Motion => self.motion_of(w, line)?,
+            Use::Dwell => self.dwell_of(w, line)?,
+            Use::Shift => self.shift_of(w)?,
+            Use::Weight(_) => self.weights_of(w)?,
         }
         if w.consumer != Use::Motion
             && let Some(given) = w.centre.iter().flatten().next()

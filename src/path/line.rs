@@ -29,6 +29,7 @@ pub fn line<const AXES: usize>(
 ///
 /// # Errors
 /// [`PathError::TooLong`].
+#[inline(always)]
 pub(crate) fn straight<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],
