@@ -1,7 +1,7 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 use crate::channel::PlannedBlock;
 use crate::control::Control;
-use crate::lookahead::{Dynamics, Limits, Lookahead};
+use crate::lookahead::{Dynamics, Limits, Lookahead, Share};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
@@ -82,6 +82,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     taken: u32,
     /// Those whose time law has begun.
     begun: u32,
+    /// Those before that of the element handed on last, and of the one that went into the look-ahead last.
+    number: u32,
+    numbered: u32,
     planned: PlannedBlock,
     queue: Sender<'a, AXES>,
 }
@@ -118,6 +121,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             distance: Distance::ZERO,
             taken: 0,
             begun: 0,
+            number: 0,
+            numbered: 0,
             planned: PlannedBlock::default(),
             queue,
         }
@@ -187,7 +192,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Err(MotionError::NoFeed);
         }
         let limits = self.dynamics.element(element, feed);
-        if to_f32(element.shape.length.to_bits()) > limits.v * SLOWEST {
+        if to_f32(element.shape.length.to_bits()) > limits.0.v * SLOWEST {
             return Err(MotionError::TooSlow);
         }
         let data =
@@ -213,8 +218,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: Limits, data: &Data) {
-        let numbers = [data.number, data.n];
+    fn push(&mut self, element: &Element<AXES>, limits: (Limits, Share), data: &Data) {
+        // More than fits is made up for later.
+        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
+        self.numbered = self.numbered.wrapping_add(ahead);
+        let numbers = (ahead as u16, data.n);
         self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
         self.dynamics.settle();
         if data.stop {
@@ -294,7 +302,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.curves -= 1;
         let Some(block) = self.lookahead.first() else { return };
         let base = block.shape.base(&self.position);
-        let (start, number) = (self.distance, block.number);
+        self.number = self.number.wrapping_add(u32::from(block.ahead));
+        let (start, number) = (self.distance, self.number);
         let _ = self.queue.segments.push_with(|segment| {
             segment.shape.assign(&block.shape);
             segment.base = base;
@@ -360,9 +369,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         };
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
         let planned = &mut self.planned;
-        (planned.block, planned.blocks) = (span.first.number, span.end.wrapping_sub(self.begun));
-        self.begun = span.end;
-        (planned.n, planned.place, planned.length) = (span.first.n, span.first.place, span.length);
+        let [first, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
+        let begun = last.wrapping_add(1);
+        (planned.block, planned.blocks) = (first, begun.wrapping_sub(self.begun));
+        self.begun = begun;
+        (planned.n, planned.place, planned.length) = (span.first.n, span.first.place(), span.length);
         (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
         if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.first.limits) {
             self.lookahead.clear();

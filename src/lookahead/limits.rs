@@ -98,10 +98,15 @@ pub struct Limits {
     pub a_down: f32,
     /// What the slope adds to that.
     pub law: Law,
-    /// Jerk left to the slope beside a transition.
-    pub j_shared: f32,
-    /// Acceleration left to it.
-    pub a_shared: f32,
+}
+
+/// What is left to the slope beside a transition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Jerk, mm/tick³.
+    pub j: f32,
+    /// Acceleration, mm/tick².
+    pub a: f32,
 }
 
 /// What limits a curve that replaces a corner, beside the axes.
@@ -230,10 +235,11 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
-    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Limits {
+    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> (Limits, Share) {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
         }
@@ -254,7 +260,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.law = self.law(change_over);
         for (k, set, share) in shares() {
-            limits.restrict(set, 1.0 / share, turns(k).is_some());
+            limits.restrict(&mut share_left, set, 1.0 / share, turns(k).is_some());
         }
         if let Some(circle) = element.circle {
             let curvature = circle.share * circle.share / circle.radius;
@@ -272,7 +278,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
         self.path.lower(&mut limits, rapid, element.circle.is_some());
-        limits
+        (limits, share_left)
     }
 
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
@@ -287,10 +293,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         bounds: &Bounds<AXES>,
         feed: Option<f32>,
         curving: Curving,
-    ) -> Limits {
+    ) -> (Limits, Share) {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
         }
@@ -308,7 +315,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
-                limits.restrict(set, 1.0 / slope, true);
+                limits.restrict(&mut share_left, set, 1.0 / slope, true);
             }
             if *bend > 0.0 {
                 let normal = min(set.least(), NORMAL_PART * a_max(axis));
@@ -351,7 +358,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);
-        limits
+        (limits, share_left)
     }
 
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
@@ -547,8 +554,6 @@ impl Limits {
         a_up: f32::MAX,
         a_down: f32::MAX,
         law: Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
-        j_shared: f32::MAX,
-        a_shared: f32::MAX,
     };
 
     /// Becomes what both permit; of the speeds the higher one.
@@ -601,22 +606,22 @@ impl Limits {
     ///
     /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one factor: with q < 1/6
     /// and a ramp at the lower speed shorter than a third of the other one, a longer one alone would shorten the way.
-    pub(super) fn share(&mut self) {
+    pub(super) fn share(&mut self, share: &Share) {
         match &mut self.law {
             Law::Bowed { bend: Bend::SineSquare, j } => {
                 let highest = j.iter().fold(0.0, |highest, j| max(highest, *j));
-                let part = min(1.0, self.j_shared / highest);
+                let part = min(1.0, share.j / highest);
                 *j = j.map(|j| j * part);
             }
-            Law::Bowed { j, .. } => lower(j, [self.j_shared; 4]),
+            Law::Bowed { j, .. } => lower(j, [share.j; 4]),
             Law::Stepped { .. } => {}
         }
-        self.lower_accelerations(self.a_shared);
+        self.lower_accelerations(share.a);
     }
 
     /// With a transition's part left to it.
-    pub(super) fn shared(mut self) -> Self {
-        self.share();
+    pub(super) fn shared(mut self, share: &Share) -> Self {
+        self.share(share);
         self
     }
 
@@ -631,7 +636,7 @@ impl Limits {
     }
 
     /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
-    fn restrict(&mut self, set: &Set, scale: f32, turns: bool) {
+    fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
         self.v = min(set.v * scale, self.v);
         self.a_up = min(set.a_up * scale, self.a_up);
         self.a_down = min(set.a_down * scale, self.a_down);
@@ -649,8 +654,8 @@ impl Limits {
                 *a_down = min(*a_down, above(set.a_down, set.upper[1]));
             }
         }
-        self.j_shared = min(TRANSITION_PART * peak * set.joint.budget * scale, self.j_shared);
-        self.a_shared = min(set.a_shared * scale, self.a_shared);
+        share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
+        share.a = min(set.a_shared * scale, share.a);
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks

@@ -17,7 +17,7 @@ mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Curving, Dynamics, Law, Limits};
+pub use limits::{Curving, Dynamics, Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub use vector::TooLow;
 pub use weights::Weights;
@@ -36,32 +36,61 @@ pub struct Block<const AXES: usize> {
     pub shape: Shape<AXES>,
     /// Its limits.
     pub limits: Limits,
-    /// Its length, mm.
-    length: f32,
     /// Speed at which its start may be passed at most, mm/tick.
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
     /// Speed at its start as far as it can be reached from the first block; only of an anchor.
     v_reached: Speed,
-    /// That speed was planned for a lower end speed than the one that is planned now.
-    kept: bool,
     /// The speed that the last complete plan had there: it stays possible.
     v_old: Speed,
-    /// Acceleration is zero at its start.
-    anchor: bool,
-    /// It became an anchor after the last complete plan.
-    fresh: bool,
-    /// Its span does not rise above the speeds at its ends.
-    flat: bool,
-    /// The span that begins with it keeps the limits of all its blocks.
-    checked: bool,
-    /// Motion blocks before the one it belongs to.
-    pub number: u32,
     /// Programmed N number.
     pub n: u32,
-    /// Where it stands in the text.
-    pub place: Place,
+    /// Motion blocks from the one before it to its own: none where a motion block goes on.
+    pub ahead: u16,
+    /// Where it stands in the text: file, and line up to 2^24.
+    file: u16,
+    line: [u8; 3],
+    marks: Marks,
+}
+
+/// What is said of a block with yes or no.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Marks(u8);
+
+impl Marks {
+    /// The speed at its start was planned for a lower end speed than the one that is planned now.
+    const KEPT: u8 = 1;
+    /// Acceleration is zero at its start.
+    const ANCHOR: u8 = 2;
+    /// It became an anchor after the last complete plan.
+    const FRESH: u8 = 4;
+    /// Its span does not rise above the speeds at its ends.
+    const FLAT: u8 = 8;
+    /// The span that begins with it keeps the limits of all its blocks.
+    const CHECKED: u8 = 16;
+
+    #[inline(always)]
+    const fn has(self, mark: u8) -> bool {
+        self.0 & mark != 0
+    }
+
+    #[inline(always)]
+    fn set(&mut self, mark: u8, on: bool) {
+        self.0 = if on { self.0 | mark } else { self.0 & !mark };
+    }
+}
+
+impl<const AXES: usize> Block<AXES> {
+    /// Where it stands in the text; the column is not kept.
+    pub fn place(&self) -> Place {
+        let [low, middle, high] = self.line;
+        Place { file: self.file, line: u32::from_le_bytes([low, middle, high, 0]), ..Place::default() }
+    }
+
+    fn is(&self, mark: u8) -> bool {
+        self.marks.has(mark)
+    }
 }
 
 /// The span at the front of the ring.
@@ -71,8 +100,8 @@ pub struct Release<'a, const AXES: usize> {
     pub first: &'a Block<AXES>,
     /// Its blocks.
     pub blocks: usize,
-    /// Number of the last motion block that it belongs to, plus 1.
-    pub end: u32,
+    /// Motion blocks from the one before to that of its first block, and to that of its last one.
+    pub ahead: [u32; 2],
     /// Path length.
     pub length: Distance,
     /// Speed at its start.
@@ -86,6 +115,7 @@ pub struct Release<'a, const AXES: usize> {
 struct Last<const AXES: usize> {
     exit: End<AXES>,
     length: f32,
+    share: Share,
     rapid: bool,
     /// Its limits have left a transition its part.
     shared: bool,
@@ -167,10 +197,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn push(
         &mut self,
         element: &Element<AXES>,
-        mut limits: Limits,
+        (mut limits, share): (Limits, Share),
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        [number, n]: [u32; 2],
+        (ahead, n): (u16, u32),
         place: Place,
     ) {
         let distance = element.shape.length.to_bits();
@@ -188,10 +218,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let brief = last.length < before.limits.v || length < limits.v;
             if v.is_some() || (brief && dynamics.slope() == SlopeType::Step) {
                 cap = min(cap, v.unwrap_or(cap));
-                limits.share();
+                limits.share(&share);
                 shared = true;
                 if !last.shared {
-                    before.limits.share();
+                    before.limits.share(&last.share);
                 }
             }
             anchor = !(through
@@ -208,24 +238,23 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, rapid, shared, through });
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
+        let mut marks = Marks::default();
+        marks.set(Marks::ANCHOR, anchor);
+        let [low, middle, high, _] = place.line.min((1 << 24) - 1).to_le_bytes();
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             shape: element.shape.linear(),
             limits,
-            length,
             cap,
             v_in,
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
-            kept: false,
-            anchor,
-            fresh: false,
-            flat: false,
-            checked: false,
-            number,
             n,
-            place,
+            ahead,
+            file: place.file,
+            line: [low, middle, high],
+            marks,
         });
         if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
             block.shape = element.shape;
@@ -250,14 +279,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
-        let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.kept);
-        let mut last = first.number;
+        let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
+        let mut ahead = [u32::from(first.ahead); 2];
         let next = loop {
             match ring.next() {
-                Some(block) if !block.anchor => {
+                Some(block) if !block.is(Marks::ANCHOR) => {
                     first.limits.join(&block.limits);
                     length += block.shape.length.to_bits();
-                    (blocks, kept, last) = (blocks + 1, true, block.number);
+                    (blocks, kept) = (blocks + 1, true);
+                    ahead[1] += u32::from(block.ahead);
                 }
                 next => break next,
             }
@@ -268,11 +298,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
             next.v_in = v_out;
         }
-        if first.flat {
+        if first.is(Marks::FLAT) {
             first.limits.flatten(v_in, v_out);
         }
-        let (end, length) = (last.wrapping_add(1), Distance::from_bits(length));
-        Some(Release { first, blocks, end, length, v_in, v_out })
+        let length = Distance::from_bits(length);
+        Some(Release { first, blocks, ahead, length, v_in, v_out })
     }
 
     /// The first block.
@@ -282,7 +312,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
-        if self.blocks.pop_front().is_some_and(|block| !block.anchor) {
+        if self.blocks.pop_front().is_some_and(|block| !block.is(Marks::ANCHOR)) {
             self.through -= 1;
         }
         self.end = self.end.saturating_sub(1);

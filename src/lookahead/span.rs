@@ -9,8 +9,9 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter.
-use super::{Block, Limits, Lookahead};
+use super::{Block, Limits, Lookahead, Marks, Share};
 use crate::math::float::to_f32;
+use crate::path::Shape;
 use crate::quantity::Speed;
 use crate::slope::profile::{peak_above, speed_bits, speed_f32};
 use crate::slope::ramp::Ramp;
@@ -113,18 +114,18 @@ const DISTANCE: f32 = 1.0 / 1_048_576.0;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl Span {
-    /// Takes in a block. `last`: blocks may follow it.
-    pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, last: bool) {
+    /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
+    pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, share: Option<&Share>) {
         let mut limits = block.limits;
-        if last {
-            limits.share();
+        if let Some(share) = share {
+            limits.share(share);
         }
         if self.length == 0 {
             self.limits = limits;
         } else {
             self.limits.join(&limits);
         }
-        self.kept = block.kept || self.length > 0;
+        self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
     }
 
@@ -181,7 +182,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         } else {
             if self.blockwise {
                 self.blockwise = false;
-                self.blocks.iter_mut().for_each(|block| (block.v_old, block.checked) = (block.v_in, false));
+                for block in &mut self.blocks {
+                    block.v_old = block.v_in;
+                    block.marks.set(Marks::CHECKED, false);
+                }
             }
             let span = Span::default();
             Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until: left, changed: true })
@@ -211,12 +215,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             left -= 1;
             let last = left + 1 == self.blocks.len();
             let Some(block) = self.blocks.get_mut(left) else { continue };
-            let brake = if last && self.open { block.limits.shared().brake() } else { block.limits.brake() };
-            let v = faster(&brake, block.length, v_out, block.cap);
+            let share = self.last.as_ref().filter(|_| last && self.open).map(|last| &last.share);
+            let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+            let v = faster(&brake, length_mm(&block.shape), v_out, block.cap);
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
             // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
             // What was planned with a lower end speed stays possible, and is not taken back.
-            block.kept = v < block.v_in;
+            block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
             if v == block.v_in {
                 self.pass = Pass::Done;
@@ -234,19 +239,22 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let Some(left) = pass.left.checked_sub(1) else { return self.start_forward() };
             pass.left = left;
             let last = self.open && left + 1 == self.blocks.len();
+            let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward() };
-            pass.span.add(block, last);
-            if left > 0 && !block.anchor {
+            pass.span.add(block, share);
+            if left > 0 && !block.is(Marks::ANCHOR) {
                 continue;
             }
-            block.checked &= !pass.changed;
+            if pass.changed {
+                block.marks.set(Marks::CHECKED, false);
+            }
             // The first block's start is already decided.
             if left == 0 {
                 return self.start_forward();
             }
             // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
             let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap).max(block.v_old);
-            block.kept = true;
+            block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
                 return self.start_forward();
@@ -266,14 +274,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn forward(&mut self, mut pass: Forward) -> Pass {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
-                Some(first) => first.checked,
+                Some(first) => first.is(Marks::CHECKED),
                 None => return self.complete(),
             };
             if let Some(block) = self.blocks.get(pass.next)
-                && (pass.next == pass.from || !block.anchor)
+                && (pass.next == pass.from || !block.is(Marks::ANCHOR))
             {
                 if !checked {
-                    pass.span.add(block, self.open && pass.next + 1 == self.blocks.len());
+                    let last = self.open && pass.next + 1 == self.blocks.len();
+                    let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    pass.span.add(block, share);
                 }
                 pass.next += 1;
                 continue;
@@ -296,13 +306,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
-            end.checked &= v_out == end.v_reached;
+            if v_out != end.v_reached {
+                end.marks.set(Marks::CHECKED, false);
+            }
             end.v_reached = v_out;
         }
         if pass.next - pass.from == 1 {
             return self.span_done(pass, v_out);
         }
-        let flat = self.blocks.get(pass.from).is_some_and(|first| first.flat);
+        let flat = self.blocks.get(pass.from).is_some_and(|first| first.is(Marks::FLAT));
         if flat {
             pass.span.limits.flatten(pass.v_in, v_out);
         }
@@ -322,14 +334,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.plan_again(from, next);
         }
         let to = (next + 1..self.blocks.len())
-            .find(|&k| self.blocks.get(k).is_some_and(|block| block.anchor))
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
             .unwrap_or(self.blocks.len());
         match self.blocks.get_mut(next) {
-            Some(end) if end.fresh && next != self.end => {
-                (end.anchor, end.fresh) = (false, false);
+            Some(end) if end.is(Marks::FRESH) && next != self.end => {
+                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
                 self.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
-                    first.flat = true;
+                    first.marks.set(Marks::FLAT, true);
                 }
                 self.plan_again(from, to)
             }
@@ -340,7 +352,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn span_done(&mut self, mut pass: Forward, v_out: Speed) -> Pass {
         if let Some(first) = self.blocks.get_mut(pass.from) {
-            first.checked = true;
+            first.marks.set(Marks::CHECKED, true);
         }
         (pass.from, pass.span, pass.v_in) = (pass.next, Span::default(), v_out);
         Pass::Forward(pass)
@@ -418,11 +430,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn set_anchor(&mut self, block: usize) {
         if let Some(block) = self.blocks.get_mut(block)
-            && !block.anchor
+            && !block.is(Marks::ANCHOR)
         {
-            block.anchor = true;
-            block.fresh = true;
-            block.checked = false;
+            block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
+            block.marks.set(Marks::CHECKED, false);
             self.through -= 1;
         }
     }
@@ -435,8 +446,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn complete(&mut self) -> Pass {
         self.end = self.blocks.len();
-        for block in self.blocks.iter_mut().filter(|block| block.anchor) {
-            block.fresh = false;
+        for block in self.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {
+            block.marks.set(Marks::FRESH, false);
             block.v_old = block.v_reached;
         }
         Pass::Done
@@ -448,7 +459,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.blocks.len();
         }
         let batch = self.batch();
-        (batch..self.blocks.len()).find(|&k| self.blocks.get(k).is_some_and(|b| b.anchor)).unwrap_or(batch)
+        (batch..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|b| b.is(Marks::ANCHOR)))
+            .unwrap_or(batch)
     }
 }
 
@@ -499,4 +512,9 @@ fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
 /// Change of speed from `low` on, rounded down by 2^-21.
 fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
     speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
+}
+
+/// Path length, mm.
+pub(super) fn length_mm<const AXES: usize>(shape: &Shape<AXES>) -> f32 {
+    to_f32(shape.length.to_bits()) * LSB_44
 }
