@@ -636,6 +636,7 @@ impl Limits {
     }
 
     /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
+    #[inline(always)]
     fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
         self.v = min(set.v * scale, self.v);
         self.a_up = min(set.a_up * scale, self.a_up);

@@ -182,16 +182,17 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded.
+    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only when
+    /// [`Self::outgoing`] has no more.
     pub fn is_idle(&self) -> bool {
-        let empty = self.held.is_none() && self.before.is_none() && self.bridge.is_none();
-        empty && self.course.is_none() && !self.on && !self.once
+        self.held.is_none() && !self.on && !self.once
     }
 
     /// Takes in the next block; only when [`Self::outgoing`] has no more.
     ///
     /// # Errors
     /// The line in place of blocks left out is too long.
+    #[inline(never)]
     pub fn take(&mut self, block: &Block<AXES>) -> Result<(), PathError> {
         let rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
         let mut next = Held {
