@@ -7,6 +7,7 @@
 //!
 //! An application holds two halves of one [`channel::Channel`]: the [`channel::Planner`] runs where time is not
 //! critical and is called again and again; the [`tick::Interpolator`] is moved into the timer interrupt.
+#![no_std]
 // Only `queue::ring` may, and says why.
 #![deny(unsafe_code)]
 
