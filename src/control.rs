@@ -76,6 +76,17 @@ impl Control {
         }
     }
 
+    /// Whether the motion is to stand still.
+    #[inline(always)]
+    pub(crate) fn wants_standstill(&self) -> bool {
+        self.flags.load(Ordering::Relaxed) & (HOLD | ABORT) != 0
+    }
+
+    /// The rest of the program is forgotten.
+    pub(crate) fn aborted(&self) {
+        self.set(ABORT, false);
+    }
+
     fn set(&self, flag: u8, on: bool) {
         if on {
             self.flags.fetch_or(flag, Ordering::Relaxed);

@@ -8,6 +8,7 @@
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
+//! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
 pub mod cases;
@@ -21,3 +22,5 @@ pub mod reference;
 pub mod tolerance;
 
 pub mod properties;
+
+pub mod operate;

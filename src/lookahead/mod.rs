@@ -71,10 +71,36 @@ pub struct Release {
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
     pub limits: Limits,
+    /// The lowest of their speeds.
+    pub v_least: f32,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
     pub v_out: Speed,
+    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
+    /// one of `v_least` and `v_in`.
+    pub checked: bool,
+}
+
+impl Release {
+    /// Nothing.
+    pub const BLANK: Self = Self {
+        blocks: 0,
+        length: Distance::ZERO,
+        limits: Limits::WIDEST,
+        v_least: 0.0,
+        v_in: Speed::ZERO,
+        v_out: Speed::ZERO,
+        checked: false,
+    };
+
+    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
+    pub fn leave(&self, v_in: Speed) -> Speed {
+        let mut span = Span::default();
+        span.length = self.length.to_bits();
+        span.limits = self.limits;
+        span.leave(v_in, self.v_out).unwrap_or(Speed::ZERO)
+    }
 }
 
 /// What the next transition needs to know of the last block.
@@ -107,6 +133,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     blockwise: bool,
     /// Where the plan before the present one ended: so many blocks from the front.
     end: usize,
+    /// The first block's start was lowered while the plan was at work.
+    stale: bool,
 }
 
 /// No speed yet.
@@ -130,6 +158,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             span: 0,
             blockwise: true,
             end: 0,
+            stale: false,
         }
     }
 
@@ -147,6 +176,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.last = None;
+        self.pass = Pass::Done;
+        self.through = 0;
+        self.span = 0;
     }
 
     /// Blocks handed on after each pass.
@@ -225,6 +257,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// part of the limits, which must not lower what is planned now.
     pub fn begin_pass(&mut self, open: bool) {
         self.open = open;
+        if core::mem::take(&mut self.stale)
+            && let Some(first) = self.blocks.front_mut()
+        {
+            first.checked = false;
+        }
         self.begin();
     }
 
@@ -233,28 +270,45 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.step().then(|| self.ready())
     }
 
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`].
-    pub fn release(&mut self) -> Option<Release> {
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; `false` if there is none.
+    pub fn release(&mut self, release: &mut Release) -> bool {
         let mut span = Span::default();
         let mut blocks = 0;
+        let mut v_least = f32::MAX;
         for block in &self.blocks {
-            if blocks > 0 && block.anchor {
-                break;
+            if blocks > 0 {
+                if block.anchor {
+                    break;
+                }
+                v_least = min(v_least, block.cap);
             }
+            v_least = min(v_least, block.limits.v);
             span.add(block, false);
             blocks += 1;
         }
-        let first = self.blocks.front()?;
-        let (v_in, flat) = (first.v_in, first.flat);
+        let Some(first) = self.blocks.front() else { return false };
+        let (v_in, flat, checked) = (first.v_in, first.flat, (first.checked && !self.stale) || blocks == 1);
         let planned = self.blocks.get(blocks).map(|next| next.v_in);
         let v_out = planned.and_then(|planned| span.leave(v_in, planned)).unwrap_or(Speed::ZERO);
         if flat {
             span.flatten(v_in, v_out);
         }
+        self.start_at(blocks, v_out);
+        release.blocks = blocks;
+        release.length = Distance::from_bits(span.length);
+        release.limits = span.limits;
+        (release.v_least, release.checked) = (v_least, checked);
+        (release.v_in, release.v_out) = (v_in, v_out);
+        true
+    }
+
+    /// The span that begins `blocks` blocks behind the front begins at the speed `v_in`, lower than planned or as planned.
+    pub fn start_at(&mut self, blocks: usize, v_in: Speed) {
         if let Some(next) = self.blocks.get_mut(blocks) {
-            next.v_in = v_out;
+            next.v_in = v_in;
+            next.checked &= v_in == next.v_reached;
         }
-        Some(Release { blocks, length: Distance::from_bits(span.length), limits: span.limits, v_in, v_out })
+        self.stale = blocks == 0 && !matches!(self.pass, Pass::Done);
     }
 
     /// The first block.

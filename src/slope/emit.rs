@@ -6,6 +6,7 @@
 //!
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
+use super::brake::Brake;
 use super::profile::{Change, Profile};
 use crate::math::divide::reciprocal_near;
 use crate::math::float::to_f32;
@@ -100,6 +101,32 @@ impl Emitter {
         let v = profile.peak().to_bits();
         self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
         self.lay_out(&profile.down, back);
+    }
+
+    /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
+    /// the time from the start of a block to the next tick.
+    pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
+        self.part = 0;
+        self.count = 0;
+        self.next += brake.over;
+        let at = self.lay_out(&profile.up, brake.from);
+        let back = brake.end.wrapping_sub(profile.down.length());
+        let back = if profile.cruise > 0 { back } else { at };
+        let v = profile.down.speeds[0];
+        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        let at = self.lay_out(&profile.down, back);
+        let v = brake.v_out;
+        self.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+    }
+
+    /// Goes on `time` before a tick.
+    pub fn resume_at(&mut self, time: u64) {
+        self.next = time;
+    }
+
+    /// Time from the start of the block about to begin to the next tick.
+    pub fn next(&self) -> u64 {
+        self.next
     }
 
     /// The three parts of a change of speed, from path distance `from` on; gives their end.

@@ -60,7 +60,7 @@ pub fn speed_f32(bits: i64) -> f32 {
 impl Change {
     /// Becomes the change from `v0` to `v1` with these times: speeds between the parts follow from equal peak accelerations,
     /// dv = ap (t1/2 + t2 + t3/2).
-    fn set(&mut self, v0: i64, v1: i64, times: [u64; 3]) {
+    pub(super) fn set(&mut self, v0: i64, v1: i64, times: [u64; 3]) {
         let dv = v1 - v0;
         if dv == 0 {
             (self.times, self.speeds, self.lengths) = ([0; 3], [v0; 4], [0; 3]);
@@ -137,12 +137,12 @@ const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 const ROUNDING: u64 = 64;
 
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
-fn area(v: i64, t: u64) -> i64 {
+pub(super) fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
 }
 
 /// A third, good to 2^-54 mm/tick.
-fn third(x: i64) -> i64 {
+pub(super) fn third(x: i64) -> i64 {
     mul_near(x, 0x1555_5555_5555_5555) << 2
 }
 

@@ -1,0 +1,239 @@
+//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at the lowest speed that the
+//! rest of the span permits, to a standstill if that is possible.
+//!
+//! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with the ramp
+//! that it would be part of had it begun a·/j before now, `a` being its size. Start and size of that ramp are
+//! integers computed from the state, so that speed and acceleration do not jump.
+//!
+//! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at the end of
+//! the span too, and slows down at most as hard. So it keeps the limits of every block of the span.
+use super::profile::{Change, Profile, area, speed_bits, speed_f32, third};
+use super::ramp::Ramp;
+use crate::lookahead::Limits;
+use crate::math::divide::{div_shift, div_wide};
+use crate::math::float::{size_f32, to_bits, to_f32};
+use crate::math::wide::{mul_shift, mul_wide};
+
+/// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Path distance.
+    pub distance: i64,
+    /// Speed.
+    pub speed: i64,
+    /// Acceleration.
+    pub accel: i64,
+}
+
+/// What follows the instant: the parts of `profile`, then `tail` at its last speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Brake {
+    /// Path distance of its start, at or before the instant.
+    pub from: i64,
+    /// Time from there to the instant, LSB 2^-36 tick.
+    pub over: u64,
+    /// Time at the lowest speed, LSB 2^-36 tick.
+    pub tail: u64,
+    /// Path distance of its end.
+    pub end: i64,
+    /// Speed there.
+    pub v_out: i64,
+}
+
+/// Accelerations up to 2^-50 mm/tick² are rounding.
+const NO_ACCEL: i64 = 1 << 8;
+
+/// Steps of the search for an end speed, and how close it comes.
+const STEPS: usize = 48;
+const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
+
+/// Steps by which a ramp that came out too long by rounding gives way.
+const SHRINKS: usize = 8;
+
+impl Brake {
+    /// From `motion` to the lowest speed at `end` (path distance of the end of the span), or to a standstill before it. The
+    /// parts go into `profile`. `None` if that would not end below `v_out`, the speed planned there.
+    pub fn plan(
+        profile: &mut Profile,
+        motion: &Motion,
+        end: i64,
+        v_out: i64,
+        limits: &Limits,
+    ) -> Option<Self> {
+        let room = end.wrapping_sub(motion.distance);
+        if motion.speed <= 0 || room <= 0 {
+            return None;
+        }
+        *profile = Profile::default();
+        let brake = if motion.accel < -NO_ACCEL {
+            Self::go_on(profile, motion, room, limits)?
+        } else {
+            Self::begin(profile, motion, room, limits)?
+        };
+        (brake.v_out == 0 || brake.v_out < v_out).then_some(brake)
+    }
+
+    /// From acceleration zero or above.
+    fn begin(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits) -> Option<Self> {
+        let Motion { distance, speed, accel } = *motion;
+        let mut v = speed;
+        if accel > NO_ACCEL {
+            let time = ticks(to_f32(accel) / (limits.j[1] * ACCEL_ONE));
+            profile.up = Change::fall(v, accel, time);
+            v = profile.up.speeds[3];
+        }
+        let rest = room - profile.up.length();
+        if rest < 0 {
+            return None;
+        }
+        let ramp = limits.brake();
+        let dv = lost(&ramp, [0, v], v, rest)?;
+        let [near, hold, far] = times(&ramp, dv);
+        profile.down.set(v, v - dv, [far, hold, near]);
+        let down = profile.down.length();
+        let length = profile.up.length();
+        if dv == v {
+            let end = distance.wrapping_add(length + down);
+            return (down <= rest).then_some(Self { from: distance, end, ..Self::default() });
+        }
+        profile.cruise = time_at(rest.checked_sub(down).filter(|left| *left >= 0)?, v);
+        Some(Self { from: distance, over: 0, tail: 0, end: distance.wrapping_add(room), v_out: v - dv })
+    }
+
+    /// From a deceleration.
+    fn go_on(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits) -> Option<Self> {
+        let decel = motion.accel.unsigned_abs();
+        let ramp = limits.brake();
+        let over = ticks(size_f32(decel) / (limits.j[2] * ACCEL_ONE));
+        // Before now it would have lost a·t/2 over the length of that ramp.
+        let begun = Change::rise(motion.speed, decel, over);
+        let v = begun.speeds[0];
+        let before = begun.length();
+        let room = room + before;
+        // At least the deceleration at hand.
+        let least = v - motion.speed + released(decel, limits.j[3]);
+        let dv = lost(&ramp, [least, v], v, room)?;
+        profile.down = Change::extended(v, v - dv, decel, over, &ramp, limits.j[3])?;
+        let length = profile.down.length();
+        let left = room - length;
+        if left < 0 {
+            return None;
+        }
+        let from = motion.distance.wrapping_sub(before);
+        if dv == v {
+            return Some(Self { from, over, tail: 0, end: from.wrapping_add(length), v_out: 0 });
+        }
+        let tail = time_at(left, v - dv);
+        Some(Self { from, over, tail, end: from.wrapping_add(room), v_out: v - dv })
+    }
+}
+
+/// 2^58 as a factor.
+const ACCEL_ONE: f32 = (1u64 << 58) as f32;
+
+/// Ticks as time, up.
+fn ticks(t: f32) -> u64 {
+    to_bits::<36>(t) as u64 + 1
+}
+
+/// Times of a change of speed, up, so that rounding raises no jerk.
+fn times(ramp: &Ramp, dv: i64) -> [u64; 3] {
+    if dv == 0 {
+        return [0; 3];
+    }
+    let [near, hold, far] = ramp.times(speed_f32(dv));
+    [ticks(near), if hold == 0.0 { 0 } else { ticks(hold) }, ticks(far)]
+}
+
+/// Time over a length (2^-44 mm) at a speed (2^-58 mm/tick), down.
+fn time_at(length: i64, v: i64) -> u64 {
+    div_shift(length.max(0) as u64, 50, v.max(1) as u64)
+}
+
+/// Speed lost while a deceleration falls to zero: a²/2j, up.
+fn released(decel: u64, j: f32) -> i64 {
+    let a = size_f32(decel) / ACCEL_ONE;
+    let v = 0.5 * a * a / j;
+    speed_bits(v + v * CLOSE)
+}
+
+/// How much of the speed `v` can be lost within `room`: all of it, or the most that ends there. Between `least`, if
+/// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to two
+/// thirds of `v` and stays above that of the whole from there on.
+fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> {
+    let target = to_f32(room) * (1.0 / (1u64 << 44) as f32) * (1.0 - CLOSE);
+    let [speed, mut low, mut high] = [v, least, most].map(speed_f32);
+    let fits = |dv: f32| {
+        let slow = speed_f32(v - speed_bits(dv).min(v));
+        dv <= 0.0 || ramp.distance(slow, dv)[0] <= target
+    };
+    if least > most {
+        return None;
+    }
+    if fits(speed) {
+        return Some(v);
+    }
+    if !fits(low) {
+        return None;
+    }
+    for _ in 0..STEPS {
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+        if high - low <= high * CLOSE {
+            break;
+        }
+    }
+    Some(speed_bits(low).clamp(least, v - 1))
+}
+
+impl Change {
+    /// An acceleration of now falls to zero.
+    fn fall(v: i64, accel: i64, time: u64) -> Self {
+        // 2^-58 · 2^-36 to 2^-58, halved
+        let gained = mul_shift(accel, time as i64, 37);
+        let top = v + gained;
+        Self { times: [0, 0, time], speeds: [v, v, v, top], lengths: [0, 0, area(top - third(gained), time)] }
+    }
+
+    /// A deceleration that has grown to `decel` within `time` and ends at the speed `v`.
+    fn rise(v: i64, decel: u64, time: u64) -> Self {
+        let lost = mul_shift(decel as i64, time as i64, 37);
+        let top = v + lost;
+        Self { times: [time, 0, 0], speeds: [top, v, v, v], lengths: [area(top - third(lost), time), 0, 0] }
+    }
+
+    /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on growing.
+    fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &Ramp, j_last: f32) -> Option<Self> {
+        let [_, _, mut first] = times(ramp, v0 - v1);
+        for _ in 0..SHRINKS {
+            first = first.max(over);
+            let (hi, lo) = mul_wide(decel, first);
+            let peak = div_wide(hi, lo, over.max(1));
+            let last = ticks(size_f32(peak) / (j_last * ACCEL_ONE));
+            let [lost_first, lost_last] = [first, last].map(|t| mul_shift(peak as i64, t as i64, 37));
+            let rest = v0 - v1 - lost_first - lost_last;
+            if rest >= 0 {
+                let hold = div_shift(rest as u64, 36, peak);
+                let (a, b) = (v0 - lost_first, v1 + lost_last);
+                return (hold < 1 << 63).then_some(Self {
+                    times: [first, hold, last],
+                    speeds: [v0, a, b, v1],
+                    lengths: [
+                        area(v0 - third(lost_first), first),
+                        area(b + (a - b) / 2, hold),
+                        area(v1 + third(lost_last), last),
+                    ],
+                });
+            }
+            if first == over {
+                return None;
+            }
+            first -= (first >> 21).max(1);
+        }
+        None
+    }
+}
