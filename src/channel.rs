@@ -158,7 +158,8 @@ pub enum Progress {
     Planned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
-    /// The program has ended and everything is handed to the interpolator.
+    /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
+    /// calling as long as it moves.
     Done,
 }
 
@@ -271,6 +272,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
             Ok(Work::Planned) => return Ok(Progress::Planned),
             Ok(Work::Hungry) => {}
+            Ok(Work::Aborted) => {
+                self.source = Source::Ended;
+                self.held = None;
+                return Ok(Progress::Working);
+            }
             Err(Unplannable) => {
                 self.source = Source::Ended;
                 return Err(Error::Unplannable);
@@ -292,6 +298,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// Where the operator's commands go.
     pub fn control(&self) -> &'a Control {
         self.planning.control()
+    }
+
+    /// Whether the motion stands still in a feed hold.
+    pub fn is_holding(&self) -> bool {
+        self.planning.is_holding()
     }
 
     /// The span of motion blocks planned last.

@@ -1,5 +1,7 @@
 //! What an operator may do while the motion runs: override, feed hold, resume, abort, reduced speed.
 //!
+//! Feed hold, resume and abort act; override and reduced speed are not followed yet.
+//!
 //! Commands are atomics: any context may give them at any time, without a lock and without waiting. They act where
 //! the time law is not yet handed to the interrupt, see [`crate::planning`].
 use core::sync::atomic::{AtomicU8, AtomicU16, Ordering};
@@ -55,7 +57,7 @@ impl Control {
         self.set(HOLD, false);
     }
 
-    /// Stand still and forget the rest of the program.
+    /// Stand still and forget the rest of the program; ends a hold too.
     pub fn abort(&self) {
         self.set(ABORT, true);
     }
@@ -74,6 +76,17 @@ impl Control {
             abort: flags & ABORT != 0,
             reduced: flags & REDUCED != 0,
         }
+    }
+
+    /// Whether the motion is to stand still.
+    #[inline(always)]
+    pub(crate) fn wants_standstill(&self) -> bool {
+        self.flags.load(Ordering::Relaxed) & (HOLD | ABORT) != 0
+    }
+
+    /// The rest of the program is forgotten, and with it a hold in which it stood.
+    pub(crate) fn aborted(&self) {
+        self.set(ABORT | HOLD, false);
     }
 
     fn set(&self, flag: u8, on: bool) {

@@ -1,16 +1,22 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
+mod flight;
+mod hold;
+
 use crate::channel::PlannedBlock;
 use crate::control::Control;
-use crate::lookahead::{Dynamics, Limits, Lookahead, Share};
+use crate::lookahead::{Dynamics, Limits, Lookahead, Share, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
 use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
-use crate::queue::{Event, Function, Phase, Sender, Slot};
+use crate::queue::{Event, Function, Phase, Sender, Slot, clock};
+use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
-use crate::slope::profile::{Profile, Unplannable};
+use crate::slope::profile::{Profile, Unplannable, speed_f32};
+use flight::Flights;
+use hold::Mode;
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +40,8 @@ pub enum Work {
     Planned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
+    /// It stands still, and what was taken in is forgotten, as the operator wanted.
+    Aborted,
 }
 
 /// A motion block that has no path or no speed.
@@ -75,6 +83,16 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     stops: bool,
     /// Ticks to rest after the standstill.
     rest: u64,
+    /// Spans released and not yet left by the interrupt; of so many the law was made, the last one's is with the emitter.
+    flights: Flights,
+    laid: usize,
+    /// Speed at the end of that law.
+    speed: Speed,
+    /// Ticks of rest that belong behind it.
+    owed: u64,
+    /// Instant up to which pieces are in the queue.
+    end: u32,
+    mode: Mode,
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
@@ -94,6 +112,9 @@ const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 /// Pieces of time per call.
 const PIECES: u32 = 8;
+
+/// Pieces that the queue has room for at any time, for a new law in place of one that is already there.
+const RESERVE: u32 = PIECES + 2;
 
 /// Curves per call.
 const CURVES: u32 = 4;
@@ -117,6 +138,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             curves: 0,
             stops: false,
             rest: 0,
+            flights: Flights::new(),
+            laid: 0,
+            speed: Speed::ZERO,
+            owed: 0,
+            end: 0,
+            mode: Mode::RUN,
             position: start,
             distance: Distance::ZERO,
             taken: 0,
@@ -260,15 +287,24 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
+        if let Some(work) = self.attend() {
+            return Ok(work);
+        }
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
-        if self.queue.phases.room() < PIECES {
+        if self.queue.phases.room() < PIECES + RESERVE {
             return Ok(Work::Waiting);
         }
-        if self.curves > 0 {
-            return Ok(self.curves());
-        }
-        if self.emitter.hand_out(&mut self.queue.phases, PIECES) {
+        if self.curves > 0 && !self.queue.segments.is_full() {
+            for _ in 0..CURVES {
+                if self.curves > 0 && !self.queue.segments.is_full() {
+                    self.curve();
+                }
+            }
             return Ok(Work::Working);
+        }
+        let before = self.end;
+        if self.hand_out() {
+            return if self.end == before { Ok(Work::Waiting) } else { Ok(Work::Working) };
         }
         if self.stops {
             self.emitter.settle();
@@ -277,24 +313,41 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.go_on()
     }
 
-    /// Curves of the span at hand; where the queue has no room for all of them, pieces of time that need no more.
-    fn curves(&mut self) -> Work {
-        if self.queue.segments.is_full() {
+    /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out. Where the queue has no
+    /// room for all curves of the span at hand, only those that need no more.
+    fn hand_out(&mut self) -> bool {
+        if self.curves > 0 {
             let mut phase = Phase::BLANK;
-            for done in 0..PIECES {
-                if !self.emitter.has_piece() || !self.emitter.step_until(&mut phase, self.distance) {
-                    return if done == 0 { Work::Waiting } else { Work::Working };
+            for _ in 0..PIECES {
+                if !self.emitter.has_piece() {
+                    return false;
                 }
-                let _ = self.queue.phases.push(phase);
+                if !self.emitter.step_until(&mut phase, self.distance) {
+                    return true;
+                }
+                self.put(phase);
             }
-            return Work::Working;
+            return true;
         }
-        for _ in 0..CURVES {
-            if self.curves > 0 && !self.queue.segments.is_full() {
-                self.curve();
-            }
+        let mut ticks = 0;
+        let more = self.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
+        self.end = self.end.wrapping_add(clock::TICK * ticks);
+        more
+    }
+
+    /// Puts a piece in. There is room.
+    fn put(&mut self, phase: Phase) {
+        self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+        let _ = self.queue.phases.push(phase);
+    }
+
+    /// Rests at the path distance `at`, as long as a piece can. There is room. Ticks left.
+    fn put_rest(&mut self, at: Distance, ticks: u64) -> u64 {
+        let now = ticks.min(LONGEST_REST);
+        if now > 0 {
+            self.put(Phase { distance: at, ticks: now as u16, ..Phase::BLANK });
         }
-        Work::Working
+        ticks - now
     }
 
     /// The first block of the ring becomes a curve in the queue. There is room.
@@ -319,6 +372,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
+        if let Some(work) = self.catch_up()? {
+            return Ok(work);
+        }
         match self.stage {
             Stage::Passing => {
                 if let Some(blocks) = self.lookahead.step_pass() {
@@ -342,14 +398,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.push_outgoing(&outgoing);
             return Work::Working;
         }
-        if !self.flush {
-            return Work::Hungry;
-        }
-        if self.contouring.holds() {
+        if self.flush && self.contouring.holds() {
             self.contouring.release(false);
             return Work::Working;
         }
-        if self.lookahead.is_empty() { self.come_to_rest() } else { self.begin_pass() }
+        if self.flush && self.lookahead.is_empty() {
+            return self.come_to_rest();
+        }
+        // On the way to a standstill what is there has to do: a corner that is held back waits for the rest.
+        if self.flush || self.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
     fn begin_pass(&mut self) -> Work {
@@ -360,28 +417,32 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Plans the first span of the ring for good.
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
-        if self.queue.segments.is_full() {
+        self.trim();
+        if self.queue.segments.is_full() || self.flights.is_full() {
             return Ok(Work::Waiting);
         }
-        let Some(span) = self.lookahead.release() else {
+        let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
+        let Some(first) = self.lookahead.release(&mut flight.span) else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
+        (flight.start, flight.rest) = (self.distance, 0);
+        let span = &flight.span;
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
         let planned = &mut self.planned;
-        let [first, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
+        let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
         let begun = last.wrapping_add(1);
-        (planned.block, planned.blocks) = (first, begun.wrapping_sub(self.begun));
+        (planned.block, planned.blocks) = (number, begun.wrapping_sub(self.begun));
         self.begun = begun;
-        (planned.n, planned.place, planned.length) = (span.first.n, span.first.place(), span.length);
+        (planned.n, planned.place, planned.length) = (first.n, first.place(), span.length);
         (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
-        if let Err(error) = self.profile.plan(span.length, span.v_in, span.v_out, &span.first.limits) {
+        self.curves = span.blocks;
+        self.flights.push();
+        if let Err(error) = self.lay() {
             self.lookahead.clear();
+            self.curves = 0;
             return Err(error);
         }
-        self.emitter.begin(&self.profile, self.distance, span.length);
-        self.stops = span.v_out == Speed::ZERO;
-        self.curves = span.blocks;
         self.planned.v_peak = self.profile.peak();
         self.planned.time = self.profile.time();
         self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
@@ -400,17 +461,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn come_to_rest(&mut self) -> Work {
-        let ticks = self.rest.min(LONGEST_REST);
-        self.rest -= ticks;
-        self.flush = self.rest > 0;
-        if ticks > 0 {
-            // There is room: asked at the beginning of the call.
-            let _ = self.queue.phases.push(Phase {
-                distance: self.distance,
-                ticks: ticks as u16,
-                ..Phase::BLANK
-            });
+        // There is room: asked at the beginning of the call.
+        let left = self.put_rest(self.distance, self.rest);
+        if let Some(flight) = self.flights.len().checked_sub(1).and_then(|last| self.flights.get_mut(last)) {
+            flight.rest += self.rest - left;
         }
+        self.rest = left;
+        self.flush = left > 0;
         Work::Working
     }
 }

@@ -3,14 +3,17 @@
 //! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the elements
 //! the path distance has left, and evaluates the one it is on. Integers only; no division, square root or search.
 //!
+//! The interrupt counts the ticks that take time of a piece. Before the tick with the number the planner has asked for it
+//! leaves the pieces it has and goes on with others: [`crate::queue::Clock`].
+//!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::control::Control;
-use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
+use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{Event, Phase, Receiver, Segment, Slot};
 
 /// Most elements one tick may pass.
-pub const SKIP_PER_TICK: usize = 8;
+pub const SKIP_PER_TICK: u32 = 8;
 
 /// What the tick just did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,8 +59,13 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
 
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
     pub fn tick(&mut self) -> State {
+        let instant = self.queue.clock.own();
+        if let Some(number) = self.queue.clock.cut(instant) {
+            self.queue.phases.jump(number);
+            self.done = u16::MAX;
+        }
         if self.done >= self.phase.ticks {
-            if !self.queue.phases.pop_into(&mut self.phase) {
+            if !self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0) {
                 return State::Idle;
             }
             self.done = 0;
@@ -66,18 +74,12 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         self.done += 1;
         self.distance = Distance::from_bits(distance);
 
-        for _ in 0..SKIP_PER_TICK {
-            match self.queue.segments.peek() {
-                Some(segment) if segment.is_behind(distance) && self.queue.segments.len() > 1 => {
-                    self.queue.segments.skip();
-                }
-                _ => break,
-            }
-        }
-        if let Some(segment) = self.queue.segments.peek() {
+        let segment = self.queue.segments.pass(SKIP_PER_TICK, |segment| segment.is_behind(distance));
+        if let Some(segment) = segment {
             let along = distance.wrapping_sub(segment.start.to_bits());
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
+        self.queue.clock.pass(instant);
         State::Active
     }
 
@@ -95,9 +97,9 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// says `None`, in the interrupt or elsewhere.
     pub fn event(&mut self) -> Option<Event> {
         let event = self.queue.events.peek()?;
-        // Standing still at the end of a block, what comes after that block is due.
-        let rests = self.phase.speed == Speed::ZERO && self.phase.sixth_jerk == Jerk::ZERO;
-        let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(rests));
+        // At the end of the last block so far, what comes after that block is due.
+        let distance = self.distance.to_bits();
+        let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(s.is_behind(distance)));
         if event.block <= reached { self.queue.events.pop() } else { None }
     }
 

@@ -9,6 +9,7 @@
 //! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
+//! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
 pub mod cases;
@@ -24,3 +25,5 @@ pub mod tolerance;
 pub mod properties;
 
 pub mod corner;
+
+pub mod operate;

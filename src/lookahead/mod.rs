@@ -93,21 +93,55 @@ impl<const AXES: usize> Block<AXES> {
     }
 }
 
+impl<const AXES: usize> Block<AXES> {
+    /// It begins at the speed `v_in`, lower than planned or as planned.
+    fn start_at(&mut self, v_in: Speed) {
+        self.v_in = v_in;
+        if v_in != self.v_reached {
+            self.marks.set(Marks::CHECKED, false);
+        }
+    }
+}
+
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
-pub struct Release<'a, const AXES: usize> {
-    /// Its first block, whose limits are now what all of its blocks permit; of the speeds the highest.
-    pub first: &'a Block<AXES>,
+pub struct Release {
     /// Its blocks.
     pub blocks: usize,
     /// Motion blocks from the one before to that of its first block, and to that of its last one.
     pub ahead: [u32; 2],
     /// Path length.
     pub length: Distance,
+    /// What all of its blocks permit; of the speeds the highest.
+    pub limits: Limits,
+    /// The lowest of their speeds.
+    pub v_least: f32,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
     pub v_out: Speed,
+    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
+    /// one of `v_least` and `v_in`.
+    pub checked: bool,
+}
+
+impl Release {
+    /// Nothing.
+    pub const BLANK: Self = Self {
+        blocks: 0,
+        ahead: [0; 2],
+        length: Distance::ZERO,
+        limits: Limits::WIDEST,
+        v_least: 0.0,
+        v_in: Speed::ZERO,
+        v_out: Speed::ZERO,
+        checked: false,
+    };
+
+    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
+    pub fn leave(&self, v_in: Speed) -> Speed {
+        span::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
+    }
 }
 
 /// What the next transition needs to know of the last block.
@@ -141,6 +175,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     blockwise: bool,
     /// Where the plan before the present one ended: so many blocks from the front.
     end: usize,
+    /// The first block's start was lowered while the plan was at work.
+    stale: bool,
 }
 
 /// No speed yet.
@@ -164,6 +200,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             span: 0,
             blockwise: true,
             end: 0,
+            stale: false,
         }
     }
 
@@ -181,6 +218,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.last = None;
+        self.pass = Pass::Done;
+        self.through = 0;
+        self.span = 0;
     }
 
     /// Blocks handed on after each pass.
@@ -265,6 +305,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// part of the limits, which must not lower what is planned now.
     pub fn begin_pass(&mut self, open: bool) {
         self.open = open;
+        if core::mem::take(&mut self.stale)
+            && let Some(first) = self.blocks.front_mut()
+        {
+            first.marks.set(Marks::CHECKED, false);
+        }
         self.begin();
     }
 
@@ -273,17 +318,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.step().then(|| self.ready())
     }
 
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]. Once for each span: its
-    /// limits are put together in its first block.
-    pub fn release(&mut self) -> Option<Release<'_, AXES>> {
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
+    /// is none. Once for each span: its limits are put together in its first block.
+    pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
-        let mut ahead = [u32::from(first.ahead); 2];
+        let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
+                    v_least = min(v_least, min(block.cap, block.limits.v));
                     first.limits.join(&block.limits);
                     length += block.shape.length.to_bits();
                     (blocks, kept) = (blocks + 1, true);
@@ -296,13 +342,27 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut v_out = Speed::ZERO;
         if let Some(next) = next {
             v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
-            next.v_in = v_out;
+            next.start_at(v_out);
         }
         if first.is(Marks::FLAT) {
             first.limits.flatten(v_in, v_out);
         }
-        let length = Distance::from_bits(length);
-        Some(Release { first, blocks, ahead, length, v_in, v_out })
+        release.blocks = blocks;
+        release.ahead = ahead;
+        release.length = Distance::from_bits(length);
+        release.limits = first.limits;
+        release.checked = (first.is(Marks::CHECKED) && !self.stale) || blocks == 1;
+        (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
+        self.stale = false;
+        Some(first)
+    }
+
+    /// The span that begins `blocks` blocks behind the front begins at the speed `v_in`, lower than planned or as planned.
+    pub fn start_at(&mut self, blocks: usize, v_in: Speed) {
+        if let Some(next) = self.blocks.get_mut(blocks) {
+            next.start_at(v_in);
+        }
+        self.stale = blocks == 0 && !matches!(self.pass, Pass::Done);
     }
 
     /// The first block.

@@ -1,7 +1,9 @@
 //! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
 //! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
+pub mod clock;
 mod ring;
 
+pub use clock::Clock;
 pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::control::Control;
@@ -70,7 +72,7 @@ pub struct Phase {
     pub half_accel: Accel,
     /// A sixth of the jerk.
     pub sixth_jerk: Jerk,
-    /// Ticks it lasts, at least 1.
+    /// Ticks it lasts. 0 is a gate: the interrupt does not pass it, unless by a cut ([`Clock`]).
     pub ticks: u16,
 }
 
@@ -111,6 +113,7 @@ pub struct Rings<const AXES: usize> {
     phases: Ring<Phase, PHASES>,
     events: Ring<Event, EVENTS>,
     control: Control,
+    clock: Clock,
 }
 
 /// The planner's end.
@@ -123,6 +126,8 @@ pub struct Sender<'a, const AXES: usize> {
     pub events: Producer<'a, Event, EVENTS>,
     /// Commands of the operator.
     pub control: &'a Control,
+    /// Ticks passed, and the cut.
+    pub clock: &'a Clock,
 }
 
 /// The interrupt's end.
@@ -135,12 +140,20 @@ pub struct Receiver<'a, const AXES: usize> {
     pub events: Consumer<'a, Event, EVENTS>,
     /// Commands of the operator.
     pub control: &'a Control,
+    /// Ticks passed, and the cut.
+    pub clock: &'a Clock,
 }
 
 impl<const AXES: usize> Rings<AXES> {
     /// Empty rings.
     pub const fn new() -> Self {
-        Self { segments: Ring::new(), phases: Ring::new(), events: Ring::new(), control: Control::new() }
+        Self {
+            segments: Ring::new(),
+            phases: Ring::new(),
+            events: Ring::new(),
+            control: Control::new(),
+            clock: Clock::new(),
+        }
     }
 
     /// Both ends of every ring, emptied.
@@ -149,10 +162,11 @@ impl<const AXES: usize> Rings<AXES> {
         let (to_phases, phases) = self.phases.split();
         let (to_events, events) = self.events.split();
         self.control = Control::new();
-        let control = &self.control;
+        self.clock = Clock::new();
+        let (control, clock) = (&self.control, &self.clock);
         (
-            Sender { segments: to_segments, phases: to_phases, events: to_events, control },
-            Receiver { segments, phases, events, control },
+            Sender { segments: to_segments, phases: to_phases, events: to_events, control, clock },
+            Receiver { segments, phases, events, control, clock },
         )
     }
 }

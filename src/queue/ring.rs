@@ -109,6 +109,34 @@ impl<T: Slot, const N: usize> Producer<'_, T, N> {
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
         true
     }
+
+    /// Items put in since the split.
+    pub fn count(&self) -> u32 {
+        self.ring.put.load(Ordering::Relaxed)
+    }
+
+    /// Items the consumer has given back since the split.
+    pub fn taken(&self) -> u32 {
+        self.ring.taken.load(Ordering::Acquire)
+    }
+
+    /// The item that was put in as the one with this number, if it is one of the last `N`.
+    pub fn recent(&self, number: u32) -> Option<&T> {
+        if self.count().wrapping_sub(number).wrapping_sub(1) >= N as u32 {
+            return None;
+        }
+        // SAFETY: only this producer writes slots, and needs `&mut self` for that; the consumer reads too.
+        Some(unsafe { &*self.ring.slot(number) })
+    }
+
+    /// Takes back the items from the one with this number on.
+    ///
+    /// The caller knows that the consumer neither looks at them nor can reach them before they are put in anew.
+    pub fn withdraw(&mut self, number: u32) {
+        if self.count().wrapping_sub(number) <= N as u32 {
+            self.ring.put.store(number, Ordering::Release);
+        }
+    }
 }
 
 impl<T: Slot, const N: usize> Consumer<'_, T, N> {
@@ -131,16 +159,8 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         if self.is_empty() {
             return None;
         }
-        // SAFETY: not empty, so the slot is the consumer's until `skip`, which needs `&mut self`.
+        // SAFETY: not empty, so the slot is the consumer's until `advance`, which needs `&mut self`.
         Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)) })
-    }
-
-    /// Gives the oldest item's slot back; nothing if there is none.
-    #[inline(always)]
-    pub fn skip(&mut self) {
-        if !self.is_empty() {
-            self.advance();
-        }
     }
 
     /// The counter moves on; the caller knows that there is an item.
@@ -154,16 +174,56 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         let item = *self.peek()?;
-        self.skip();
+        self.advance();
         Some(item)
     }
 
-    /// Takes the oldest item out into `item`, copied once; `false` if there is none.
+    /// Takes the oldest item out into `item`, copied once, if there is one and it is `fit`.
     #[inline(always)]
-    pub fn pop_into(&mut self, item: &mut T) -> bool {
-        let Some(oldest) = self.peek() else { return false };
+    pub fn pop_into(&mut self, item: &mut T, fit: impl FnOnce(&T) -> bool) -> bool {
+        let Some(oldest) = self.peek().filter(|oldest| fit(oldest)) else { return false };
         *item = *oldest;
         self.advance();
         true
+    }
+
+    /// Gives all items before the one with this number back; the producer has put that one in.
+    #[inline(always)]
+    pub fn jump(&mut self, number: u32) {
+        self.ring.taken.store(number, Ordering::Release);
+    }
+
+    /// Gives items back from the oldest on as long as they are `over` and others follow, at most `most` of them;
+    /// the oldest one then.
+    #[inline(always)]
+    pub fn pass(&mut self, most: u32, over: impl Fn(&T) -> bool) -> Option<&T> {
+        let mut number = self.ring.taken.load(Ordering::Relaxed);
+        if self.ring.put.load(Ordering::Acquire) == number {
+            return None;
+        }
+        // SAFETY: the oldest item of the ring, which is not empty; `leave` leaves at least one.
+        let slot = |number: u32| unsafe { &*self.ring.slot(number) };
+        if over(slot(number)) {
+            number = self.leave(number, most, over);
+        }
+        Some(slot(number))
+    }
+
+    /// The oldest item, which has this number, is over: the number of the oldest one then.
+    #[inline(never)]
+    fn leave(&self, mut number: u32, most: u32, over: impl Fn(&T) -> bool) -> u32 {
+        let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
+        for _ in 0..most {
+            if number == last {
+                break;
+            }
+            number = number.wrapping_add(1);
+            // SAFETY: not beyond the last item of the ring.
+            if !over(unsafe { &*self.ring.slot(number) }) {
+                break;
+            }
+        }
+        self.ring.taken.store(number, Ordering::Release);
+        number
     }
 }

@@ -7,6 +7,7 @@
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::bend::{Bend, sine_node, sine_piece, sine_square};
+use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
 use crate::math::divide::reciprocal_near;
 use crate::math::float::to_f32;
@@ -107,6 +108,32 @@ impl Emitter {
         self.lay_out(&profile.down, back);
     }
 
+    /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
+    /// the time from the start of a block to the next tick.
+    pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
+        self.part = 0;
+        self.count = 0;
+        self.next += brake.over;
+        let at = self.lay_out(&profile.up, brake.from);
+        let back = brake.end.wrapping_sub(profile.down.length());
+        let back = if profile.cruise > 0 { back } else { at };
+        let v = profile.down.speeds[0];
+        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        let at = self.lay_out(&profile.down, back);
+        let v = brake.v_out;
+        self.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+    }
+
+    /// Goes on `time` before a tick.
+    pub fn resume_at(&mut self, time: u64) {
+        self.next = time;
+    }
+
+    /// Time from the start of the block about to begin to the next tick.
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
     /// The three parts of a change of speed, from path distance `from` on; gives their end.
     #[inline(always)]
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
@@ -146,14 +173,18 @@ impl Emitter {
         false
     }
 
-    /// Up to `count` pieces into the queue, which has room for them; `false` when the block is handed out.
+    /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when the block is
+    /// handed out.
     #[inline(never)]
-    pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32) -> bool {
+    pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         for _ in 0..count {
             if !self.has_piece() {
                 return false;
             }
-            queue.push_with(|phase| self.cut(phase));
+            queue.push_with(|phase| {
+                self.cut(phase);
+                *ticks += u32::from(phase.ticks);
+            });
         }
         true
     }

@@ -79,7 +79,7 @@ impl Change {
     /// Becomes the change from `v0` to `v1` along a ramp, which begins at the lower one of them. Rounded so that no
     /// acceleration and no jerk is raised.
     #[inline(always)]
-    fn plan(&mut self, ramp: &Ramp, v0: i64, v1: i64) {
+    pub(super) fn plan(&mut self, ramp: &Ramp, v0: i64, v1: i64) {
         let (low, high) = (v0.min(v1), v0.max(v1));
         let bits = |t: f32| if t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 };
         let ordered =

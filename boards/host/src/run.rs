@@ -133,6 +133,8 @@ fn drive<const AXES: usize>(
         if !late {
             recorder.statistics.catches_up();
         }
+        // Also when all is handed over: a command may change what the queue holds.
+        done &= late;
         while !done && !late {
             match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
                 // The decode pass has collected the warnings.

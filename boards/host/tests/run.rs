@@ -437,6 +437,75 @@ fn a_late_planner_takes_time_and_loses_nothing() {
 }
 
 #[test]
+fn a_hold_stands_on_the_path_and_goes_on() {
+    let program = cut_line("held");
+    let script = events("held", "0.3 feedhold\n2.3 resume\n");
+    for slope in ["step", "trapez", "sin2", "hsc"] {
+        let plain = run_with(&format!("{slope}-whole"), &program, None, &["--slope", slope]);
+        let run =
+            run_with(&format!("{slope}-held"), &program, None, &["--slope", slope, "--events", &script]);
+        let rows = &run.trace.rows;
+        let [hold, resume] = [0, 1].map(|i| run.summary["events"][i]["reaction"].clone());
+        assert_eq!((&hold["what"], &resume["what"]), (&json!("standstill"), &json!("motion")), "{slope}");
+        let still = 300 + (number(&hold["after_s"]) * 1000.0).round() as usize;
+        let moves = 2300 + (number(&resume["after_s"]) * 1000.0).round() as usize;
+        assert!(rows[still - 1].axes != rows[still].axes && rows[299].s_mm < rows[still].s_mm, "{slope}");
+        for row in &rows[still + 1..moves] {
+            assert_eq!((&row.axes, row.v_mm_s), (&rows[still].axes, 0.0), "{slope} {}", row.t_s);
+        }
+        // Both in no time: 500 mm/s is lost in 300 ms at most, and the first set point that moves is near.
+        assert!(still <= 700 && moves <= 2310, "{slope}: {still} {moves}");
+        for name in ["X", "Y"] {
+            let axis = &run.summary["axes"][name];
+            for kind in ["v", "a", "j"] {
+                let limit = &axis[format!("{kind}_limit")];
+                let allowance = if kind == "j" { 4.0 * LSB * 1e9 } else { 0.01 };
+                // STEP knows no jerk.
+                let limit = limit.as_f64().unwrap_or(f64::INFINITY);
+                assert!(
+                    number(&axis[format!("{kind}_max")]) <= limit + allowance,
+                    "{slope} {name} {kind}: {axis}"
+                );
+            }
+        }
+        assert_eq!(rows[rows.len() - 1].axes, plain.trace.rows[plain.trace.rows.len() - 1].axes);
+        assert_eq!(run.summary["blocks"], plain.summary["blocks"], "{slope}");
+        assert!((number(&run.summary["path_mm"]) - number(&plain.summary["path_mm"])).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_hold_without_end_is_an_error_without_files() {
+    let (program, script) = (cut_line("endless"), events("endless", "0.1 override 150\n0.3 feedhold\n"));
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("endless.csv");
+    let _ = fs::remove_file(&file);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    command.args(["run", &program, "--events", &script, "--trace"]).arg(&file);
+    let output = command.output().expect("the simulator starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("the motion stands still from"), "{text}");
+    assert!(
+        text.contains("endless.events:2:5") && text.contains("expected a later resume or abort"),
+        "{text}"
+    );
+    assert!(!file.exists());
+}
+
+#[test]
+fn an_abort_ends_at_rest_on_the_path() {
+    let program = cut_line("aborted");
+    for (name, text) in [("abort", "0.3 abort\n"), ("hold-abort", "0.3 feedhold\n1.5 abort\n")] {
+        let run = run_with(name, &program, None, &["--events", &events(name, text)]);
+        let rows = &run.trace.rows;
+        let last = &rows[rows.len() - 1];
+        assert_eq!((last.v_mm_s, last.axes[1]), (0.0, 0), "{name}");
+        assert!(last.axes[0] > rows[299].axes[0] && last.axes[0] < bits("100.0"), "{name}");
+        assert_eq!(run.summary["ticks"], json!(rows.len()));
+    }
+}
+
+#[test]
 fn events_are_told_and_drawn_and_leave_the_rest_alone() {
     let program = shipped("../../programs/first.nc");
     let plain = run("no-events", &program, None);

@@ -244,6 +244,12 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
+    /// Forgets what it holds.
+    pub fn clear(&mut self) {
+        (self.held, self.before, self.course, self.bridge) = (None, None, None, None);
+        self.once = false;
+    }
+
     /// Whether a block is held back.
     pub fn holds(&self) -> bool {
         self.held.is_some()

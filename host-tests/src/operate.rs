@@ -1,0 +1,157 @@
+//! Runs a program while an operator gives commands at given ticks, and asks the judge for everything.
+use crate::cases::random::Random;
+use crate::cases::{Program, set_point};
+use crate::check;
+use crate::properties::axis_limits;
+use crate::tolerance;
+use crate::trace::Trace;
+use glidepath::channel::{Channel, Progress};
+use glidepath::control::Control;
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use glidepath::tick::State;
+
+/// What an operator does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Act {
+    /// Feed hold.
+    Hold,
+    /// Go on.
+    Resume,
+    /// Forget the rest.
+    Abort,
+}
+
+impl Act {
+    fn give(self, control: &Control) {
+        match self {
+            Self::Hold => control.feed_hold(),
+            Self::Resume => control.resume(),
+            Self::Abort => control.abort(),
+        }
+    }
+}
+
+/// A run with commands.
+#[derive(Clone, Debug)]
+pub struct Operated {
+    /// Set points of all ticks, those of rest included.
+    pub trace: Trace,
+    /// Path distance after each of them.
+    pub distances: Vec<i64>,
+    /// Ticks at which the motion began to stand in a hold.
+    pub holds: Vec<usize>,
+    /// The rest of the program was forgotten.
+    pub aborted: bool,
+}
+
+/// Most ticks of a run.
+const LONGEST: usize = 1_000_000;
+
+/// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at most
+/// `polls` times between two ticks.
+///
+/// # Errors
+/// What the library refused, or a motion that does not end.
+pub fn operate<const AXES: usize, const BLOCKS: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Operated, String> {
+    let start: [Position; AXES] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+    operate_text::<AXES, BLOCKS>(&program.text(machine), start, machine, acts, polls)
+        .map_err(|fault| format!("{}: {fault}", program.name))
+}
+
+/// The same of any NC text, from `start` on.
+///
+/// # Errors
+/// The same.
+pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
+    text: &str,
+    start: [Position; AXES],
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Operated, String> {
+    let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
+    let (mut planner, mut interpolator) =
+        channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
+    let mut run = Operated {
+        trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
+        distances: Vec::new(),
+        holds: Vec::new(),
+        aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
+    };
+    let control = planner.control();
+    let mut acts = acts.iter().peekable();
+    let mut held = false;
+    for tick in 0..LONGEST {
+        while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
+            act.give(control);
+        }
+        let mut done = false;
+        for _ in 0..polls {
+            match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
+                Progress::Waiting => break,
+                Progress::Done => {
+                    done = true;
+                    break;
+                }
+                _ => {}
+            }
+        }
+        let state = interpolator.tick();
+        run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        run.distances.push(interpolator.telemetry().distance.to_bits());
+        if planner.is_holding() && !held {
+            run.holds.push(tick);
+        }
+        held = planner.is_holding();
+        if done && state == State::Idle {
+            return Ok(run);
+        }
+        if state == State::Idle && acts.peek().is_none() && held {
+            return Err(format!("still in a hold at tick {tick}"));
+        }
+    }
+    Err("no end".to_owned())
+}
+
+/// The judge's word on such a run: limits at every tick, on the contour and in order, at the end exactly.
+///
+/// # Errors
+/// The first fault.
+pub fn judge<const AXES: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+    run: &Operated,
+) -> Result<(), String> {
+    let contour = program.contour(machine);
+    check::limits(&run.trace, &axis_limits(machine, &contour))?;
+    let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
+    let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
+    if run.aborted {
+        return Ok(());
+    }
+    check::ends(&run.trace, &start, &program.end_points())?;
+    check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map(|_| ())
+}
+
+/// Holds, each with its end, at random ticks of a motion of so many; now and then an abort.
+pub fn random_acts(random: &mut Random, ticks: usize) -> Vec<(usize, Act)> {
+    let mut acts = Vec::new();
+    let mut tick = 0;
+    for _ in 0..1 + random.bits() % 6 {
+        tick += (random.unit() * ticks as f64 / 2.0) as usize;
+        acts.push((tick, Act::Hold));
+        // Often before it stands.
+        tick += random.magnitude(1.0, 1000.0) as usize;
+        acts.push((tick, Act::Resume));
+    }
+    if random.once_in(4) {
+        acts.push((tick + (random.unit() * ticks as f64 / 2.0) as usize, Act::Abort));
+    }
+    acts
+}

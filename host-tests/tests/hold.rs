@@ -1,0 +1,199 @@
+//! Feed hold, resume and abort at any tick: inside all limits, on the path, exact at the end.
+use glidepath::machine::MachineData;
+use glidepath::quantity::{Distance, Position, Speed};
+use glidepath::queue::{Phase, Rings, Segment, Slot, clock};
+use glidepath::tick::{Interpolator, State};
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::{Program, machines};
+use host_tests::check;
+use host_tests::operate::{Act, Operated, judge, operate, operate_text, random_acts};
+use host_tests::properties::permitted;
+
+/// Corners of several angles, tangential transitions, short blocks.
+fn track() -> Program {
+    let mut program = Program::new("track", 3)
+        .line(&[6.0, 0.0, 0.0], 9000.0)
+        .line(&[12.0, 1.0, 0.0], 9000.0)
+        .line(&[12.0, 8.0, 1.0], 6000.0)
+        .line(&[5.0, 8.0, 1.0], 12_000.0);
+    for k in 1..=12 {
+        let x = 5.0 - 0.25 * f64::from(k);
+        program = program.line(&[x, 8.0 + 0.01 * f64::from(k * k), 1.0], 9000.0);
+    }
+    program.line(&[-6.0, 9.44, 1.0], 9000.0).line(&[-6.0, 0.0, 0.0], 4000.0)
+}
+
+fn machine(slope: u8) -> MachineData<3> {
+    let mut machine = machines::mill(1000);
+    machine.channel.slope_profile = slope;
+    machine
+}
+
+fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)], polls: usize) -> Operated {
+    operate::<3, 120>(program, machine, acts, polls)
+        .and_then(|run| judge(program, machine, &run).map(|()| run))
+        .unwrap_or_else(|fault| panic!("{}, {acts:?}, {polls} polls: {fault}", program.name))
+}
+
+/// A hold before each tick of the track, for longer than any stop takes.
+fn every_tick(slope: u8, polls: usize, at_most: usize) {
+    let (program, machine) = (track(), machine(slope));
+    let ticks = run(&program, &machine, &[], polls).trace.len();
+    let mut longest = 0;
+    for tick in 0..ticks - 2 {
+        let held = run(&program, &machine, &[(tick, Act::Hold), (tick + 1000, Act::Resume)], polls);
+        let stood = *held.holds.first().unwrap_or_else(|| panic!("hold at {tick}: no standstill"));
+        longest = longest.max(stood - tick);
+        // It stays where it is until it is to go on.
+        assert!(
+            held.distances[stood..tick + 999].iter().all(|s| *s == held.distances[stood]),
+            "hold at {tick}"
+        );
+    }
+    println!("slope {slope}: {ticks} ticks, stands after {longest} at most");
+    assert!(longest <= at_most, "slope {slope}: {longest}");
+}
+
+#[test]
+fn trapez_at_every_tick() {
+    every_tick(1, 1000, 177);
+}
+
+#[test]
+fn hsc_at_every_tick() {
+    every_tick(3, 1000, 194);
+}
+
+#[test]
+fn sin2_at_every_tick() {
+    every_tick(2, 1000, 154);
+}
+
+#[test]
+fn step_at_every_tick() {
+    every_tick(0, 1000, 94);
+}
+
+#[test]
+fn random_commands_in_random_programs() {
+    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it.
+    for seed in 0..120 {
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = (seed % 4) as u8;
+        let program = program(seed, Mix::arbitrary(3, seed));
+        let ticks = operate::<3, 120>(&program, &machine, &[], 1000).expect("runs").trace.len();
+        let mut random = Random::new(seed);
+        for _ in 0..3 {
+            let acts = random_acts(&mut random, ticks);
+            let polls = [3, 10, 1000][(random.bits() % 3) as usize];
+            let first = run(&program, &machine, &acts, polls);
+            let again = run(&program, &machine, &acts, polls);
+            assert_eq!(first.trace, again.trace, "seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn abort_stands_still_on_the_path_and_stays() {
+    let (program, machine) = (track(), machine(1));
+    let whole = run(&program, &machine, &[], 1000);
+    for tick in (0..whole.trace.len()).step_by(7) {
+        let aborted = run(&program, &machine, &[(tick, Act::Abort)], 1000);
+        let held = run(&program, &machine, &[(tick, Act::Hold), (tick + 1000, Act::Resume)], 1000);
+        // The way to the standstill is that of a hold.
+        let rows = aborted.trace.len();
+        assert!(rows <= tick + 200, "abort at {tick}: {rows} rows");
+        for row in 0..rows.min(held.trace.len()) {
+            assert!(aborted.trace.row(row).eq(held.trace.row(row)), "abort at {tick}: row {row}");
+        }
+    }
+}
+
+/// Ticks that happen between the steps of a cut.
+#[test]
+fn a_cut_is_taken_as_a_whole_or_not_at_all() {
+    let phase = |distance: i64, ticks| Phase {
+        distance: Distance::from_bits(distance << 44),
+        speed: Speed::from_bits(1 << 58),
+        ticks,
+        ..Phase::BLANK
+    };
+    const OLD: i64 = 1000;
+    const NEW: i64 = 5000;
+    // The ticks done before each of the four steps, and behind the last one.
+    let mut outcomes = [0; 2];
+    for code in 0..7_usize.pow(4) {
+        let pauses: [usize; 4] = std::array::from_fn(|k| code / 7_usize.pow(k as u32) % 7);
+        let mut rings: Rings<1> = Rings::new();
+        let (mut sender, receiver) = rings.split();
+        let mut interpolator = Interpolator::new(receiver, [Position::ZERO]);
+        let _ = sender.segments.push(Segment::BLANK);
+        let mut seen = Vec::new();
+        let mut ticks = |n: usize| {
+            for _ in 0..n {
+                if interpolator.tick() == State::Active {
+                    seen.push(interpolator.telemetry().distance.to_bits() >> 44);
+                }
+            }
+        };
+        let _ = sender.phases.push(phase(OLD, 3));
+        let _ = sender.phases.push(phase(OLD + 3, 9));
+        let at = 8;
+        let gate = sender.phases.count();
+        ticks(pauses[0]);
+        let _ = sender.phases.push(Phase::BLANK);
+        ticks(pauses[1]);
+        let _ = sender.phases.push(phase(NEW, 5));
+        ticks(pauses[2]);
+        sender.clock.publish(at * clock::TICK, gate + 1);
+        ticks(pauses[3]);
+        let late = clock::is_before(at * clock::TICK, sender.clock.now());
+        let taken = !late || sender.phases.taken().wrapping_sub(gate) as i32 > 0;
+        if !taken {
+            sender.clock.withdraw();
+            sender.phases.withdraw(gate);
+        }
+        ticks(40);
+        let expected: Vec<i64> =
+            if taken { (OLD..OLD + 8).chain(NEW..NEW + 5).collect() } else { (OLD..OLD + 12).collect() };
+        assert_eq!(seen, expected, "pauses {pauses:?}");
+        outcomes[usize::from(taken)] += 1;
+    }
+    assert!(outcomes.iter().all(|&n| n > 100), "{outcomes:?}");
+}
+
+#[test]
+fn a_hold_keeps_the_corners_of_contour_mode() {
+    // Corners of lines and arcs, one held back while the operator acts, and one at the end of the program.
+    let text = "%c\n#CONTOUR MODE [DEV PATH_DEV=0.5]\nN10 G01 X6 G261 F9000\nN20 Y5\nN30 X9 Y7 M7\nN40 G02 X13 Y7 I2 J0\n\
+        N50 G01 X13.5\nN60 Y2\nN70 G260 X20\nM30\n";
+    let start = [Position::ZERO; 3];
+    for slope in 0..4 {
+        let machine = machine(slope);
+        let go = |acts: &[(usize, Act)], polls| {
+            operate_text::<3, 120>(text, start, &machine, acts, polls)
+                .unwrap_or_else(|fault| panic!("slope {slope}, {acts:?}: {fault}"))
+        };
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+        let whole = go(&[], 1000);
+        let (rows, length) = (whole.trace.len(), *whole.distances.last().expect("it moves"));
+        let end: Vec<i64> = whole.trace.row(rows - 1).collect();
+        for tick in (0..rows - 2).step_by(5) {
+            // Few calls: the corner is still held back when the command comes.
+            for polls in [3, 1000] {
+                let acts = [(tick, Act::Hold), (tick + 1000, Act::Resume)];
+                let held = go(&acts, polls);
+                check::limits(&held.trace, &limits)
+                    .unwrap_or_else(|fault| panic!("slope {slope}, {acts:?}, {polls} polls: {fault}"));
+                assert!(held.trace.row(held.trace.len() - 1).eq(end.iter().copied()), "{acts:?}");
+                // The same curves: not a bit of path is lost.
+                assert_eq!(held.distances.last(), Some(&length), "slope {slope}, {acts:?}, {polls} polls");
+                let aborted = go(&[(tick, Act::Abort)], polls);
+                check::limits(&aborted.trace, &limits)
+                    .unwrap_or_else(|fault| panic!("slope {slope}, abort at {tick}, {polls} polls: {fault}"));
+                assert!(aborted.trace.len() <= tick + 400, "slope {slope}, abort at {tick}");
+            }
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! The operator's commands in the planner: standing still on the path, going on, forgetting the rest.
+//!
+//! A standstill is wanted while up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The planner finds
+//! the span and the motion a few ticks ahead, plans the way to a standstill from there ([`Brake`]) and has the interrupt
+//! change over at that tick ([`clock`]). If the span is too short to stop, the spans behind it are planned in the same
+//! way, each with its own limits, until one is long enough; the last span known always is. A span that already slows down
+//! as hard as it can keeps its law, and the change begins with the next one.
+//!
+//! Going on begins at rest, at the next tick behind the standstill. A span of several blocks is then run no faster than
+//! its slowest block: a law from another speed would have to be compared with every block again.
+//!
+//! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
+//! complete.
+use super::flight::Flight;
+use super::{Brake, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work};
+use super::{clock, max, min, speed_f32, to_f32};
+use crate::queue::PHASES;
+
+/// Ticks from a command to the change: what the planner may take for the new law.
+pub const REACTION: u32 = 4;
+
+/// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
+const NOTHING: i64 = 1 << 10;
+
+/// Over less than that one LSB more or less shows in the jerk of the fastest law.
+const FINE: i64 = 1 << 20;
+
+/// Where the commands stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mode {
+    /// Laws lead to a standstill.
+    pub stopping: bool,
+    /// The law with the emitter ends in it.
+    halting: bool,
+    /// It is handed out.
+    standing: bool,
+    /// The instant of the cut that may be pending, and the last one at which one was tried.
+    cut: Option<u32>,
+    tried: Option<u32>,
+}
+
+impl Mode {
+    /// No command.
+    pub const RUN: Self = Self { stopping: false, halting: false, standing: false, cut: None, tried: None };
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Follows the commands, if there is something to do for them.
+    #[inline(always)]
+    pub(super) fn attend(&mut self) -> Option<Work> {
+        if self.mode.stopping || self.queue.control.wants_standstill() { self.follow() } else { None }
+    }
+
+    fn follow(&mut self) -> Option<Work> {
+        if !self.mode.stopping {
+            return self.stop();
+        }
+        if !self.mode.standing {
+            return None;
+        }
+        self.trim();
+        let commands = self.queue.control.commands();
+        if commands.abort {
+            if self.queue.clock.now() != self.end {
+                return Some(Work::Waiting);
+            }
+            self.forget();
+            self.queue.control.aborted();
+            return Some(Work::Aborted);
+        }
+        if commands.hold {
+            return Some(Work::Waiting);
+        }
+        self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
+        None
+    }
+
+    /// Whether the motion stands still because the operator wants it to.
+    pub fn is_holding(&self) -> bool {
+        self.mode.standing && self.queue.clock.now() == self.end
+    }
+
+    /// Spans that the interrupt has left are over, and so is a cut it has passed.
+    pub(super) fn trim(&mut self) {
+        let now = self.queue.clock.now();
+        if self.mode.cut.is_some_and(|at| clock::is_before(at, now)) {
+            self.queue.clock.withdraw();
+            self.mode.cut = None;
+        }
+        while self.laid >= 2 && self.flights.get(1).is_some_and(|next| !clock::is_before(now, next.first)) {
+            self.flights.drop_first();
+            self.laid -= 1;
+        }
+    }
+
+    /// The way to a standstill takes the place of what is in the queue.
+    fn stop(&mut self) -> Option<Work> {
+        let now = self.queue.clock.now();
+        // One change at a time, and one attempt a tick.
+        self.trim();
+        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
+            return None;
+        }
+        self.mode.tried = Some(now);
+        let at = now.wrapping_add(clock::TICK * REACTION);
+        let at = if clock::is_before(at, self.end) { at } else { self.end };
+        let begun = |flight: &Flight| !clock::is_before(at, flight.first);
+        let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
+        let Some(k) = later.checked_sub(1) else {
+            self.mode.stopping = true;
+            return None;
+        };
+        let flight = self.flights.get(k)?;
+        if flight.first != at
+            && let Some(motion) = self.motion_at(at)
+        {
+            let span = &flight.span;
+            let end = flight.start.to_bits().wrapping_add(span.length.to_bits());
+            let profile = &mut self.profile;
+            if let Some(brake) = Brake::plan(profile, &motion, end, span.v_out.to_bits(), &span.limits) {
+                return self.change(k, at, Some(brake));
+            }
+        }
+        // From the start of the next span that has a tick.
+        let mut next = if flight.first == at { k } else { k + 1 };
+        while next + 1 < self.laid
+            && self.flights.get(next).map(|f| f.first) == self.flights.get(next + 1).map(|f| f.first)
+        {
+            next += 1;
+        }
+        match self.flights.get(next) {
+            Some(flight) if next < self.laid => {
+                let first = flight.first;
+                self.change(next, first, None)
+            }
+            _ => {
+                self.mode.stopping = true;
+                None
+            }
+        }
+    }
+
+    /// The motion at an instant that the pieces in the queue or their end cover.
+    fn motion_at(&self, at: u32) -> Option<Instant> {
+        let mut start = self.end;
+        let mut number = self.queue.phases.count();
+        for _ in 0..PHASES {
+            number = number.wrapping_sub(1);
+            let phase = self.queue.phases.recent(number)?;
+            start = start.wrapping_sub(clock::TICK * u32::from(phase.ticks));
+            if clock::is_before(at, start) {
+                continue;
+            }
+            let ticks = at.wrapping_sub(start) / clock::TICK;
+            let n = i64::from(ticks);
+            let (half, sixth) = (phase.half_accel.to_bits(), phase.sixth_jerk.to_bits());
+            let gained = n.wrapping_mul(3).wrapping_mul(sixth);
+            return Some(Instant {
+                distance: phase.at(ticks as u16),
+                speed: phase.speed.to_bits().wrapping_add(n.wrapping_mul(gained.wrapping_add(2 * half))),
+                accel: gained.wrapping_add(half).wrapping_mul(2),
+            });
+        }
+        None
+    }
+
+    /// From the instant `at` on the span `k` has another law: `brake`, which begins there, or a new one from its start.
+    fn change(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
+        let flight = *self.flights.get(k)?;
+        let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
+        let gate = self.queue.phases.count();
+        let drops = at != self.end;
+        if self.queue.phases.room() < PIECES + 2 {
+            return None;
+        }
+        if drops {
+            let _ = self.queue.phases.push(Phase::BLANK);
+        }
+        self.end = at;
+        self.laid = k;
+        self.mode.stopping = true;
+        let laid = if let Some(brake) = brake {
+            self.emitter.resume_at(0);
+            self.brake(k, &brake);
+            Ok(())
+        } else {
+            self.emitter.resume_at(flight.next);
+            self.speed = flight.span.v_in;
+            self.lay()
+        };
+        if laid.is_ok() {
+            self.hand_out();
+        }
+        if self.end == at && self.speed == Speed::ZERO {
+            // It stands there already.
+            self.put_rest(flight.start, 1);
+        }
+        if !drops && laid.is_ok() {
+            return Some(Work::Working);
+        }
+        if self.end != at {
+            self.queue.clock.publish(at, gate.wrapping_add(1));
+            let is_late = clock::is_before(at, self.queue.clock.now());
+            // Late, it was taken or never will be.
+            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
+                self.mode.cut = Some(at);
+                return Some(Work::Working);
+            }
+            self.queue.clock.withdraw();
+        }
+        // Everything as before; again at the next tick.
+        self.queue.phases.withdraw(gate);
+        (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode) = before;
+        if let Some(old) = self.flights.get_mut(k) {
+            *old = flight;
+        }
+        None
+    }
+
+    /// Makes the law of the next span that has none.
+    pub(super) fn lay(&mut self) -> Result<(), Unplannable> {
+        let (k, v_in) = (self.laid, self.speed);
+        let (end, next) = (self.end, self.emitter.next());
+        let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
+        (flight.first, flight.next) = (end, next);
+        let span = &mut flight.span;
+        let start = flight.start.to_bits();
+        if self.mode.stopping {
+            let motion = Instant { distance: start, speed: v_in.to_bits(), accel: 0 };
+            let end = start.wrapping_add(span.length.to_bits());
+            let v_out = span.v_out.to_bits();
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, &span.limits) {
+                self.brake(k, &brake);
+                return Ok(());
+            }
+        }
+        if v_in != span.v_in || !span.checked {
+            span.limits.v = min(span.limits.v, max(span.v_least, speed_f32(v_in.to_bits())));
+            span.v_out = span.leave(v_in).max(v_in.min(span.v_out));
+            span.v_in = v_in;
+            span.checked = true;
+        }
+        self.profile.plan(span.length, span.v_in, span.v_out, &span.limits)?;
+        self.emitter.begin(&self.profile, Distance::from_bits(start), span.length);
+        self.laid = k + 1;
+        self.owed = flight.rest;
+        let v_out = span.v_out;
+        self.leave(v_out);
+        Ok(())
+    }
+
+    /// The law of the span `k` is a slowing down. Its first tick is known.
+    fn brake(&mut self, k: usize, brake: &Brake) {
+        self.emitter.begin_brake(&self.profile, brake);
+        let Some(flight) = self.flights.get_mut(k) else { return };
+        let v_out = Speed::from_bits(brake.v_out);
+        self.laid = k + 1;
+        self.owed = flight.rest;
+        if v_out == Speed::ZERO {
+            let gone = brake.end.wrapping_sub(flight.start.to_bits());
+            let left = flight.span.length.to_bits() - gone;
+            if left > NOTHING {
+                flight.start = Distance::from_bits(brake.end);
+                flight.span.length = Distance::from_bits(left);
+                flight.span.v_in = Speed::ZERO;
+                flight.span.checked = false;
+                if left < FINE {
+                    // Most of it at constant speed, which takes up the rounding of the rest.
+                    let limits = &mut flight.span.limits;
+                    let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
+                    let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
+                    limits.v = min(limits.v, v);
+                }
+                self.laid = k;
+                self.owed = 0;
+                self.mode.halting = true;
+                self.speed = v_out;
+                self.stops = true;
+                return;
+            }
+        }
+        flight.span.v_out = v_out;
+        self.leave(v_out);
+    }
+
+    /// The law at hand ends at the speed `v_out`.
+    fn leave(&mut self, v_out: Speed) {
+        self.speed = v_out;
+        self.stops = v_out == Speed::ZERO;
+        if self.laid == self.flights.len() {
+            self.lookahead.start_at(self.curves, v_out);
+        }
+    }
+
+    /// What comes before new spans once a law is handed out.
+    pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
+        if self.mode.halting {
+            self.mode.halting = false;
+            self.mode.standing = true;
+            if let Some(flight) = self.flights.get(self.laid) {
+                self.put_rest(flight.start, 1);
+            }
+            return Ok(Some(Work::Working));
+        }
+        if self.owed > 0 {
+            let at = self.flights.get(self.laid - 1).map_or(self.distance, |flight| {
+                Distance::from_bits(flight.start.to_bits().wrapping_add(flight.span.length.to_bits()))
+            });
+            self.owed = self.put_rest(at, self.owed);
+            return Ok(Some(Work::Working));
+        }
+        if self.mode.stopping && self.speed == Speed::ZERO {
+            self.mode.standing = true;
+            return Ok(Some(Work::Working));
+        }
+        if self.laid < self.flights.len() {
+            self.lay()?;
+            return Ok(Some(Work::Working));
+        }
+        Ok((self.curves > 0).then_some(Work::Waiting))
+    }
+
+    /// Where it stands is all that is left. The interrupt has nothing to do.
+    fn forget(&mut self) {
+        let number = self.queue.segments.taken();
+        let stands = self.motion_at(self.end).map(|motion| motion.distance);
+        let mut reached = self.begun;
+        if let (Some(segment), Some(distance)) = (self.queue.segments.recent(number), stands) {
+            let start = segment.start.to_bits();
+            segment.shape.at(distance.wrapping_sub(start), &segment.base, &mut self.position);
+            self.distance = Distance::from_bits(start.wrapping_add(segment.shape.length.to_bits()));
+            reached = segment.block;
+            self.begun = reached.wrapping_add(1);
+        }
+        // The interrupt keeps the curve it is on.
+        if self.queue.segments.count() != number {
+            self.queue.segments.withdraw(number.wrapping_add(1));
+        }
+        let mut event = self.queue.events.taken();
+        while self.queue.events.recent(event).is_some_and(|event| event.block <= reached) {
+            event = event.wrapping_add(1);
+        }
+        self.queue.events.withdraw(event);
+        self.programmed = self.position;
+        self.taken = self.begun;
+        self.contouring.clear();
+        self.lookahead.clear();
+        self.stage = super::Stage::Filling;
+        self.flush = false;
+        self.curves = 0;
+        self.rest = 0;
+        self.owed = 0;
+        self.flights.clear();
+        self.laid = 0;
+        self.emitter.settle();
+        self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
+    }
+}

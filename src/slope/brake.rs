@@ -1,0 +1,287 @@
+//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at the lowest speed that the
+//! rest of the span permits, to a standstill if that is possible.
+//!
+//! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with the ramp
+//! that it would be part of had it begun a/j before now, `a` being its size. Start and size of that ramp are
+//! integers computed from the state, so that speed and acceleration do not jump.
+//!
+//! All ramps are linear, those of SIN2 too: an acceleration that a motion already has is no point of a whole sine. A
+//! linear ramp of the mean jerk stays below the peak of SIN2's jerk, which is what the limits count with. Only where an
+//! acceleration falls to zero, the jerk is that peak: the sine would do so no faster at any point, so that the linear ramp
+//! ends at no higher speed than the law it replaces. STEP has no jerk to keep: its deceleration begins at once.
+//!
+//! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at the end of
+//! the span too, and slows down at most as hard. So it keeps the limits of every block of the span. (A linear ramp of SIN2 may
+//! slow down later than the sine it replaces; but there a span is one block, with one limit, and only slowing down has begun.)
+use super::bend::Bend;
+use super::profile::{Change, Form, Profile, speed_bits, speed_f32};
+use super::ramp::{Bowed, Ramp};
+use crate::lookahead::{Law, Limits};
+use crate::math::divide::{div_shift, div_wide};
+use crate::math::float::{size_f32, to_bits, to_f32};
+use crate::math::wide::{mul_near, mul_shift, mul_wide};
+
+/// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Path distance.
+    pub distance: i64,
+    /// Speed.
+    pub speed: i64,
+    /// Acceleration.
+    pub accel: i64,
+}
+
+/// What follows the instant: the parts of `profile`, then `tail` at its last speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Brake {
+    /// Path distance of its start, at or before the instant.
+    pub from: i64,
+    /// Time from there to the instant, LSB 2^-36 tick.
+    pub over: u64,
+    /// Time at the lowest speed, LSB 2^-36 tick.
+    pub tail: u64,
+    /// Path distance of its end.
+    pub end: i64,
+    /// Speed there.
+    pub v_out: i64,
+}
+
+/// Accelerations up to 2^-50 mm/tick² are rounding.
+const NO_ACCEL: i64 = 1 << 8;
+
+/// Steps of the search for an end speed, and how close it comes.
+const STEPS: usize = 48;
+const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
+
+/// Steps by which a ramp that came out too long by rounding gives way.
+const SHRINKS: usize = 8;
+
+impl Brake {
+    /// From `motion` to the lowest speed at `end` (path distance of the end of the span), or to a standstill before it. The
+    /// parts go into `profile`. `None` if that would not end below `v_out`, the speed planned there.
+    pub fn plan(
+        profile: &mut Profile,
+        motion: &Motion,
+        end: i64,
+        v_out: i64,
+        limits: &Limits,
+    ) -> Option<Self> {
+        let room = end.wrapping_sub(motion.distance);
+        if motion.speed <= 0 || room <= 0 {
+            return None;
+        }
+        *profile = Profile::default();
+        let brake = match limits.law {
+            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake())?,
+            Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall] } => {
+                let ramp =
+                    Linear { up_fall: up_fall * bend.peak_jerk(), a: limits.a_down, down_rise, down_fall };
+                if motion.accel < -NO_ACCEL {
+                    ramp.go_on(profile, motion, room)?
+                } else {
+                    ramp.turn(profile, motion, room)?
+                }
+            }
+        };
+        (brake.v_out == 0 || brake.v_out < v_out).then_some(brake)
+    }
+
+    /// From acceleration zero, or from any that may end at once; an acceleration that has to fall first is in
+    /// `profile.up`.
+    fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp) -> Option<Self> {
+        let distance = motion.distance;
+        let length = profile.up.length();
+        let v = if length > 0 { profile.up.speeds[3] } else { motion.speed };
+        let rest = room - length;
+        if rest < 0 {
+            return None;
+        }
+        let dv = lost(ramp, [0, v], v, rest)?;
+        profile.down.plan(ramp, v, v - dv);
+        let down = profile.down.length();
+        if dv == v {
+            let end = distance.wrapping_add(length + down);
+            return (down <= rest).then_some(Self { from: distance, end, ..Self::default() });
+        }
+        profile.cruise = time_at(rest.checked_sub(down).filter(|left| *left >= 0)?, v);
+        Some(Self { from: distance, over: 0, tail: 0, end: distance.wrapping_add(room), v_out: v - dv })
+    }
+}
+
+/// Linear ramps: jerk that ends an acceleration, deceleration, and jerks that begin and end it.
+struct Linear {
+    up_fall: f32,
+    a: f32,
+    down_rise: f32,
+    down_fall: f32,
+}
+
+impl Linear {
+    fn ramp(&self) -> Bowed {
+        Bowed::new(Bend::Linear, self.a, self.down_fall, self.down_rise)
+    }
+
+    /// From acceleration zero or above.
+    fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64) -> Option<Brake> {
+        if motion.accel > NO_ACCEL {
+            let time = ticks(to_f32(motion.accel) / (self.up_fall * ACCEL_ONE));
+            profile.up = Change::fall(motion.speed, motion.accel, time);
+        }
+        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()))
+    }
+
+    /// From a deceleration.
+    fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64) -> Option<Brake> {
+        let decel = motion.accel.unsigned_abs();
+        let bowed = self.ramp();
+        let ramp = Ramp::Bowed(bowed);
+        let over = ticks(size_f32(decel) / (self.down_rise * ACCEL_ONE));
+        // Before now it would have lost a·t/2 over the length of that ramp.
+        let begun = Change::rise(motion.speed, decel, over);
+        let v = begun.speeds[0];
+        let before = begun.length();
+        let room = room + before;
+        // At least the deceleration at hand.
+        let least = v - motion.speed + released(decel, self.down_fall);
+        let dv = lost(&ramp, [least, v], v, room)?;
+        profile.down = Change::extended(v, v - dv, decel, over, &bowed, self.down_fall)?;
+        let length = profile.down.length();
+        let left = room - length;
+        if left < 0 {
+            return None;
+        }
+        let from = motion.distance.wrapping_sub(before);
+        if dv == v {
+            return Some(Brake { from, over, tail: 0, end: from.wrapping_add(length), v_out: 0 });
+        }
+        let tail = time_at(left, v - dv);
+        Some(Brake { from, over, tail, end: from.wrapping_add(room), v_out: v - dv })
+    }
+}
+
+/// The form of all changes made here.
+const LINEAR: Form = Form::Bowed(Bend::Linear);
+
+/// 2^58 as a factor.
+const ACCEL_ONE: f32 = (1u64 << 58) as f32;
+
+/// Ticks as time, up.
+fn ticks(t: f32) -> u64 {
+    to_bits::<36>(t) as u64 + 1
+}
+
+/// Time over a length (2^-44 mm) at a speed (2^-58 mm/tick), down.
+fn time_at(length: i64, v: i64) -> u64 {
+    div_shift(length.max(0) as u64, 50, v.max(1) as u64)
+}
+
+/// Speed lost while a deceleration falls to zero: a²/2j, up.
+fn released(decel: u64, j: f32) -> i64 {
+    let a = size_f32(decel) / ACCEL_ONE;
+    let v = 0.5 * a * a / j;
+    speed_bits(v + v * CLOSE)
+}
+
+/// How much of the speed `v` can be lost within `room`: all of it, or the most that ends there. Between `least`, if
+/// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to two
+/// thirds of `v` and stays above that of the whole from there on.
+fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> {
+    let target = to_f32(room) * (1.0 / (1u64 << 44) as f32) * (1.0 - CLOSE);
+    let [speed, mut low, mut high] = [v, least, most].map(speed_f32);
+    let fits = |dv: f32| {
+        let slow = speed_f32(v - speed_bits(dv).min(v));
+        dv <= 0.0 || ramp.distance(slow, dv)[0] <= target
+    };
+    if least > most {
+        return None;
+    }
+    if fits(speed) {
+        return Some(v);
+    }
+    if !fits(low) {
+        return None;
+    }
+    for _ in 0..STEPS {
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+        if high - low <= high * CLOSE {
+            break;
+        }
+    }
+    Some(speed_bits(low).clamp(least, v - 1))
+}
+
+impl Change {
+    /// An acceleration of now falls to zero.
+    fn fall(v: i64, accel: i64, time: u64) -> Self {
+        // 2^-58 · 2^-36 to 2^-58, halved
+        let gained = mul_shift(accel, time as i64, 37);
+        let top = v + gained;
+        Self {
+            form: LINEAR,
+            times: [0, 0, time],
+            speeds: [v, v, v, top],
+            lengths: [0, 0, area(top - third(gained), time)],
+        }
+    }
+
+    /// A deceleration that has grown to `decel` within `time` and ends at the speed `v`.
+    fn rise(v: i64, decel: u64, time: u64) -> Self {
+        let lost = mul_shift(decel as i64, time as i64, 37);
+        let top = v + lost;
+        Self {
+            form: LINEAR,
+            times: [time, 0, 0],
+            speeds: [top, v, v, v],
+            lengths: [area(top - third(lost), time), 0, 0],
+        }
+    }
+
+    /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on growing.
+    fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &Bowed, j_last: f32) -> Option<Self> {
+        let [_, _, first] = ramp.times(speed_f32(v0 - v1));
+        let mut first = ticks(first);
+        for _ in 0..SHRINKS {
+            first = first.max(over);
+            let (hi, lo) = mul_wide(decel, first);
+            let peak = div_wide(hi, lo, over.max(1));
+            let last = ticks(size_f32(peak) / (j_last * ACCEL_ONE));
+            let [lost_first, lost_last] = [first, last].map(|t| mul_shift(peak as i64, t as i64, 37));
+            let rest = v0 - v1 - lost_first - lost_last;
+            if rest >= 0 {
+                let hold = div_shift(rest as u64, 36, peak);
+                let (a, b) = (v0 - lost_first, v1 + lost_last);
+                return (hold < 1 << 63).then_some(Self {
+                    form: LINEAR,
+                    times: [first, hold, last],
+                    speeds: [v0, a, b, v1],
+                    lengths: [
+                        area(v0 - third(lost_first), first),
+                        area(b + (a - b) / 2, hold),
+                        area(v1 + third(lost_last), last),
+                    ],
+                });
+            }
+            if first == over {
+                return None;
+            }
+            first -= (first >> 21).max(1);
+        }
+        None
+    }
+}
+
+/// Speed times time: 2^-58 · 2^-36 to 2^-44.
+fn area(v: i64, t: u64) -> i64 {
+    mul_shift(v, t as i64, 50)
+}
+
+/// A third, good to 2^-54 mm/tick.
+fn third(x: i64) -> i64 {
+    mul_near(x, 0x1555_5555_5555_5555) << 2
+}
