@@ -21,7 +21,7 @@ fn main() {
             faults += 1;
             println!("seed {seed}, {acts:?}, {polls} polls: {fault}\n");
         }
-        if (seed + 1 - first) % 1000 == 0 {
+        if (seed + 1 - first).is_multiple_of(1000) {
             println!("{} of {} runs, {faults} faults", seed + 1 - first, last - first);
         }
     }
