@@ -331,7 +331,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.distance = Distance::from_bits(start.wrapping_add(segment.shape.length.to_bits()));
             reached = segment.block;
             self.begun = reached.wrapping_add(1);
+            self.number = reached;
         }
+        self.numbered = self.number;
         // The interrupt keeps the curve it is on.
         if self.queue.segments.count() != number {
             self.queue.segments.withdraw(number.wrapping_add(1));
