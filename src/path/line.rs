@@ -1,5 +1,5 @@
 //! G00 and G01: a straight line of all axes together.
-use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length, reach};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
@@ -38,12 +38,12 @@ pub(crate) fn straight<const AXES: usize>(
     let mut travel = [0; AXES];
     for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
         *travel = to.to_bits().saturating_sub(from.to_bits());
-        if travel.saturating_abs() >= LONGEST >> FINER {
-            return Err(PathError::TooLong);
-        }
     }
-    if travel.iter().all(|x| *x == 0) {
-        return Ok(None);
+    match reach(&travel) {
+        0 => return Ok(None),
+        // A power of two.
+        reach if reach >= (LONGEST >> FINER) as u64 => return Err(PathError::TooLong),
+        _ => {}
     }
     let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);
     let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);

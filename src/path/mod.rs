@@ -303,6 +303,12 @@ fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
 /// From the LSB of a position to that of a distance.
 const FINER: u32 = 12;
 
+/// All bits of what the axes travel: at least the largest, below twice of it.
+#[inline(always)]
+fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
+    travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
+}
+
 /// Path length of a block, from what its main axes travel (mm, LSB 2^-44) and what every axis travels: the main
 /// axes count. Where none of them moves, the length is that of the tracking axes together. Where a tracking axis
 /// moves more than 1024 degrees per millimetre, a 1024th of its travel counts, so that a distance still resolves it.
@@ -315,6 +321,8 @@ fn path_length<const AXES: usize>(
     let length = if main_length == 0 {
         let tracking = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
         hypot(tracking.map(|(_, x)| *x << FINER))
+    } else if reach(travel) << (FINER - 10) <= main_length.unsigned_abs() {
+        main_length
     } else {
         // A 1024th of what a main axis travels is below their length.
         travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(main_length, i64::max)
