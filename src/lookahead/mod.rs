@@ -7,7 +7,7 @@
 //! then the speed planned before stays, and the end speed gives way when the block is handed on.
 //!
 //! Where acceleration may pass a transition, the blocks on both sides belong to one *span*: one change of speed after
-//! the other runs across them. Transitions between spans are *anchors*: acceleration is zero there. [`span`] decides
+//! the other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
 //! which transitions are anchors.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It

@@ -27,7 +27,7 @@ pub fn all() -> Result<(), String> {
         firmware(&toolchain, folder)?;
     }
     step("documentation");
-    run(cargo(&root()).args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+    run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
 fn firmware(toolchain: &Toolchain, folder: &str) -> Result<(), String> {
