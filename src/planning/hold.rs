@@ -6,7 +6,8 @@
 //! way, each with its own limits, until one is long enough; the last span known always is. A span that already slows down
 //! as hard as it can keeps its law, and the change begins with the next one.
 //!
-//! Going on begins at rest, at the next tick behind the standstill. A span of several blocks is then run no faster than
+//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A span of several
+//! blocks is then run no faster than
 //! its slowest block: a law from another speed would have to be compared with every block again.
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
@@ -51,6 +52,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.mode.stopping || self.queue.control.wants_standstill() { self.follow() } else { None }
     }
 
+    #[inline(never)]
     fn follow(&mut self) -> Option<Work> {
         if !self.mode.stopping {
             return self.stop();
@@ -59,11 +61,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         self.trim();
+        // What has been handed out holds: a span knows of one standstill only.
+        if self.queue.clock.now() != self.end {
+            return Some(Work::Waiting);
+        }
         let commands = self.queue.control.commands();
         if commands.abort {
-            if self.queue.clock.now() != self.end {
-                return Some(Work::Waiting);
-            }
             self.forget();
             self.queue.control.aborted();
             return Some(Work::Aborted);
