@@ -213,7 +213,7 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> 
             break;
         }
     }
-    Some(speed_bits(low).clamp(least, v - 1))
+    Some(speed_bits(low).max(least).min(v - 1))
 }
 
 impl Change {
