@@ -372,7 +372,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
-        if let Some(work) = self.catch_up()? {
+        let behind = self.laid != self.flights.len() || self.curves > 0 || self.owed > 0;
+        if (behind || self.mode.stopping)
+            && let Some(work) = self.catch_up()?
+        {
             return Ok(work);
         }
         match self.stage {
@@ -439,8 +442,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.curves = span.blocks;
         self.flights.push();
         if let Err(error) = self.lay() {
-            self.lookahead.clear();
-            self.curves = 0;
+            self.give_up();
             return Err(error);
         }
         self.planned.v_peak = self.profile.peak();

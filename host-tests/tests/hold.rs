@@ -9,7 +9,7 @@ use host_tests::check;
 use host_tests::operate::{Act, Operated, judge, operate, operate_text, random_acts};
 use host_tests::properties::permitted;
 
-/// Corners of several angles, tangential transitions, short blocks.
+/// Corners of several angles, tangential transitions, an arc, an exact stop, short blocks.
 fn track() -> Program {
     let mut program = Program::new("track", 3)
         .line(&[6.0, 0.0, 0.0], 9000.0)
@@ -20,7 +20,12 @@ fn track() -> Program {
         let x = 5.0 - 0.25 * f64::from(k);
         program = program.line(&[x, 8.0 + 0.01 * f64::from(k * k), 1.0], 9000.0);
     }
-    program.line(&[-6.0, 9.44, 1.0], 9000.0).line(&[-6.0, 0.0, 0.0], 4000.0)
+    program
+        .line(&[-6.0, 9.44, 1.0], 9000.0)
+        .arc(&[-8.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0)
+        .line(&[-8.0, 5.0, 0.0], 7000.0)
+        .stop()
+        .line(&[-6.0, 0.0, 0.0], 4000.0)
 }
 
 fn machine(slope: u8) -> MachineData<3> {
@@ -56,12 +61,12 @@ fn every_tick(slope: u8, polls: usize, at_most: usize) {
 
 #[test]
 fn trapez_at_every_tick() {
-    every_tick(1, 1000, 177);
+    every_tick(1, 1000, 285);
 }
 
 #[test]
 fn hsc_at_every_tick() {
-    every_tick(3, 1000, 194);
+    every_tick(3, 1000, 341);
 }
 
 #[test]
@@ -102,10 +107,35 @@ fn abort_stands_still_on_the_path_and_stays() {
         let held = run(&program, &machine, &[(tick, Act::Hold), (tick + 1000, Act::Resume)], 1000);
         // The way to the standstill is that of a hold.
         let rows = aborted.trace.len();
-        assert!(rows <= tick + 200, "abort at {tick}: {rows} rows");
+        assert!(rows <= tick + 320, "abort at {tick}: {rows} rows");
         for row in 0..rows.min(held.trace.len()) {
             assert!(aborted.trace.row(row).eq(held.trace.row(row)), "abort at {tick}: row {row}");
         }
+    }
+}
+
+#[test]
+fn a_dwell_runs_on_in_a_hold_and_is_never_shorter() {
+    let machine = machine(1);
+    let text = "G04 X0.05\nG01 X3 F6000\nG04 X0.2\nM5\nG04 X0.1\nG01 X5 Y1\nM30\n";
+    let start = [Position::ZERO; 3];
+    let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, false, true, false)).collect();
+    let go = |acts: &[(usize, Act)]| {
+        let run = operate_text::<3, 120>(text, start, &machine, acts, 1000)
+            .unwrap_or_else(|fault| panic!("{acts:?}: {fault}"));
+        check::limits(&run.trace, &limits).unwrap_or_else(|fault| panic!("{acts:?}: {fault}"));
+        let last: Vec<i64> = run.trace.row(run.trace.len() - 1).collect();
+        assert_eq!(last, [5 << 32, 1 << 32, 0], "{acts:?}");
+        // Ticks at rest in X3.
+        (run.trace.columns[0].iter().filter(|x| **x == 3 << 32).count(), run)
+    };
+    let (rest, whole) = go(&[]);
+    assert!((300..=302).contains(&rest), "{rest}");
+    for tick in 0..whole.trace.len() - 2 {
+        let (held, run) = go(&[(tick, Act::Hold), (tick + 600, Act::Resume)]);
+        let stood = *run.holds.first().unwrap_or_else(|| panic!("hold at {tick}: no standstill"));
+        assert!(run.trace.row(stood).eq(run.trace.row(tick + 599)), "hold at {tick}");
+        assert!(held >= rest, "hold at {tick}: {held}");
     }
 }
 

@@ -74,7 +74,8 @@ impl Flights {
         }
     }
 
-    pub const fn clear(&mut self) {
-        self.len = 0;
+    /// Only the first ones are left, so many.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = self.len.min(len);
     }
 }

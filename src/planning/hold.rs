@@ -109,23 +109,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let at = if clock::is_before(at, self.end) { at } else { self.end };
         let begun = |flight: &Flight| !clock::is_before(at, flight.first);
         let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
-        let Some(k) = later.checked_sub(1) else {
-            self.mode.stopping = true;
-            return None;
-        };
-        let flight = self.flights.get(k)?;
-        if flight.first != at
-            && let Some(motion) = self.motion_at(at)
-        {
+        let mut next = later;
+        if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, self.flights.get(k)?))) {
             let span = &flight.span;
             let end = flight.start.to_bits().wrapping_add(span.length.to_bits());
-            let profile = &mut self.profile;
-            if let Some(brake) = Brake::plan(profile, &motion, end, span.v_out.to_bits(), &span.limits) {
+            if flight.first == at {
+                next = k;
+            } else if let Some(motion) = self.motion_at(at)
+                && let Some(brake) =
+                    Brake::plan(&mut self.profile, &motion, end, span.v_out.to_bits(), &span.limits)
+            {
                 return self.change(k, at, Some(brake));
             }
         }
         // From the start of the next span that has a tick.
-        let mut next = if flight.first == at { k } else { k + 1 };
         while next + 1 < self.laid
             && self.flights.get(next).map(|f| f.first) == self.flights.get(next + 1).map(|f| f.first)
         {
@@ -237,7 +234,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return Ok(());
             }
         }
-        if v_in != span.v_in || !span.checked {
+        let lowered = v_in != span.v_in || !span.checked;
+        if lowered {
             span.limits.v = min(span.limits.v, max(span.v_least, speed_f32(v_in.to_bits())));
             span.v_out = span.leave(v_in).max(v_in.min(span.v_out));
             span.v_in = v_in;
@@ -247,12 +245,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.emitter.begin(&self.profile, Distance::from_bits(start), span.length);
         self.laid = k + 1;
         self.owed = flight.rest;
-        let v_out = span.v_out;
-        self.leave(v_out);
+        self.speed = span.v_out;
+        self.stops = self.speed == Speed::ZERO;
+        if lowered {
+            self.lower();
+        }
         Ok(())
     }
 
     /// The law of the span `k` is a slowing down. Its first tick is known.
+    #[inline(never)]
     fn brake(&mut self, k: usize, brake: &Brake) {
         self.emitter.begin_brake(&self.profile, brake);
         let Some(flight) = self.flights.get_mut(k) else { return };
@@ -283,19 +285,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         flight.span.v_out = v_out;
-        self.leave(v_out);
-    }
-
-    /// The law at hand ends at the speed `v_out`.
-    fn leave(&mut self, v_out: Speed) {
         self.speed = v_out;
         self.stops = v_out == Speed::ZERO;
+        self.lower();
+    }
+
+    /// The law at hand ends slower than it was planned: what is still in the ring begins so.
+    fn lower(&mut self) {
         if self.laid == self.flights.len() {
-            self.lookahead.start_at(self.curves, v_out);
+            self.lookahead.start_at(self.curves, self.speed);
         }
     }
 
     /// What comes before new spans once a law is handed out.
+    #[inline(never)]
     pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
         if self.mode.halting {
             self.mode.halting = false;
@@ -312,15 +315,26 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.owed = self.put_rest(at, self.owed);
             return Ok(Some(Work::Working));
         }
-        if self.mode.stopping && self.speed == Speed::ZERO {
+        let all = self.laid == self.flights.len() && self.curves == 0 && self.lookahead.is_empty();
+        if self.mode.stopping && (self.speed == Speed::ZERO || all) {
             self.mode.standing = true;
             return Ok(Some(Work::Working));
         }
         if self.laid < self.flights.len() {
-            self.lay()?;
+            if let Err(error) = self.lay() {
+                self.give_up();
+                return Err(error);
+            }
             return Ok(Some(Work::Working));
         }
         Ok((self.curves > 0).then_some(Work::Waiting))
+    }
+
+    /// After a law that failed: what has none is forgotten.
+    pub(super) fn give_up(&mut self) {
+        self.flights.truncate(self.laid);
+        self.lookahead.clear();
+        self.curves = 0;
     }
 
     /// Where it stands is all that is left. The interrupt has nothing to do.
@@ -355,7 +369,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.curves = 0;
         self.rest = 0;
         self.owed = 0;
-        self.flights.clear();
+        self.flights.truncate(0);
         self.laid = 0;
         self.emitter.settle();
         self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
