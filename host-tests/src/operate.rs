@@ -45,8 +45,15 @@ pub struct Operated {
     pub aborted: bool,
 }
 
-/// Most ticks of a run.
+/// Most ticks of a run, and most of rest between two commands.
 const LONGEST: usize = 1_000_000;
+const RESTS: usize = 20_000;
+
+/// Why a run was given up that may be a good one.
+pub const TOO_LONG: &str = "longer than a million ticks";
+
+/// Calls of the planner between two ticks: enough to keep up, or as many as it wants.
+pub const POLLS: [usize; 3] = [12, 40, 1000];
 
 /// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at most
 /// `polls` times between two ticks.
@@ -87,6 +94,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     let control = planner.control();
     let mut acts = acts.iter().peekable();
     let mut held = false;
+    let mut rests = 0;
     for tick in 0..LONGEST {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
             act.give(control);
@@ -112,11 +120,12 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         if done && state == State::Idle {
             return Ok(run);
         }
-        if state == State::Idle && acts.peek().is_none() && held {
-            return Err(format!("still in a hold at tick {tick}"));
+        rests = if state == State::Idle { rests + 1 } else { 0 };
+        if rests > RESTS && acts.peek().is_none() {
+            return Err(format!("nothing moves at tick {tick}"));
         }
     }
-    Err("no end".to_owned())
+    Err(TOO_LONG.to_owned())
 }
 
 /// The judge's word on such a run: limits at every tick, on the contour and in order, at the end exactly.

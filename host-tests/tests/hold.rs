@@ -6,7 +6,7 @@ use glidepath::tick::{Interpolator, State};
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines};
 use host_tests::check;
-use host_tests::operate::{Act, Operated, judge, operate, operate_text, random_acts};
+use host_tests::operate::{Act, Operated, POLLS, judge, operate, operate_text, random_acts};
 use host_tests::properties::permitted;
 
 /// Corners of several angles, tangential transitions, an arc, an exact stop, short blocks.
@@ -80,6 +80,21 @@ fn step_at_every_tick() {
 }
 
 #[test]
+fn a_hold_that_follows_a_hold_at_every_tick() {
+    for slope in 0..4 {
+        let (program, machine) = (track(), machine(slope));
+        let ticks = run(&program, &machine, &[], 1000).trace.len();
+        for tick in 0..ticks {
+            // Resumed before it stands, and held again before or shortly after it goes on.
+            let again = tick + 4 + 13 * (tick % 32);
+            let acts =
+                [(tick, Act::Hold), (tick + 3, Act::Resume), (again, Act::Hold), (again + 1000, Act::Resume)];
+            run(&program, &machine, &acts, 1000);
+        }
+    }
+}
+
+#[test]
 fn random_commands_in_random_programs() {
     // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it.
     for seed in 0..120 {
@@ -90,7 +105,7 @@ fn random_commands_in_random_programs() {
         let mut random = Random::new(seed);
         for _ in 0..3 {
             let acts = random_acts(&mut random, ticks);
-            let polls = [3, 10, 1000][(random.bits() % 3) as usize];
+            let polls = POLLS[(random.bits() % 3) as usize];
             let first = run(&program, &machine, &acts, polls);
             let again = run(&program, &machine, &acts, polls);
             assert_eq!(first.trace, again.trace, "seed {seed}");

@@ -7,8 +7,8 @@
 //! as hard as it can keeps its law, and the change begins with the next one.
 //!
 //! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A span of several
-//! blocks is then run no faster than
-//! its slowest block: a law from another speed would have to be compared with every block again.
+//! blocks is then run no faster than its slowest block: a law from another speed would have to be compared with every block
+//! again.
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete.

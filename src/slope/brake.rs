@@ -13,6 +13,7 @@
 //! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at the end of
 //! the span too, and slows down at most as hard. So it keeps the limits of every block of the span. (A linear ramp of SIN2 may
 //! slow down later than the sine it replaces; but there a span is one block, with one limit, and only slowing down has begun.)
+use super::area;
 use super::bend::Bend;
 use super::profile::{Change, Form, Profile, speed_bits, speed_f32};
 use super::ramp::{Bowed, Ramp};
@@ -274,11 +275,6 @@ impl Change {
         }
         None
     }
-}
-
-/// Speed times time: 2^-58 · 2^-36 to 2^-44.
-fn area(v: i64, t: u64) -> i64 {
-    mul_shift(v, t as i64, 50)
 }
 
 /// A third, good to 2^-54 mm/tick.

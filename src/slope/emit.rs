@@ -6,6 +6,7 @@
 //!
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
+use super::area;
 use super::bend::{Bend, sine_node, sine_piece, sine_square};
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
@@ -388,12 +389,7 @@ impl Emitter {
     }
 }
 
-/// Speed times time: 2^-58 · 2^-36 to 2^-44.
-fn area(v: i64, t: u64) -> i64 {
-    mul_shift(v, t as i64, 50)
-}
-
-/// The same for a time below one tick.
+/// Speed times a time below one tick, as [`area`].
 #[inline(always)]
 fn area_in_tick(v: i64, t: u64) -> i64 {
     // By the upper 32 of its 36 bits, LSB 2^-58, then by the lower four, good to 2^-62 mm.

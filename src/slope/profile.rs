@@ -5,6 +5,7 @@
 //! computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a slope that fills the
 //! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
 //! that, and [`Profile::plan`] verifies it.
+use super::area;
 use super::bend::Bend;
 use super::ramp::{Bowed, Ramp, Stepped, root_of_cubic};
 use crate::lookahead::{Law, Limits, max, min};
@@ -206,11 +207,6 @@ const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 /// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
 const ROUNDING: u64 = 64;
-
-/// Speed times time: 2^-58 · 2^-36 to 2^-44.
-fn area(v: i64, t: u64) -> i64 {
-    mul_shift(v, t as i64, 50)
-}
 
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
