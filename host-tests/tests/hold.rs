@@ -71,12 +71,12 @@ fn hsc_at_every_tick() {
 
 #[test]
 fn sin2_at_every_tick() {
-    every_tick(2, 1000, 154);
+    every_tick(2, 1000, 288);
 }
 
 #[test]
 fn step_at_every_tick() {
-    every_tick(0, 1000, 94);
+    every_tick(0, 1000, 197);
 }
 
 #[test]
@@ -134,7 +134,11 @@ fn a_dwell_runs_on_in_a_hold_and_is_never_shorter() {
     let machine = machine(1);
     let text = "G04 X0.05\nG01 X3 F6000\nG04 X0.2\nM5\nG04 X0.1\nG01 X5 Y1\nM30\n";
     let start = [Position::ZERO; 3];
-    let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, false, true, false)).collect();
+    let limits: Vec<_> = machine
+        .axes
+        .iter()
+        .map(|axis| permitted(axis, machine.channel.slope_profile, false, true, false))
+        .collect();
     let go = |acts: &[(usize, Act)]| {
         let run = operate_text::<3, 120>(text, start, &machine, acts, 1000)
             .unwrap_or_else(|fault| panic!("{acts:?}: {fault}"));

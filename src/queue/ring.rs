@@ -210,7 +210,7 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     }
 
     /// The oldest item, which has this number, is over: the number of the oldest one then.
-    #[inline(never)]
+    #[inline(always)]
     fn leave(&self, mut number: u32, most: u32, over: impl Fn(&T) -> bool) -> u32 {
         let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
         for _ in 0..most {

@@ -6,15 +6,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 2] = [("total.tick_max_3_axes", 420), ("case.contour.tick_max", 600)];
+const LIMITS: [(&str, u64); 3] =
+    [("total.tick_max_3_axes", 400), ("case.contour.tick_max", 600), ("size.bytes_per_block_3_axes", 160)];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-const GOALS: [(&str, u64); 4] = [
-    ("total.tick_max_3_axes", 400),
-    ("total.block_mean_3_axes", 6000),
-    ("case.hsc.block_mean", 8000),
-    ("size.bytes_per_block_3_axes", 160),
-];
+const GOALS: [(&str, u64); 2] = [("total.block_mean_3_axes", 6000), ("case.hsc.block_mean", 8000)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 1] = ["contour"];
@@ -377,7 +373,6 @@ mod tests {
 
     #[test]
     fn hard_limits_hold_whatever_is_accepted() {
-        // A key may be both: the limit counts.
         let mut values: Vec<(&str, u64)> = [GOALS.as_slice(), LIMITS.as_slice()].concat();
         assert_eq!(limits(&figures("", &values)), Ok(()));
         assert!(limits(&figures("", &values[..values.len() - 1])).is_err());
