@@ -172,8 +172,6 @@ pub struct PlannedBlock {
     pub blocks: u32,
     /// Programmed N number of the first.
     pub n: u32,
-    /// Where that stands in the text.
-    pub place: Place,
     /// Path length.
     pub length: Distance,
     /// Speed at its start.

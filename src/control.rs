@@ -1,10 +1,8 @@
 //! What an operator may do while the motion runs: override, feed hold, resume, abort, reduced speed.
 //!
-//! Feed hold, resume and abort act; override and reduced speed are not followed yet.
-//!
-//! Commands are atomics: any context may give them at any time, without a lock and without waiting. They act where
-//! the time law is not yet handed to the interrupt, see [`crate::planning`].
-use core::sync::atomic::{AtomicU8, AtomicU16, Ordering};
+//! Commands are one atomic word: any context may give them at any time, without a lock and without waiting. The
+//! planner follows them from a few ticks behind its next call on, see [`crate::planning`].
+use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Highest override: 200 %, LSB 0.1 %.
 pub const MAX_OVERRIDE: u16 = 2000;
@@ -12,14 +10,15 @@ pub const MAX_OVERRIDE: u16 = 2000;
 /// 100 %.
 pub const FULL_OVERRIDE: u16 = 1000;
 
-const HOLD: u8 = 1;
-const ABORT: u8 = 2;
-const REDUCED: u8 = 4;
+/// The override is in the lower half of the word.
+const FEED: u32 = 0xffff;
+const HOLD: u32 = 1 << 16;
+const ABORT: u32 = 2 << 16;
+const REDUCED: u32 = 4 << 16;
 
 /// Commands to a running channel. Shared by all who give them and the planner that follows them.
 pub struct Control {
-    feed: AtomicU16,
-    flags: AtomicU8,
+    word: AtomicU32,
 }
 
 /// The commands as they stand.
@@ -37,14 +36,19 @@ pub struct Commands {
 }
 
 impl Control {
+    /// The word of [`Self::new`].
+    pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
+
     /// Full override, no hold.
     pub const fn new() -> Self {
-        Self { feed: AtomicU16::new(FULL_OVERRIDE), flags: AtomicU8::new(0) }
+        Self { word: AtomicU32::new(Self::NORMAL) }
     }
 
-    /// Feed override, LSB 0.1 %; more than 200 % is 200 %.
+    /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066 says how. With 0
+    /// the motion stands still on the path, as in a feed hold.
     pub fn set_override(&self, feed: u16) {
-        self.feed.store(feed.min(MAX_OVERRIDE), Ordering::Relaxed);
+        let feed = u32::from(feed.min(MAX_OVERRIDE));
+        let _ = self.word.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |word| Some(word & !FEED | feed));
     }
 
     /// Stand still on the path as soon as the limits allow.
@@ -69,19 +73,13 @@ impl Control {
 
     /// The commands as they stand.
     pub fn commands(&self) -> Commands {
-        let flags = self.flags.load(Ordering::Relaxed);
-        Commands {
-            feed: self.feed.load(Ordering::Relaxed),
-            hold: flags & HOLD != 0,
-            abort: flags & ABORT != 0,
-            reduced: flags & REDUCED != 0,
-        }
+        Commands::of(self.word())
     }
 
-    /// Whether the motion is to stand still.
+    /// All of them in one word, to see whether something has changed.
     #[inline(always)]
-    pub(crate) fn wants_standstill(&self) -> bool {
-        self.flags.load(Ordering::Relaxed) & (HOLD | ABORT) != 0
+    pub(crate) fn word(&self) -> u32 {
+        self.word.load(Ordering::Relaxed)
     }
 
     /// The rest of the program is forgotten, and with it a hold in which it stood.
@@ -89,12 +87,28 @@ impl Control {
         self.set(ABORT | HOLD, false);
     }
 
-    fn set(&self, flag: u8, on: bool) {
+    fn set(&self, flag: u32, on: bool) {
         if on {
-            self.flags.fetch_or(flag, Ordering::Relaxed);
+            self.word.fetch_or(flag, Ordering::Relaxed);
         } else {
-            self.flags.fetch_and(!flag, Ordering::Relaxed);
+            self.word.fetch_and(!flag, Ordering::Relaxed);
         }
+    }
+}
+
+impl Commands {
+    pub(crate) const fn of(word: u32) -> Self {
+        Self {
+            feed: (word & FEED) as u16,
+            hold: word & HOLD != 0,
+            abort: word & ABORT != 0,
+            reduced: word & REDUCED != 0,
+        }
+    }
+
+    /// Whether the motion is to stand still.
+    pub(crate) const fn standstill(&self) -> bool {
+        self.hold || self.abort || self.feed == 0
     }
 }
 

@@ -1,10 +1,11 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod flight;
 mod hold;
+mod pace;
 
 use crate::channel::PlannedBlock;
-use crate::control::Control;
-use crate::lookahead::{Dynamics, Limits, Lookahead, Share, max, min};
+use crate::control::{Commands, Control};
+use crate::lookahead::{Dynamics, Lookahead, Pace, Permitted, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
@@ -93,6 +94,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Instant up to which pieces are in the queue.
     end: u32,
     mode: Mode,
+    /// The operator's commands as they were seen last, and what they make of the speed.
+    word: u32,
+    pace: Pace,
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
@@ -144,6 +148,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             owed: 0,
             end: 0,
             mode: Mode::RUN,
+            word: Control::NORMAL,
+            pace: Pace::new(machine.channel.override_weight_prog_feed),
             position: start,
             distance: Distance::ZERO,
             taken: 0,
@@ -245,12 +251,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: (Limits, Share), data: &Data) {
+    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data) {
         // More than fits is made up for later.
-        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
+        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u8::MAX));
         self.numbered = self.numbered.wrapping_add(ahead);
-        let numbers = (ahead as u16, data.n);
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
+        let numbers = (ahead as u8, data.n);
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers);
         self.dynamics.settle();
         if data.stop {
             self.lookahead.stop_here();
@@ -429,7 +435,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
-        (flight.start, flight.rest) = (self.distance, 0);
+        flight.begin(self.distance);
         let span = &flight.span;
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
         let planned = &mut self.planned;
@@ -437,15 +443,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let begun = last.wrapping_add(1);
         (planned.block, planned.blocks) = (number, begun.wrapping_sub(self.begun));
         self.begun = begun;
-        (planned.n, planned.place, planned.length) = (first.n, first.place(), span.length);
-        (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
+        (planned.n, planned.length) = (first.n, span.length);
         self.curves = span.blocks;
         self.flights.push();
+        let v_in = self.speed;
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);
         }
-        self.planned.v_peak = self.profile.peak();
+        (self.planned.v_in, self.planned.v_peak, self.planned.v_out) = (v_in, self.profile.peak(), self.speed);
         self.planned.time = self.profile.time();
         self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
         self.curve();

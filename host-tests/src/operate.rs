@@ -20,6 +20,10 @@ pub enum Act {
     Resume,
     /// Forget the rest.
     Abort,
+    /// Feed override, LSB 0.1 %.
+    Override(u16),
+    /// Reduced speed.
+    Reduced(bool),
 }
 
 impl Act {
@@ -28,6 +32,8 @@ impl Act {
             Self::Hold => control.feed_hold(),
             Self::Resume => control.resume(),
             Self::Abort => control.abort(),
+            Self::Override(feed) => control.set_override(feed),
+            Self::Reduced(on) => control.set_reduced(on),
         }
     }
 }
@@ -43,6 +49,8 @@ pub struct Operated {
     pub holds: Vec<usize>,
     /// The rest of the program was forgotten.
     pub aborted: bool,
+    /// The highest override, at least 1.
+    pub over: f64,
 }
 
 /// Most ticks of a run, and most of rest between two commands.
@@ -85,11 +93,13 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) =
         channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
+    let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
         distances: Vec::new(),
         holds: Vec::new(),
         aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
+        over: f64::from(over.fold(1000, u16::max)) / 1000.0,
     };
     let control = planner.control();
     let mut acts = acts.iter().peekable();
@@ -137,8 +147,11 @@ pub fn judge<const AXES: usize>(
     machine: &MachineData<AXES>,
     run: &Operated,
 ) -> Result<(), String> {
-    let contour = program.contour(machine);
+    let mut contour = program.contour(machine);
     check::limits(&run.trace, &axis_limits(machine, &contour))?;
+    for feed in contour.elements.iter_mut().filter_map(|element| element.feed.as_mut()) {
+        *feed *= run.over;
+    }
     let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
     let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
     if run.aborted {
@@ -146,6 +159,32 @@ pub fn judge<const AXES: usize>(
     }
     check::ends(&run.trace, &start, &program.end_points())?;
     check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map(|_| ())
+}
+
+/// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.
+pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
+    let mut acts = others;
+    for _ in 0..1 + random.bits() % 8 {
+        let tick = (random.unit() * ticks as f64) as usize;
+        let act = match random.bits() % 6 {
+            0 => Act::Override(1000),
+            1 => Act::Override(1000 + (random.unit() * 1000.0) as u16),
+            2 => Act::Reduced(random.once_in(2)),
+            _ => Act::Override(random.magnitude(20.0, 1200.0) as u16),
+        };
+        acts.push((tick, act));
+        // A knob is turned step by step.
+        if let (Act::Override(feed), true) = (act, random.once_in(3)) {
+            for step in 1..20 {
+                acts.push((tick + 3 * step, Act::Override(feed + 5 * step as u16)));
+            }
+        }
+    }
+    let last = acts.iter().map(|(tick, _)| *tick).max().unwrap_or(0).max(ticks);
+    acts.push((last + 1, Act::Override(1000)));
+    acts.push((last + 1, Act::Reduced(false)));
+    acts.sort_by_key(|(tick, _)| *tick);
+    acts
 }
 
 /// Holds, each with its end, at random ticks of a motion of so many; now and then an abort.

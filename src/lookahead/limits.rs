@@ -16,6 +16,7 @@
 //! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
 //! the slope, which does not vanish there. A quarter of `a_max` is left to knees: beside them and beside blocks that may pass
 //! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
+use super::pace::Headroom;
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
 use crate::machine::{AxisData, ChannelData, MachineData, Stages};
@@ -155,6 +156,8 @@ struct Axis {
     feed: Set,
     rapid: Set,
     a_max: f32,
+    /// P-AXIS-00214; none where that is 0.
+    v_reduced: f32,
 }
 
 /// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them.
@@ -168,7 +171,12 @@ pub struct Dynamics<const AXES: usize> {
     /// mm/tick of 1 mm/min.
     feed_unit: f32,
     slope: SlopeType,
+    /// Elements are to be good for so many times their feed.
+    level: f32,
 }
+
+/// What an element permits: along the path, beside a transition, with an override.
+pub type Permitted = (Limits, Share, Headroom);
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Converts the machine data.
@@ -183,6 +191,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
+            level: 1.0,
         }
     }
 
@@ -234,15 +243,23 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
+    /// Elements that follow are to be good for `level` times their feed, 1…2.
+    pub fn set_level(&mut self, level: f32) {
+        self.level = level;
+    }
+
+    /// Path speed of a feed (mm/min); without one there is no limit.
+    fn programmed(&self, feed: Option<f32>) -> f32 {
+        feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
+    }
+
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
-    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> (Limits, Share) {
+    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
-        if let Some(feed) = feed {
-            limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
-        }
+        let mut v_reduced = f32::MAX;
         let turns = |k: usize| element.circle.filter(|circle| circle.plane.contains(&k));
         let shares = || {
             let shares =
@@ -260,8 +277,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.law = self.law(change_over);
         for (k, set, share) in shares() {
-            limits.restrict(&mut share_left, set, 1.0 / share, turns(k).is_some());
+            let scale = 1.0 / share;
+            limits.restrict(&mut share_left, set, scale, turns(k).is_some());
+            v_reduced = min(v_reduced, self.axes.get(k).map_or(f32::MAX, |axis| axis.v_reduced) * scale);
         }
+        let feed = self.programmed(feed);
         if let Some(circle) = element.circle {
             let curvature = circle.share * circle.share / circle.radius;
             let mut normal = f32::MAX;
@@ -275,10 +295,12 @@ impl<const AXES: usize> Dynamics<AXES> {
                 budget = min(budget, if stepped { NO_LIMIT } else { set.joint.budget });
             }
             let normal = min(normal, NORMAL_PART * a_max);
+            limits.v = min(limits.v, feed * self.level);
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
         self.path.lower(&mut limits, rapid, element.circle.is_some());
-        (limits, share_left)
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
     }
 
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
@@ -293,14 +315,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         bounds: &Bounds<AXES>,
         feed: Option<f32>,
         curving: Curving,
-    ) -> (Limits, Share) {
+    ) -> Permitted {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
-        if let Some(feed) = feed {
-            limits.v = min(limits.v, feed * self.feed_unit * MARGIN / bounds.fastest);
-        }
+        let mut v_reduced = f32::MAX;
+        let feed = self.programmed(feed) / bounds.fastest;
+        limits.v = min(limits.v, feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
@@ -316,6 +338,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let set = axis.set(rapid);
             if *slope > 0.0 {
                 limits.restrict(&mut share_left, set, 1.0 / slope, true);
+                v_reduced = min(v_reduced, axis.v_reduced / slope);
             }
             if *bend > 0.0 {
                 let normal = min(set.least(), NORMAL_PART * a_max(axis));
@@ -358,7 +381,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);
-        (limits, share_left)
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
     }
 
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
@@ -536,6 +560,7 @@ impl Axis {
             feed: set(data.vb_max, a_feed, tr, data.stages(false)),
             rapid: set(data.vb_eilgang, a_rapid, [data.tr_grenz; 4], data.stages(true)),
             a_max,
+            v_reduced: if data.vb_max_red == 0 { f32::MAX } else { speed(data.vb_max_red) },
         }
     }
 }
@@ -555,6 +580,19 @@ impl Limits {
         a_down: f32::MAX,
         law: Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
     };
+
+    /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
+    #[inline(always)]
+    fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> Headroom {
+        if feed == f32::MAX {
+            return Headroom::new(self.v, self.v, v_reduced);
+        }
+        let headroom = Headroom::new(self.v, feed, v_reduced);
+        if self.v > feed {
+            self.v = feed * headroom.raised(level);
+        }
+        headroom
+    }
 
     /// Becomes what both permit; of the speeds the higher one.
     pub(super) fn join(&mut self, other: &Self) {

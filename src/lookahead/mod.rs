@@ -13,17 +13,19 @@
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod limits;
+mod pace;
 mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Curving, Dynamics, Law, Limits, Share};
+pub use limits::{Curving, Dynamics, Law, Limits, Permitted, Share};
 pub(crate) use limits::{max, min};
+pub use pace::{Headroom, Pace};
 pub use vector::TooLow;
 pub use weights::Weights;
 
 use crate::math::float::to_f32;
-use crate::nc::{Place, SlopeType};
+use crate::nc::SlopeType;
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use heapless::Deque;
@@ -46,13 +48,19 @@ pub struct Block<const AXES: usize> {
     v_old: Speed,
     /// Programmed N number.
     pub n: u32,
+    /// How its speed follows the override.
+    headroom: Headroom,
+    /// How far the transition at its start lets `cap` rise: LSB 2^-15, at most twice.
+    rises: u16,
     /// Motion blocks from the one before it to its own: none where a motion block goes on.
-    pub ahead: u16,
-    /// Where it stands in the text: file, and line up to 2^24.
-    file: u16,
-    line: [u8; 3],
+    pub ahead: u8,
     marks: Marks,
 }
+
+/// 1 in [`Block::rises`].
+const ONE: f32 = 32_768.0;
+/// A speed that was lowered by this stays below its limit, whatever rounding.
+const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 
 /// What is said of a block with yes or no.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,12 +90,6 @@ impl Marks {
 }
 
 impl<const AXES: usize> Block<AXES> {
-    /// Where it stands in the text; the column is not kept.
-    pub fn place(&self) -> Place {
-        let [low, middle, high] = self.line;
-        Place { file: self.file, line: u32::from_le_bytes([low, middle, high, 0]), ..Place::default() }
-    }
-
     fn is(&self, mark: u8) -> bool {
         self.marks.has(mark)
     }
@@ -123,6 +125,16 @@ pub struct Release {
     /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
     /// one of `v_least` and `v_in`.
     pub checked: bool,
+    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
+    pub ceiling: f32,
+    /// How its speed follows the override: of its blocks the fastest.
+    pub headroom: Headroom,
+    /// The speed of the block behind it.
+    pub v_next: f32,
+    /// How that follows the override.
+    pub next: Headroom,
+    /// The level that all speeds were planned for.
+    pub level: f32,
 }
 
 impl Release {
@@ -136,7 +148,30 @@ impl Release {
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
+        ceiling: f32::MAX,
+        headroom: Headroom::NONE,
+        v_next: 0.0,
+        next: Headroom::NONE,
+        level: 1.0,
     };
+
+    /// Takes in a higher level.
+    pub fn raise(&mut self, level: f32) {
+        let risen = |v: f32, h: Headroom| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
+        self.limits.v = risen(self.limits.v, self.headroom);
+        self.v_next = risen(self.v_next, self.next);
+        self.level = level;
+    }
+
+    /// Whether it is long enough to slow down from `v_in` to `v_out`.
+    pub fn can_leave(&self, v_in: Speed, v_out: Speed) -> bool {
+        span::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
+    }
+
+    /// Highest speed at its start, at most `v_in`, from which its end speed can be reached.
+    pub fn enter(&self) -> Speed {
+        span::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)
+    }
 
     /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
     pub fn leave(&self, v_in: Speed) -> Speed {
@@ -177,6 +212,10 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     end: usize,
     /// The first block's start was lowered while the plan was at work.
     stale: bool,
+    /// Speeds are those of the programmed feed, so many times.
+    level: f32,
+    /// The level has risen since the last complete plan.
+    risen: bool,
 }
 
 /// No speed yet.
@@ -201,6 +240,36 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             blockwise: true,
             end: 0,
             stale: false,
+            level: 1.0,
+            risen: false,
+        }
+    }
+
+    /// The level of all speeds, see [`Pace`].
+    pub fn level(&self) -> f32 {
+        self.level
+    }
+
+    /// Speeds are planned for another level, a higher one unless the ring is empty. What was planned stays possible.
+    pub fn set_level(&mut self, level: f32) {
+        let before = self.level;
+        self.level = level;
+        let mut last = 0.0;
+        for (k, block) in self.blocks.iter_mut().enumerate() {
+            let by = block.headroom.raised(level) / block.headroom.raised(before);
+            block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
+            block.marks.set(Marks::CHECKED, false);
+            if k > 0 {
+                // From the highest speed that the transition permits, of which no more than the double is known.
+                let highest = block.cap * (f32::from(block.rises) * (1.0 / ONE));
+                block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
+                block.rises = (min(highest / block.cap, 2.0) * ONE) as u16;
+            }
+            last = block.limits.v;
+        }
+        self.risen = !self.blocks.is_empty();
+        if self.risen && !matches!(self.pass, Pass::Done) {
+            self.begin();
         }
     }
 
@@ -237,15 +306,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn push(
         &mut self,
         element: &Element<AXES>,
-        (mut limits, share): (Limits, Share),
+        (mut limits, share, headroom): Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        (ahead, n): (u16, u32),
-        place: Place,
+        (ahead, n): (u8, u32),
     ) {
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let mut cap = 0.0;
+        let mut rises = 2.0;
         let mut shared = false;
         let mut anchor = true;
         let through = dynamics.slope() == SlopeType::Hsc;
@@ -257,7 +326,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
             if v.is_some() || (brief && dynamics.slope() == SlopeType::Step) {
-                cap = min(cap, v.unwrap_or(cap));
+                if let Some(v) = v {
+                    cap = min(cap, v);
+                    rises = min(rises, v / cap);
+                }
                 limits.share(&share);
                 shared = true;
                 if !last.shared {
@@ -281,7 +353,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
-        let [low, middle, high, _] = place.line.min((1 << 24) - 1).to_le_bytes();
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             shape: element.shape.linear(),
@@ -291,9 +362,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             n,
+            headroom,
+            rises: (rises * ONE) as u16,
             ahead,
-            file: place.file,
-            line: [low, middle, high],
             marks,
         });
         if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
@@ -326,11 +397,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
+        let mut headroom = first.headroom;
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
                     v_least = min(v_least, min(block.cap, block.limits.v));
                     first.limits.join(&block.limits);
+                    headroom.join(block.headroom);
                     length += block.shape.length.to_bits();
                     (blocks, kept) = (blocks + 1, true);
                     ahead[1] += u32::from(block.ahead);
@@ -340,7 +413,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         };
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
+        release.v_next = 0.0;
         if let Some(next) = next {
+            (release.v_next, release.next) = (next.limits.v, next.headroom);
             v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
             next.start_at(v_out);
         }
@@ -351,6 +426,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         release.ahead = ahead;
         release.length = Distance::from_bits(length);
         release.limits = first.limits;
+        (release.headroom, release.level, release.ceiling) = (headroom, self.level, f32::MAX);
         release.checked = (first.is(Marks::CHECKED) && !self.stale) || blocks == 1;
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         self.stale = false;

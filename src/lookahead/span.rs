@@ -8,7 +8,7 @@
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
-//! begin, or behind the first quarter.
+//! begin, or behind the first quarter, and not before it could stand still.
 use super::{Block, Limits, Lookahead, Marks, Share};
 use crate::math::float::to_f32;
 use crate::path::Shape;
@@ -157,6 +157,11 @@ impl Law {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
 
+    /// Where it could stand still.
+    fn stops_by(&self) -> f32 {
+        self.down.distance(0.0, self.v_in)[0]
+    }
+
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
     fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
@@ -187,8 +192,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     block.marks.set(Marks::CHECKED, false);
                 }
             }
+            let until = if core::mem::take(&mut self.risen) { 0 } else { left };
             let span = Span::default();
-            Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until: left, changed: true })
+            Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until, changed: true })
         };
     }
 
@@ -209,6 +215,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..STEPS {
             // The first block's start is already decided.
             if left <= 1 {
+                self.risen = false;
                 self.pass = Pass::Done;
                 return true;
             }
@@ -223,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             // What was planned with a lower end speed stays possible, and is not taken back.
             block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
-            if v == block.v_in {
+            if v == block.v_in && !self.risen {
                 self.pass = Pass::Done;
                 return true;
             }
@@ -333,9 +340,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.set_anchor(self.end);
             return self.plan_again(from, next);
         }
-        let to = (next + 1..self.blocks.len())
-            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
-            .unwrap_or(self.blocks.len());
+        let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
                 end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
@@ -348,6 +353,33 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             // A defect, which the verification of the profile will report.
             _ => self.complete(),
         }
+    }
+
+    /// A flat span does not slow down enough for a block inside. The plan before did: its end gives way.
+    fn slow_down(&mut self, pass: &Forward) -> Pass {
+        let &Forward { from, next, .. } = pass;
+        let to = self.anchor_behind(next);
+        match self.blocks.get_mut(next) {
+            Some(end) if end.is(Marks::FRESH) && next != self.end => {
+                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+                self.through += 1;
+                self.plan_again(from, to)
+            }
+            Some(end) if end.v_in > end.v_old.max(Speed::ZERO) => {
+                end.v_in = end.v_old.max(Speed::ZERO);
+                end.marks.set(Marks::CHECKED, false);
+                self.plan_again(from, next)
+            }
+            // A defect, which the limits of its slowest block contain.
+            _ => self.complete(),
+        }
+    }
+
+    /// The first anchor behind a block, or the end of the ring.
+    fn anchor_behind(&self, block: usize) -> usize {
+        (block + 1..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
+            .unwrap_or(self.blocks.len())
     }
 
     fn span_done(&mut self, mut pass: Forward, v_out: Speed) -> Pass {
@@ -374,7 +406,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 if block.cap < slowest && !pass.law.keeps(block.cap, start, start) {
                     pass.worst = Some((pass.block, pass.block, block.cap));
                 }
-                if pass.block >= batch && (pass.cut == 0 || start <= pass.law.brakes_at()) {
+                let law = &pass.law;
+                if pass.block >= batch && (pass.cut == 0 || start <= law.brakes_at()) && start >= law.stops_by() {
                     pass.cut = pass.block;
                 }
             }
@@ -395,7 +428,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn inside_done(&mut self, pass: Inside) -> Pass {
         let Forward { from, next: to, firm, v_in, .. } = pass.forward;
+        let flat = self.blocks.get(from).is_some_and(|block| block.is(Marks::FLAT));
         if let Some((first, behind, v)) = pass.worst {
+            if flat {
+                return self.slow_down(&pass.forward);
+            }
             let [enters, leaves] = self.too_fast(&pass, first, behind, v);
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
                 if needed && from < block && block < to {
@@ -404,7 +441,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             return self.plan_again(from, to);
         }
-        if !firm && from < self.batch() && pass.cut > from {
+        if !firm && !flat && from < self.batch() && pass.cut > from {
             self.set_anchor(pass.cut);
             return self.plan_again(from, to);
         }
@@ -476,10 +513,7 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
         return Some(next);
     }
     let brake = limits.brake();
-    let possible = |v_out: Speed| {
-        let gain = ramp_gain(&brake, v_out, length);
-        v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
-    };
+    let possible = |v_out: Speed| loses(&brake, length, v_in, v_out);
     if possible(next) {
         return Some(next);
     }
@@ -495,6 +529,22 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
     }
     let v_out = Speed::from_bits(low);
     (low > 0 || possible(v_out)).then_some(v_out)
+}
+
+/// Highest speed at the start of a span, at most `v_in`, from which it can slow down to `v_out`.
+pub(super) fn enter(limits: &Limits, length: i64, v_out: Speed, v_in: Speed) -> Speed {
+    let gain = ramp_gain(&limits.brake(), v_out, to_f32(length) * LSB_44);
+    Speed::from_bits(v_out.to_bits().saturating_add(gain)).min(v_in)
+}
+
+/// Whether a span is long enough to slow down from `v_in` to `v_out`.
+pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed) -> bool {
+    loses(&limits.brake(), to_f32(length) * LSB_44, v_in, v_out)
+}
+
+fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
+    let gain = ramp_gain(brake, v_out, length);
+    v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
 }
 
 /// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.

@@ -1,6 +1,6 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::Release;
-use crate::quantity::Distance;
+use crate::lookahead::{Pace, Release};
+use crate::quantity::{Distance, Speed};
 use crate::queue::SEGMENTS;
 
 /// Such a span.
@@ -14,6 +14,34 @@ pub(super) struct Flight {
     pub next: u64,
     /// Ticks of rest behind it.
     pub rest: u64,
+    /// What its law was made with: speed at its start and at its end, the highest one permitted, the operator's pace.
+    pub enters: Speed,
+    pub leaves: Speed,
+    pub limit: f32,
+    pub pace: Pace,
+    /// As it was released: start, speed planned there, whether that keeps the limits of all blocks.
+    released: (Distance, Speed, bool),
+}
+
+impl Flight {
+    /// It is released, at `start`.
+    pub const fn begin(&mut self, start: Distance) {
+        (self.start, self.rest) = (start, 0);
+        self.released = (start, self.span.v_in, self.span.checked);
+    }
+
+    /// It gets another law before it has begun: nothing of it is behind.
+    pub const fn restore(&mut self) {
+        let end = self.end();
+        (self.start, self.span.v_in, self.span.checked) = self.released;
+        self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
+        self.span.ceiling = f32::MAX;
+    }
+
+    /// Path distance of its end.
+    pub const fn end(&self) -> i64 {
+        self.start.to_bits().wrapping_add(self.span.length.to_bits())
+    }
 }
 
 /// As many as curves fit in the queue: each span not yet begun has one there.
@@ -29,7 +57,18 @@ pub(super) struct Flights {
 impl Flights {
     pub const fn new() -> Self {
         const { assert!(SLOTS.is_power_of_two()) };
-        let blank = Flight { span: Release::BLANK, start: Distance::ZERO, first: 0, next: 0, rest: 0 };
+        let blank = Flight {
+            span: Release::BLANK,
+            start: Distance::ZERO,
+            first: 0,
+            next: 0,
+            rest: 0,
+            enters: Speed::ZERO,
+            leaves: Speed::ZERO,
+            limit: 0.0,
+            pace: Pace::new(0),
+            released: (Distance::ZERO, Speed::ZERO, false),
+        };
         Self { slots: [blank; SLOTS], front: 0, len: 0 }
     }
 
@@ -71,6 +110,29 @@ impl Flights {
         if self.len > 0 {
             self.front = (self.front + 1) % SLOTS;
             self.len -= 1;
+        }
+    }
+
+    /// Those from the one `k` behind the front on.
+    pub fn from(&mut self, k: usize) -> impl Iterator<Item = &mut Flight> {
+        let (front, len) = (self.front, self.len);
+        let slots = self.slots.iter_mut().enumerate();
+        slots
+            .filter(move |(slot, _)| (k..len).contains(&(slot.wrapping_sub(front) % SLOTS)))
+            .map(|(_, flight)| flight)
+    }
+
+    /// The first `count` are to end at no more than `v_out`, and to be no faster before than that permits.
+    pub fn lower(&mut self, count: usize, mut v_out: Speed) {
+        for k in (0..count).rev() {
+            let Some(flight) = self.get_mut(k) else { return };
+            flight.span.v_out = v_out;
+            v_out = flight.span.enter();
+            if v_out >= flight.span.v_in {
+                return;
+            }
+            flight.span.v_in = v_out;
+            flight.released.1 = flight.released.1.min(v_out);
         }
     }
 

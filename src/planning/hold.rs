@@ -13,9 +13,11 @@
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete.
 use super::flight::Flight;
-use super::{Brake, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work};
+use super::{Brake, Commands, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work};
 use super::{clock, max, min, speed_f32, to_f32};
 use crate::queue::PHASES;
+use crate::slope::brake::SHORT;
+use crate::slope::profile::speed_bits;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;
@@ -23,40 +25,70 @@ pub const REACTION: u32 = 4;
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 const NOTHING: i64 = 1 << 10;
 
-/// Over less than that one LSB more or less shows in the jerk of the fastest law.
-const FINE: i64 = 1 << 20;
-
 /// Where the commands stand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
+    /// There is something to do for the commands.
+    busy: bool,
     /// Laws lead to a standstill.
     pub stopping: bool,
+    /// Laws in the queue may have been made for another pace.
+    pub(super) adjusting: bool,
+    /// Spans without a law may have had one before, which began at another speed.
+    uneven: bool,
     /// The law with the emitter ends in it.
     halting: bool,
     /// It is handed out.
     standing: bool,
     /// The instant of the cut that may be pending, and the last one at which one was tried.
-    cut: Option<u32>,
-    tried: Option<u32>,
+    pub(super) cut: Option<u32>,
+    pub(super) tried: Option<u32>,
 }
 
 impl Mode {
     /// No command.
-    pub const RUN: Self = Self { stopping: false, halting: false, standing: false, cut: None, tried: None };
+    pub const RUN: Self = Self {
+        busy: false,
+        stopping: false,
+        adjusting: false,
+        uneven: false,
+        halting: false,
+        standing: false,
+        cut: None,
+        tried: None,
+    };
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
-        if self.mode.stopping || self.queue.control.wants_standstill() { self.follow() } else { None }
+        let word = self.queue.control.word();
+        if self.mode.busy || word != self.word { self.follow(word) } else { None }
     }
 
     #[inline(never)]
-    fn follow(&mut self) -> Option<Work> {
-        if !self.mode.stopping {
-            return self.stop();
+    fn follow(&mut self, word: u32) -> Option<Work> {
+        let commands = Commands::of(word);
+        if word != self.word {
+            self.word = word;
+            self.set_pace(&commands);
         }
+        let work = if self.mode.stopping {
+            self.stand(&commands)
+        } else if commands.standstill() {
+            self.stop()
+        } else if self.mode.adjusting {
+            self.adjust()
+        } else {
+            None
+        };
+        self.mode.busy = self.mode.stopping || self.mode.adjusting || commands.standstill();
+        work
+    }
+
+    /// On the way to a standstill, and in it.
+    fn stand(&mut self, commands: &Commands) -> Option<Work> {
         if !self.mode.standing {
             return None;
         }
@@ -65,13 +97,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.queue.clock.now() != self.end {
             return Some(Work::Waiting);
         }
-        let commands = self.queue.control.commands();
         if commands.abort {
             self.forget();
             self.queue.control.aborted();
             return Some(Work::Aborted);
         }
-        if commands.hold {
+        if commands.standstill() {
             return Some(Work::Waiting);
         }
         self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
@@ -105,33 +136,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         self.mode.tried = Some(now);
-        let at = now.wrapping_add(clock::TICK * REACTION);
-        let at = if clock::is_before(at, self.end) { at } else { self.end };
-        let begun = |flight: &Flight| !clock::is_before(at, flight.first);
-        let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
+        let (at, later) = self.place(now);
         let mut next = later;
         if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, self.flights.get(k)?))) {
-            let span = &flight.span;
-            let end = flight.start.to_bits().wrapping_add(span.length.to_bits());
             if flight.first == at {
                 next = k;
             } else if let Some(motion) = self.motion_at(at)
+                && let (end, v_out) = (flight.end(), flight.leaves.to_bits())
                 && let Some(brake) =
-                    Brake::plan(&mut self.profile, &motion, end, span.v_out.to_bits(), &span.limits)
+                    Brake::plan(&mut self.profile, &motion, end, v_out, &flight.span.limits, 0)
             {
-                return self.change(k, at, Some(brake));
+                return self.stop_at(k, at, Some(brake));
             }
         }
         // From the start of the next span that has a tick.
-        while next + 1 < self.laid
-            && self.flights.get(next).map(|f| f.first) == self.flights.get(next + 1).map(|f| f.first)
-        {
-            next += 1;
-        }
+        next = self.with_tick(next);
         match self.flights.get(next) {
             Some(flight) if next < self.laid => {
                 let first = flight.first;
-                self.change(next, first, None)
+                self.stop_at(next, first, None)
             }
             _ => {
                 self.mode.stopping = true;
@@ -140,8 +163,34 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
+    fn stop_at(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
+        self.mode.stopping = true;
+        let work = self.change(k, at, brake);
+        self.mode.stopping = work.is_some();
+        work
+    }
+
+    /// The instant of a change decided now, and the first span that begins behind it.
+    pub(super) fn place(&self, now: u32) -> (u32, usize) {
+        let at = now.wrapping_add(clock::TICK * REACTION);
+        let at = if clock::is_before(at, self.end) { at } else { self.end };
+        let begun = |flight: &Flight| !clock::is_before(at, flight.first);
+        let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
+        (at, later)
+    }
+
+    /// The span `k` or, if it is over before its first tick, the next one that is not.
+    pub(super) fn with_tick(&self, mut k: usize) -> usize {
+        while k + 1 < self.laid
+            && self.flights.get(k).map(|f| f.first) == self.flights.get(k + 1).map(|f| f.first)
+        {
+            k += 1;
+        }
+        k
+    }
+
     /// The motion at an instant that the pieces in the queue or their end cover.
-    fn motion_at(&self, at: u32) -> Option<Instant> {
+    pub(super) fn motion_at(&self, at: u32) -> Option<Instant> {
         let mut start = self.end;
         let mut number = self.queue.phases.count();
         for _ in 0..PHASES {
@@ -164,8 +213,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// From the instant `at` on the span `k` has another law: `brake`, which begins there, or a new one from its start.
-    fn change(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
+    /// From the instant `at` on the span `k` has another law: `brake`, which begins there, or a new one from its start. `None`,
+    /// and nothing has changed, if that came too late.
+    pub(super) fn change(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
         let flight = *self.flights.get(k)?;
         let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
         let gate = self.queue.phases.count();
@@ -178,24 +228,30 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.end = at;
         self.laid = k;
-        self.mode.stopping = true;
-        let laid = if let Some(brake) = brake {
+        self.mode.uneven = true;
+        let mut laid = Ok(());
+        if let Some(brake) = brake {
             self.emitter.resume_at(0);
             self.brake(k, &brake);
-            Ok(())
+            self.hand_out();
         } else {
             self.emitter.resume_at(flight.next);
-            self.speed = flight.span.v_in;
-            self.lay()
-        };
-        if laid.is_ok() {
-            self.hand_out();
+            self.speed = flight.enters;
+        }
+        // So short a slowing down that it has no tick leaves it to the rest.
+        if self.end == at && self.laid == k && !self.mode.halting {
+            laid = self.lay();
+            if laid.is_ok() {
+                self.hand_out();
+            }
         }
         if self.end == at && self.speed == Speed::ZERO {
             // It stands there already.
-            self.put_rest(flight.start, 1);
+            let stands = self.flights.get(k).map_or(flight.start, |flight| flight.start);
+            self.put_rest(stands, 1);
         }
         if !drops && laid.is_ok() {
+            self.flights.from(k + 1).for_each(Flight::restore);
             return Some(Work::Working);
         }
         if self.end != at {
@@ -203,6 +259,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let is_late = clock::is_before(at, self.queue.clock.now());
             // Late, it was taken or never will be.
             if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
+                self.flights.from(k + 1).for_each(Flight::restore);
                 self.mode.cut = Some(at);
                 return Some(Work::Working);
             }
@@ -222,77 +279,107 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (k, v_in) = (self.laid, self.speed);
         let (end, next) = (self.end, self.emitter.next());
         let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
-        (flight.first, flight.next) = (end, next);
-        let span = &mut flight.span;
+        (flight.first, flight.next, flight.enters) = (end, next, v_in);
         let start = flight.start.to_bits();
-        if self.mode.stopping {
-            let motion = Instant { distance: start, speed: v_in.to_bits(), accel: 0 };
-            let end = start.wrapping_add(span.length.to_bits());
-            let v_out = span.v_out.to_bits();
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, &span.limits) {
+        let end = flight.end();
+        flight.pace = self.pace;
+        let span = &mut flight.span;
+        let full = self.pace.is_full(span.level);
+        let mut v = self.pace.limit(span);
+        let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
+        let lowered = v_in != expected || !span.checked;
+        if lowered && span.blocks > 1 {
+            span.ceiling = min(span.ceiling, max(span.v_least, speed_f32(v_in.to_bits())));
+            v = min(v, span.ceiling);
+        }
+        let motion = Instant { distance: start, speed: v_in.to_bits(), accel: 0 };
+        let v_planned = span.v_out.to_bits();
+        let too_fast = !full && speed_bits(v) < v_in.to_bits();
+        if self.mode.stopping || too_fast {
+            let target = if self.mode.stopping { 0 } else { speed_bits(v) };
+            if let Some(brake) =
+                Brake::plan(&mut self.profile, &motion, end, v_planned, &span.limits, target)
+            {
+                flight.limit = v;
+                self.brake(k, &brake);
+                return Ok(());
+            }
+            v = max(v, speed_f32(v_in.to_bits()));
+        }
+        let mut v_out = span.v_out;
+        let mut reached = true;
+        if lowered {
+            let least = v_in.min(v_out);
+            v_out = span.leave(v_in).min(Speed::from_bits(speed_bits(v))).max(least);
+            reached = v_out == span.v_out;
+        }
+        if !full || self.mode.uneven {
+            let v_next = Speed::from_bits(speed_bits(min(v, self.pace.next(span))));
+            let slower = v_out.min(v_next);
+            reached |= slower == v_next;
+            if slower >= v_in || span.can_leave(v_in, slower) {
+                v_out = slower;
+            } else if let Some(brake) =
+                Brake::plan(&mut self.profile, &motion, end, v_planned, &span.limits, slower.to_bits())
+            {
+                flight.limit = v;
                 self.brake(k, &brake);
                 return Ok(());
             }
         }
-        let lowered = v_in != span.v_in || !span.checked;
-        if lowered {
-            span.limits.v = min(span.limits.v, max(span.v_least, speed_f32(v_in.to_bits())));
-            span.v_out = span.leave(v_in).max(v_in.min(span.v_out));
-            span.v_in = v_in;
-            span.checked = true;
-        }
-        self.profile.plan(span.length, span.v_in, span.v_out, &span.limits)?;
+        let permitted = core::mem::replace(&mut span.limits.v, v);
+        let planned = self.profile.plan(span.length, v_in, v_out, &span.limits);
+        span.limits.v = permitted;
+        planned?;
+        (flight.limit, flight.leaves) = (v, v_out);
         self.emitter.begin(&self.profile, Distance::from_bits(start), span.length);
         self.laid = k + 1;
         self.owed = flight.rest;
-        self.speed = span.v_out;
+        self.speed = v_out;
         self.stops = self.speed == Speed::ZERO;
-        if lowered {
+        if !reached {
             self.lower();
         }
         Ok(())
     }
 
-    /// The law of the span `k` is a slowing down. Its first tick is known.
+    /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.
     #[inline(never)]
     fn brake(&mut self, k: usize, brake: &Brake) {
         self.emitter.begin_brake(&self.profile, brake);
         let Some(flight) = self.flights.get_mut(k) else { return };
         let v_out = Speed::from_bits(brake.v_out);
-        self.laid = k + 1;
-        self.owed = flight.rest;
-        if v_out == Speed::ZERO {
-            let gone = brake.end.wrapping_sub(flight.start.to_bits());
-            let left = flight.span.length.to_bits() - gone;
-            if left > NOTHING {
-                flight.start = Distance::from_bits(brake.end);
-                flight.span.length = Distance::from_bits(left);
-                flight.span.v_in = Speed::ZERO;
-                flight.span.checked = false;
-                if left < FINE {
-                    // Most of it at constant speed, which takes up the rounding of the rest.
-                    let limits = &mut flight.span.limits;
-                    let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
-                    let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
-                    limits.v = min(limits.v, v);
-                }
-                self.laid = k;
-                self.owed = 0;
-                self.mode.halting = true;
-                self.speed = v_out;
-                self.stops = true;
-                return;
-            }
-        }
-        flight.span.v_out = v_out;
         self.speed = v_out;
         self.stops = v_out == Speed::ZERO;
+        let left = flight.end().wrapping_sub(brake.end);
+        if left > NOTHING {
+            flight.start = Distance::from_bits(brake.end);
+            let span = &mut flight.span;
+            span.length = Distance::from_bits(left);
+            span.v_in = v_out;
+            span.checked = false;
+            if left < SHORT {
+                // Most of it at constant speed, which takes up the rounding of the rest.
+                let limits = &span.limits;
+                let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
+                let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
+                span.ceiling = min(span.ceiling, v);
+            }
+            self.laid = k;
+            self.owed = 0;
+            self.mode.halting = self.stops;
+            return;
+        }
+        self.laid = k + 1;
+        self.owed = flight.rest;
+        flight.leaves = v_out;
         self.lower();
     }
 
-    /// The law at hand ends slower than it was planned: what is still in the ring begins so.
+    /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
     fn lower(&mut self) {
         if self.laid == self.flights.len() {
+            self.flights.lower(self.laid, self.speed);
             self.lookahead.start_at(self.curves, self.speed);
         }
     }
@@ -315,6 +402,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.owed = self.put_rest(at, self.owed);
             return Ok(Some(Work::Working));
         }
+        self.mode.uneven &= self.laid < self.flights.len();
         let all = self.laid == self.flights.len() && self.curves == 0 && self.lookahead.is_empty();
         if self.mode.stopping && (self.speed == Speed::ZERO || all) {
             self.mode.standing = true;

@@ -1,5 +1,5 @@
-//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at the lowest speed that the
-//! rest of the span permits, to a standstill if that is possible.
+//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at a lower speed, or at the
+//! lowest that the rest of the span permits.
 //!
 //! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with the ramp
 //! that it would be part of had it begun a/j before now, `a` being its size. Start and size of that ramp are
@@ -48,6 +48,9 @@ pub struct Brake {
     pub v_out: i64,
 }
 
+/// Over less than that (2^-44 mm) one LSB more or less shows in the jerk of the fastest law.
+pub const SHORT: i64 = 1 << 20;
+
 /// Accelerations up to 2^-50 mm/tick² are rounding.
 const NO_ACCEL: i64 = 1 << 8;
 
@@ -59,38 +62,75 @@ const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
 const SHRINKS: usize = 8;
 
 impl Brake {
-    /// From `motion` to the lowest speed at `end` (path distance of the end of the span), or to a standstill before it. The
-    /// parts go into `profile`. `None` if that would not end below `v_out`, the speed planned there.
+    /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of the end of the
+    /// span), to the lowest speed there. A slower motion only ends its acceleration. The parts go into `profile`. `None` if
+    /// that would not end below `v_out`, the speed planned at the end, or if the rest of the span were too short for it.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
         end: i64,
         v_out: i64,
         limits: &Limits,
+        target: i64,
     ) -> Option<Self> {
         let room = end.wrapping_sub(motion.distance);
         if motion.speed <= 0 || room <= 0 {
             return None;
         }
+        let brake = Self::reach(profile, motion, room, limits, target)?;
+        if brake.v_out == 0 {
+            return Some(brake);
+        }
+        let left = end.wrapping_sub(brake.end);
+        if left == 0 {
+            return (brake.v_out < v_out).then_some(brake);
+        }
+        if brake.v_out <= v_out {
+            if left < SHORT {
+                return Some(Self { tail: time_at(left, brake.v_out), end, ..brake });
+            }
+            return Some(brake);
+        }
+        let [low, dv] = [v_out, brake.v_out - v_out].map(speed_f32);
+        if limits.brake().distance(low, dv)[0] <= mm(left) * (1.0 - CLOSE) && left >= SHORT {
+            return Some(brake);
+        }
+        if v_out == 0 {
+            return None;
+        }
+        let brake = Self::reach(profile, motion, room, limits, v_out)?;
+        let left = end.wrapping_sub(brake.end);
+        if left == 0 {
+            return (brake.v_out < v_out).then_some(brake);
+        }
+        (brake.v_out <= v_out).then_some(Self { tail: time_at(left, brake.v_out), end, ..brake })
+    }
+
+    fn reach(
+        profile: &mut Profile,
+        motion: &Motion,
+        room: i64,
+        limits: &Limits,
+        target: i64,
+    ) -> Option<Self> {
         *profile = Profile::default();
-        let brake = match limits.law {
-            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake())?,
+        match limits.law {
+            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), target),
             Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall] } => {
                 let ramp =
                     Linear { up_fall: up_fall * bend.peak_jerk(), a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
-                    ramp.go_on(profile, motion, room)?
+                    ramp.go_on(profile, motion, room, target)
                 } else {
-                    ramp.turn(profile, motion, room)?
+                    ramp.turn(profile, motion, room, target)
                 }
             }
-        };
-        (brake.v_out == 0 || brake.v_out < v_out).then_some(brake)
+        }
     }
 
     /// From acceleration zero, or from any that may end at once; an acceleration that has to fall first is in
     /// `profile.up`.
-    fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp) -> Option<Self> {
+    fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp, target: i64) -> Option<Self> {
         let distance = motion.distance;
         let length = profile.up.length();
         let v = if length > 0 { profile.up.speeds[3] } else { motion.speed };
@@ -98,12 +138,16 @@ impl Brake {
         if rest < 0 {
             return None;
         }
-        let dv = lost(ramp, [0, v], v, rest)?;
+        let most = v - target;
+        if most <= 0 {
+            return Some(Self { from: distance, end: distance.wrapping_add(length), v_out: v, ..Self::default() });
+        }
+        let dv = lost(ramp, [0, most], v, rest)?;
         profile.down.plan(ramp, v, v - dv);
         let down = profile.down.length();
-        if dv == v {
+        if dv == most {
             let end = distance.wrapping_add(length + down);
-            return (down <= rest).then_some(Self { from: distance, end, ..Self::default() });
+            return (down <= rest).then_some(Self { from: distance, end, v_out: target, ..Self::default() });
         }
         profile.cruise = time_at(rest.checked_sub(down).filter(|left| *left >= 0)?, v);
         Some(Self { from: distance, over: 0, tail: 0, end: distance.wrapping_add(room), v_out: v - dv })
@@ -124,16 +168,16 @@ impl Linear {
     }
 
     /// From acceleration zero or above.
-    fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64) -> Option<Brake> {
+    fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, target: i64) -> Option<Brake> {
         if motion.accel > NO_ACCEL {
             let time = ticks(to_f32(motion.accel) / (self.up_fall * ACCEL_ONE));
             profile.up = Change::fall(motion.speed, motion.accel, time);
         }
-        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()))
+        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()), target)
     }
 
     /// From a deceleration.
-    fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64) -> Option<Brake> {
+    fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, target: i64) -> Option<Brake> {
         let decel = motion.accel.unsigned_abs();
         let bowed = self.ramp();
         let ramp = Ramp::Bowed(bowed);
@@ -145,7 +189,11 @@ impl Linear {
         let room = room + before;
         // At least the deceleration at hand.
         let least = v - motion.speed + released(decel, self.down_fall);
-        let dv = lost(&ramp, [least, v], v, room)?;
+        if least > v {
+            return None;
+        }
+        let most = (v - target).max(least);
+        let dv = lost(&ramp, [least, most], v, room)?;
         profile.down = Change::extended(v, v - dv, decel, over, &bowed, self.down_fall)?;
         let length = profile.down.length();
         let left = room - length;
@@ -153,8 +201,8 @@ impl Linear {
             return None;
         }
         let from = motion.distance.wrapping_sub(before);
-        if dv == v {
-            return Some(Brake { from, over, tail: 0, end: from.wrapping_add(length), v_out: 0 });
+        if dv == most {
+            return Some(Brake { from, over, tail: 0, end: from.wrapping_add(length), v_out: v - dv });
         }
         let tail = time_at(left, v - dv);
         Some(Brake { from, over, tail, end: from.wrapping_add(room), v_out: v - dv })
@@ -166,6 +214,11 @@ const LINEAR: Form = Form::Bowed(Bend::Linear);
 
 /// 2^58 as a factor.
 const ACCEL_ONE: f32 = (1u64 << 58) as f32;
+
+/// A length (2^-44 mm) in mm.
+fn mm(length: i64) -> f32 {
+    to_f32(length) * (1.0 / (1u64 << 44) as f32)
+}
 
 /// Ticks as time, up.
 fn ticks(t: f32) -> u64 {
@@ -184,12 +237,12 @@ fn released(decel: u64, j: f32) -> i64 {
     speed_bits(v + v * CLOSE)
 }
 
-/// How much of the speed `v` can be lost within `room`: all of it, or the most that ends there. Between `least`, if
+/// How much of the speed `v` can be lost within `room`: `most`, or as much as ends there. Between `least`, if
 /// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to two
-/// thirds of `v` and stays above that of the whole from there on.
+/// thirds of `v` and stays above that of `most` from there on.
 fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> {
-    let target = to_f32(room) * (1.0 / (1u64 << 44) as f32) * (1.0 - CLOSE);
-    let [speed, mut low, mut high] = [v, least, most].map(speed_f32);
+    let target = mm(room) * (1.0 - CLOSE);
+    let [mut low, mut high] = [least, most].map(speed_f32);
     let fits = |dv: f32| {
         let slow = speed_f32(v - speed_bits(dv).min(v));
         dv <= 0.0 || ramp.distance(slow, dv)[0] <= target
@@ -197,8 +250,8 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> 
     if least > most {
         return None;
     }
-    if fits(speed) {
-        return Some(v);
+    if fits(high) {
+        return Some(most);
     }
     if !fits(low) {
         return None;
@@ -214,7 +267,7 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> 
             break;
         }
     }
-    Some(speed_bits(low).max(least).min(v - 1))
+    Some(speed_bits(low).max(least).min(most - 1))
 }
 
 impl Change {

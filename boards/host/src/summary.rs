@@ -167,12 +167,14 @@ impl Summary {
             };
             (data.name.as_str().to_owned(), axis)
         });
+        let motions: Vec<&Segment> = program.motions().collect();
+        let place = |block: u32| motions.get(block as usize).map(|motion| motion.place).unwrap_or_default();
         let plan = statistics.spans.iter().map(|block| Span {
             block: block.block,
             blocks: block.blocks,
             n: block.n,
-            line: block.place.line,
-            file: files.name(block.place.file),
+            line: place(block.block).line,
+            file: files.name(place(block.block).file),
             length_mm: mm(block.length.to_bits().into()),
             v_in: speed(block.v_in),
             v_peak: speed(block.v_peak),

@@ -1,0 +1,130 @@
+//! What override (P-CHAN-00066) and reduced speed (P-AXIS-00214) make of the speed of a block.
+//!
+//! | P-CHAN-00066 | speed |
+//! |---|---|
+//! | 0 | min(v_prog, v_max) · override |
+//! | 1 | min(v_prog · override, v_max) |
+//! | 2 | as 1 while the speed is reduced, as 0 otherwise |
+//!
+//! v_prog is the programmed feed, v_max what the machine permits on the block; it is never exceeded. While the speed is
+//! reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at which every axis keeps its P-AXIS-00214.
+//! In rapid motion v_prog is v_max.
+//!
+//! The ring is planned for the *level*, the highest override since it was empty, at least 100 %. What is slower is
+//! decided when the time law of a span is made: so an override that falls acts at once, and what was possible stays
+//! possible. Arcs and curves know their limits for the level of the moment at which they are taken in, and exceed that
+//! speed only when new blocks come.
+use super::{Release, max, min};
+use crate::control::{Commands, FULL_OVERRIDE};
+
+/// How the speed of a block follows the override, in two numbers of 16 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Headroom {
+    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the feed, up to twice as
+    /// much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 − n/2^15. Both rounded towards the slower.
+    over: u16,
+    /// Reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced.
+    reduced: u16,
+}
+
+const ONE: f32 = 32_768.0;
+const EVEN: u16 = 1 << 15;
+const WHOLE: u16 = u16::MAX;
+
+impl Headroom {
+    /// Machine and feed permit the same.
+    pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
+
+    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
+    pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
+        let mut headroom = Self::NONE;
+        if v_max > feed {
+            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u16;
+        } else if v_max < feed {
+            headroom.over = EVEN + ((1.0 - v_max / feed) * ONE) as u16;
+        }
+        let v = min(v_max, feed);
+        if v_reduced < v {
+            headroom.reduced = (v_reduced / v * (2.0 * ONE)) as u16;
+        }
+        headroom
+    }
+
+    /// What the machine permits by the feed, 1…2, and by what it is less than the feed, 0…1.
+    fn parts(self) -> [f32; 2] {
+        let n = |from: u16, to: u16| f32::from(from.saturating_sub(to)) * (1.0 / ONE);
+        [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
+    }
+
+    /// Speed at a level by that at 100 %.
+    pub fn raised(self, level: f32) -> f32 {
+        min(level, self.parts()[0])
+    }
+
+    /// What is at least as fast as both.
+    pub(super) fn join(&mut self, other: Self) {
+        self.over = self.over.max(other.over);
+        self.reduced = self.reduced.max(other.reduced);
+    }
+}
+
+/// Override and reduced speed of now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// 0…2.
+    over: f32,
+    /// P-CHAN-00066.
+    mode: u8,
+    reduced: bool,
+}
+
+impl Pace {
+    /// 100 %, with a mode of P-CHAN-00066.
+    pub const fn new(mode: u8) -> Self {
+        Self { over: 1.0, mode, reduced: false }
+    }
+
+    /// As an operator wants it; an override of 0 leaves it as it is.
+    pub fn follow(&mut self, commands: &Commands) {
+        if commands.feed > 0 {
+            self.over = f32::from(commands.feed) / f32::from(FULL_OVERRIDE);
+        }
+        self.reduced = commands.reduced;
+    }
+
+    /// The level it needs.
+    pub fn level(&self) -> f32 {
+        max(1.0, self.over)
+    }
+
+    /// All that was planned for `level` runs as planned.
+    #[inline(always)]
+    pub fn is_full(&self, level: f32) -> bool {
+        self.over == level && !self.reduced
+    }
+
+    /// Highest speed of a span now.
+    pub fn limit(&self, span: &Release) -> f32 {
+        let v = span.limits.v;
+        let v = if self.is_full(span.level) { v } else { v * self.factor(span.headroom, span.level) };
+        min(v, span.ceiling)
+    }
+
+    /// Highest speed of the block behind a span now.
+    pub fn next(&self, span: &Release) -> f32 {
+        span.v_next * self.factor(span.next, span.level)
+    }
+
+    /// The part of the speed planned for `level` that is permitted now, at most 1.
+    fn factor(&self, headroom: Headroom, level: f32) -> f32 {
+        let [above, below] = headroom.parts();
+        let of_program = self.mode == 1 || (self.mode == 2 && self.reduced);
+        let over = if of_program { self.over / below } else { self.over };
+        let mut factor = min(over, above);
+        if self.reduced && headroom.reduced != WHOLE {
+            let reduced = f32::from(headroom.reduced) * (0.5 / ONE);
+            factor = min(factor, if of_program { reduced } else { reduced * min(self.over, 1.0) });
+        }
+        min(factor / min(level, above), 1.0)
+    }
+}

@@ -1,0 +1,79 @@
+//! Override and reduced speed in laws that are already in the queue.
+//!
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over there: to a
+//! slowing down to the new speed, or to a law without acceleration; the rest of the span then has a law of its own with the new
+//! speed. Where the motion slows down anyway, or too little of the span is left, the change begins with the next span. Spans
+//! that have no law yet get the right one when it is made.
+use super::flight::Flight;
+use super::{Brake, Commands, Planning, Work, min};
+use crate::slope::profile::speed_bits;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// The pace of the commands, for all laws to be made.
+    pub(super) fn set_pace(&mut self, commands: &Commands) {
+        let before = self.pace;
+        self.pace.follow(commands);
+        if self.pace == before {
+            return;
+        }
+        let level = self.pace.level();
+        if level > self.lookahead.level() || self.lookahead.is_empty() {
+            self.lookahead.set_level(level);
+            self.dynamics.set_level(level);
+            for flight in self.flights.from(0).filter(|flight| flight.span.level < level) {
+                flight.span.raise(level);
+            }
+        }
+        self.mode.adjusting = true;
+    }
+
+    /// Its law was made for another pace, and is not the one of now.
+    fn differs(&self, flight: &Flight) -> bool {
+        let v = self.pace.limit(&flight.span);
+        let slower = || flight.leaves.to_bits() > speed_bits(min(v, self.pace.next(&flight.span)));
+        flight.pace != self.pace && (v != flight.limit || slower())
+    }
+
+    /// Laws of now in place of those in the queue, from the first one that differs on.
+    pub(super) fn adjust(&mut self) -> Option<Work> {
+        let now = self.queue.clock.now();
+        // One change at a time, and one attempt a tick.
+        self.trim();
+        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
+            return None;
+        }
+        self.mode.tried = Some(now);
+        let (at, later) = self.place(now);
+        let mut left = false;
+        let mut next = later;
+        if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, *self.flights.get(k)?))) {
+            if flight.first == at {
+                next = k;
+            } else if self.differs(&flight) && at != self.end {
+                left = true;
+                if let Some(motion) = self.motion_at(at) {
+                    let target = speed_bits(self.pace.limit(&flight.span));
+                    // It slows down as it is.
+                    let slows = motion.accel < 0 && motion.speed <= target;
+                    let (end, v_out) = (flight.end(), flight.span.v_out.to_bits());
+                    let limits = &flight.span.limits;
+                    if !slows
+                        && let Some(brake) =
+                            Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)
+                    {
+                        return self.change(k, at, Some(brake));
+                    }
+                }
+            }
+        }
+        let other = (next..self.laid).find(|&k| self.flights.get(k).is_some_and(|f| self.differs(f)));
+        if let Some(k) = other {
+            let k = self.with_tick(k);
+            if let Some(first) = self.flights.get(k).map(|flight| flight.first) {
+                return self.change(k, first, None);
+            }
+        }
+        self.mode.adjusting = left;
+        None
+    }
+}
