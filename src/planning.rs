@@ -303,7 +303,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(Work::Working);
         }
         let before = self.end;
-        if self.hand_out() {
+        if !self.emitter.is_done() && self.hand_out() {
             return if self.end == before { Ok(Work::Waiting) } else { Ok(Work::Working) };
         }
         if self.stops {
