@@ -258,6 +258,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// Takes over an element from contour mode.
+    #[inline(never)]
     fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
         let Outgoing { element, data, curving } = outgoing;
         let limits = match (&element.bounds, curving) {

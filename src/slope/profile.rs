@@ -106,6 +106,7 @@ impl Change {
 
     /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from equal peak
     /// accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
+    #[inline(always)]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
         let bend = match form {
@@ -163,6 +164,7 @@ impl Change {
     }
 
     /// Becomes the same change in `factor`·2^-62 of the time.
+    #[inline(never)]
     fn shrink(&mut self, factor: u64) {
         let times =
             self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
