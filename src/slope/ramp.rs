@@ -70,7 +70,7 @@ impl Stepped {
         [below, dv - below]
     }
 
-    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    pub(super) fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let [below, above] = self.parts(low, dv);
         let middle = low + below;
         let length = below * (low + 0.5 * below) / self.a[0] + above * (middle + 0.5 * above) / self.a[1];
@@ -154,7 +154,7 @@ impl Bowed {
 
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     #[inline(always)]
-    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    pub(super) fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;
