@@ -15,6 +15,7 @@ use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::{PHASES, Phase, Producer, Slot};
+use core::slice::IterMut;
 
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
@@ -84,30 +85,30 @@ impl Emitter {
     /// Takes the next block, which starts at path distance `start`. Only when there is no piece: [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
-        self.part = 0;
-        self.count = 0;
-        let at = self.lay_out(&profile.up, start.to_bits());
+        let mut slots = Slots(self.parts.iter_mut());
+        let at = slots.lay_out(&profile.up, start.to_bits());
         // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();
-        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
-        self.lay_out(&profile.down, back);
+        slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        slots.lay_out(&profile.down, back);
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
     /// the time from the start of a block to the next tick.
     pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
-        self.part = 0;
-        self.count = 0;
         self.next += brake.over;
-        let at = self.lay_out(&profile.up, brake.from);
+        let mut slots = Slots(self.parts.iter_mut());
+        let at = slots.lay_out(&profile.up, brake.from);
         let back = brake.end.wrapping_sub(profile.down.length());
         let back = if profile.cruise > 0 { back } else { at };
         let v = profile.down.speeds[0];
-        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
-        let at = self.lay_out(&profile.down, back);
+        slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        let at = slots.lay_out(&profile.down, back);
         let v = brake.v_out;
-        self.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+        slots.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Goes on `time` before a tick.
@@ -120,32 +121,6 @@ impl Emitter {
         self.next
     }
 
-    /// The three parts of a change of speed, from path distance `from` on; gives their end.
-    #[inline(always)]
-    fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
-        let mut at = from;
-        let kinds = match change.form {
-            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
-            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
-            Form::Stepped => [Kind::Hold; 3],
-        };
-        for (k, kind) in kinds.into_iter().enumerate() {
-            let to = at.wrapping_add(change.lengths[k]);
-            let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
-            self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
-            at = to;
-        }
-        at
-    }
-
-    #[inline(always)]
-    fn add(&mut self, part: Part) {
-        if let (true, Some(slot)) = (part.time > 0, self.parts.get_mut(self.count)) {
-            *slot = part;
-            self.count += 1;
-        }
-    }
-
     /// Whether the block is handed out.
     #[inline(always)]
     pub fn is_done(&self) -> bool {
@@ -155,72 +130,51 @@ impl Emitter {
     /// Goes on to the part in which the next tick falls; `false` when the block is handed out.
     #[inline(always)]
     pub fn has_piece(&mut self) -> bool {
-        while let Some(part) = self.parts.get(self.part).filter(|_| self.part < self.count) {
-            if self.next < part.time {
-                return true;
+        self.at_hand().is_some()
+    }
+
+    /// The same: that part, with what else a piece needs.
+    #[inline(always)]
+    fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
+        let Self { parts, part: number, count, next, per_time } = self;
+        for part in parts.get(*number..*count)? {
+            if *next < part.time {
+                return Some((part, per_time, next));
             }
-            self.next -= part.time;
-            self.part += 1;
+            *next -= part.time;
+            *number += 1;
         }
-        false
+        None
     }
 
     /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when the block is
     /// handed out.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
-        for _ in 0..count {
-            if !self.has_piece() {
-                return false;
+        let mut left = count;
+        let Self { parts, part: number, count, next, per_time } = self;
+        for part in parts.get(*number..*count).unwrap_or_default() {
+            while *next < part.time {
+                if left == 0 {
+                    return true;
+                }
+                left -= 1;
+                queue.push_with(|phase| {
+                    part.cut(per_time, next, phase);
+                    *ticks += u32::from(phase.ticks);
+                });
             }
-            queue.push_with(|phase| {
-                self.cut(phase);
-                *ticks += u32::from(phase.ticks);
-            });
+            *next -= part.time;
+            *number += 1;
         }
-        true
+        false
     }
 
     /// The next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
-        self.cut(phase);
-    }
-
-    #[inline(always)]
-    fn cut(&mut self, phase: &mut Phase) {
-        let Some(part) = self.parts.get(self.part) else { return };
-        let delta = part.v1 - part.v0;
-        if delta != 0 && (self.per_time.time, self.per_time.delta) != (part.time, delta) {
-            self.per_time.divide(part.time, delta);
+        if let Some((part, per_time, next)) = self.at_hand() {
+            part.cut(per_time, next, phase);
         }
-        let per_time = &self.per_time;
-        let t = self.next;
-        let mut end = part.time;
-        let mut longest = match part.kind {
-            Kind::Hold if delta == 0 => LONGEST[2],
-            Kind::Hold => LONGEST[1],
-            _ => LONGEST[0],
-        };
-        if delta == 0 {
-            *phase = part.cruise(t);
-        } else if matches!(part.kind, Kind::SineRise | Kind::SineFall) {
-            longest = LONGEST_SINE;
-            (*phase, end) = part.sine_piece(per_time, t);
-        } else if t < TICK {
-            part.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
-        } else {
-            *phase = part.piece(per_time, t);
-        }
-        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
-        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
-        let ticks = ticks.min(longest);
-        phase.ticks = ticks as u16;
-        // Rounding must not take the path beyond the part: the next one would go backward.
-        let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
-        if beyond > 0 {
-            phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
-        }
-        self.next = t + (u64::from(ticks) << 36);
     }
 
     /// The same, with as many ticks as stay at or before the path distance `end`; `false` if none does.
@@ -254,7 +208,79 @@ impl Emitter {
     }
 }
 
+/// Takes the parts that last any time, one behind the other.
+struct Slots<'a>(IterMut<'a, Part>);
+
+impl Slots<'_> {
+    /// The three parts of a change of speed, from path distance `from` on; gives their end.
+    #[inline(always)]
+    fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
+        let mut at = from;
+        let kinds = match change.form {
+            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
+            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
+            Form::Stepped => [Kind::Hold; 3],
+        };
+        for (k, kind) in kinds.into_iter().enumerate() {
+            let to = at.wrapping_add(change.lengths[k]);
+            let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
+            self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
+            at = to;
+        }
+        at
+    }
+
+    #[inline(always)]
+    fn add(&mut self, part: Part) {
+        if part.time > 0
+            && let Some(slot) = self.0.next()
+        {
+            *slot = part;
+        }
+    }
+
+    fn used(&self) -> usize {
+        PARTS - self.0.len()
+    }
+}
+
 impl Part {
+    /// The piece that begins at the time `next`, which goes on behind it.
+    #[inline(always)]
+    fn cut(&self, per_time: &mut PerTime, next: &mut u64, phase: &mut Phase) {
+        let delta = self.v1 - self.v0;
+        if delta != 0 && (per_time.time, per_time.delta) != (self.time, delta) {
+            per_time.divide(self.time, delta);
+        }
+        let t = *next;
+        let mut end = self.time;
+        let mut longest = match self.kind {
+            Kind::Hold if delta == 0 => LONGEST[2],
+            Kind::Hold => LONGEST[1],
+            _ => LONGEST[0],
+        };
+        if delta == 0 {
+            *phase = self.cruise(t);
+        } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
+            longest = LONGEST_SINE;
+            (*phase, end) = self.sine_piece(per_time, t);
+        } else if t < TICK {
+            self.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
+        } else {
+            *phase = self.piece(per_time, t);
+        }
+        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
+        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
+        let ticks = ticks.min(longest);
+        phase.ticks = ticks as u16;
+        // Rounding must not take the path beyond the part: the next one would go backward.
+        let beyond = phase.at(ticks as u16 - 1).wrapping_sub(self.to);
+        if beyond > 0 {
+            phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
+        }
+        *next = t + (u64::from(ticks) << 36);
+    }
+
     /// State at time `t` in a part at constant speed; how long the piece lasts is left open.
     #[inline(always)]
     fn cruise(&self, t: u64) -> Phase {
