@@ -424,7 +424,8 @@ impl PerTime {
     #[inline(never)]
     fn divide(&mut self, time: u64, delta: i64) {
         let zeros = time.leading_zeros();
-        let reciprocal = reciprocal_near(time << (zeros & 63));
+        // Below 2^63, which says that no product has to look at its sign.
+        let reciprocal = reciprocal_near(time << (zeros & 63)) & (u64::MAX >> 1);
         // Per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
         let scale = |x: i64| if zeros <= 26 { x >> (26 - zeros) } else { x << ((zeros - 26) & 63) };
         let per_tick = |x: i64| mul_hi(x, reciprocal as i64);
