@@ -501,6 +501,7 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
 ///
 /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB in
 /// `f32`.
+#[inline(always)]
 fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);
     if low.to_bits() >= cap {
@@ -510,6 +511,7 @@ fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
 }
 
 /// Change of speed from `low` on, rounded down by 2^-21.
+#[inline(always)]
 fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
     speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
 }

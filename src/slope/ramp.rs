@@ -44,6 +44,7 @@ impl Ramp {
     }
 
     /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
+    #[inline(always)]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
             Self::Bowed(ramp) => ramp.reach(low, length),
