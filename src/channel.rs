@@ -305,8 +305,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// The span of motion blocks planned last.
-    pub fn planned(&self) -> &PlannedBlock {
+    /// The span of motion blocks planned last. Only after [`Progress::Planned`], before the next call of [`Self::poll`].
+    pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }
 

@@ -4,10 +4,10 @@ mod hold;
 
 use crate::channel::PlannedBlock;
 use crate::control::Control;
-use crate::lookahead::{Dynamics, Limits, Lookahead, Share, max, min};
+use crate::lookahead::{Dynamics, Limits, Lookahead, Release, Share, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, Place, SlopeType};
 use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -103,8 +103,17 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Those before that of the element handed on last, and of the one that went into the look-ahead last.
     number: u32,
     numbered: u32,
-    planned: PlannedBlock,
+    planned: Planned,
     queue: Sender<'a, AXES>,
+}
+
+/// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+struct Planned {
+    number: u32,
+    blocks: u32,
+    n: u32,
+    place: Place,
 }
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
@@ -150,7 +159,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             begun: 0,
             number: 0,
             numbered: 0,
-            planned: PlannedBlock::default(),
+            planned: Planned::default(),
             queue,
         }
     }
@@ -433,22 +442,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         (flight.start, flight.rest) = (self.distance, 0);
         let span = &flight.span;
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
-        let planned = &mut self.planned;
         let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
         let begun = last.wrapping_add(1);
-        (planned.block, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        let planned = &mut self.planned;
+        (planned.number, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        (planned.n, planned.place) = (first.n, first.place());
         self.begun = begun;
-        (planned.n, planned.place, planned.length) = (first.n, first.place(), span.length);
-        (planned.v_in, planned.v_out) = (span.v_in, span.v_out);
         self.curves = span.blocks;
         self.flights.push();
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);
         }
-        self.planned.v_peak = self.profile.peak();
-        self.planned.time = self.profile.time();
-        self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
         self.curve();
         Ok(Work::Planned)
     }
@@ -458,9 +463,23 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.control
     }
 
-    /// The span planned last.
-    pub fn planned(&self) -> &PlannedBlock {
-        &self.planned
+    /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
+    pub fn planned(&self) -> PlannedBlock {
+        let Planned { number, blocks, n, place } = self.planned;
+        let span = self.flights.len().checked_sub(1).and_then(|last| self.flights.get(last));
+        let span = span.map_or(Release::BLANK, |flight| flight.span);
+        PlannedBlock {
+            block: number,
+            blocks,
+            n,
+            place,
+            length: span.length,
+            v_in: span.v_in,
+            v_peak: self.profile.peak(),
+            v_out: span.v_out,
+            time: self.profile.time(),
+            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
+        }
     }
 
     fn come_to_rest(&mut self) -> Work {
