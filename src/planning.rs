@@ -375,7 +375,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             segment.block = number;
         });
         let length = block.shape.length.to_bits();
-        block.shape.at(length, &base, &mut self.position);
+        block.shape.end(&base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
         self.lookahead.drop_first();
     }
