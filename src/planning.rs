@@ -216,6 +216,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.cancel();
     }
 
+    #[inline(always)]
     fn append(
         &mut self,
         element: &Element<AXES>,

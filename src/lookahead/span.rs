@@ -467,6 +467,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
 /// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too short even for
 /// a standstill. `kept`: the speed at its start may have been planned for another end speed.
+#[inline(always)]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
