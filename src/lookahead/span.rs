@@ -473,9 +473,12 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
     if next >= v_in {
         return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
-    if !kept {
-        return Some(next);
-    }
+    if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
+}
+
+/// The same where that is slower than `v_in`, whose plan may have had another end speed.
+#[inline(never)]
+fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
     let brake = limits.brake();
     let possible = |v_out: Speed| {
         let gain = ramp_gain(&brake, v_out, length);
