@@ -430,6 +430,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// Plans the first span of the ring for good.
+    #[inline(never)]
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
         self.trim();
         if self.queue.segments.is_full() || self.flights.is_full() {

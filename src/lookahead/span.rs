@@ -194,13 +194,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Goes on; `true` when the plan is complete.
     pub(super) fn step(&mut self) -> bool {
+        match self.pass {
+            Pass::Blocks(left, v_out) => self.blocks(left, v_out),
+            Pass::Done => true,
+            _ => self.spans(),
+        }
+    }
+
+    /// The same with spans of several blocks.
+    #[inline(never)]
+    fn spans(&mut self) -> bool {
         self.pass = match self.pass {
-            // Written in place: the other states are large.
-            Pass::Blocks(left, v_out) => return self.blocks(left, v_out),
             Pass::Backward(pass) => self.backward(pass),
             Pass::Forward(pass) => self.forward(pass),
             Pass::Inside(pass) => self.inside(pass),
-            Pass::Done => return true,
+            pass => pass,
         };
         matches!(self.pass, Pass::Done)
     }
