@@ -303,19 +303,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// The span of motion blocks planned last.
-    pub fn planned(&self) -> &PlannedBlock {
+    /// The span of motion blocks planned last. Only after [`Progress::Planned`], before the next call of [`Self::poll`].
+    pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }
 
     /// Reading a line and understanding it are two steps of the decoder.
     fn decode(&mut self) -> Result<Progress, Error> {
-        let step = self.decoder.step();
-        if !matches!(step, Ok(Step::Working)) {
-            return self.perform(&step);
+        for _ in 0..2 {
+            let step = self.decoder.step();
+            if !matches!(step, Ok(Step::Working)) {
+                return self.perform(&step);
+            }
         }
-        let step = self.decoder.step();
-        self.perform(&step)
+        Ok(Progress::Working)
     }
 
     /// By reference: a command is large.

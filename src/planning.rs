@@ -107,8 +107,16 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Those before that of the element handed on last, and of the one that went into the look-ahead last.
     number: u32,
     numbered: u32,
-    planned: PlannedBlock,
+    planned: Planned,
     queue: Sender<'a, AXES>,
+}
+
+/// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+struct Planned {
+    number: u32,
+    blocks: u32,
+    n: u32,
 }
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
@@ -156,7 +164,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             begun: 0,
             number: 0,
             numbered: 0,
-            planned: PlannedBlock::default(),
+            planned: Planned::default(),
             queue,
         }
     }
@@ -213,6 +221,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.cancel();
     }
 
+    #[inline(always)]
     fn append(
         &mut self,
         element: &Element<AXES>,
@@ -264,6 +273,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// Takes over an element from contour mode.
+    #[inline(never)]
     fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
         let Outgoing { element, data, curving } = outgoing;
         let limits = match (&element.bounds, curving) {
@@ -309,7 +319,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(Work::Working);
         }
         let before = self.end;
-        if self.hand_out() {
+        if !self.emitter.is_done() && self.hand_out() {
             return if self.end == before { Ok(Work::Waiting) } else { Ok(Work::Working) };
         }
         if self.stops {
@@ -371,7 +381,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             segment.block = number;
         });
         let length = block.shape.length.to_bits();
-        block.shape.at(length, &base, &mut self.position);
+        block.shape.end(&base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
         self.lookahead.drop_first();
     }
@@ -425,6 +435,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// Plans the first span of the ring for good.
+    #[inline(never)]
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
         self.trim();
         if self.queue.segments.is_full() || self.flights.is_full() {
@@ -438,22 +449,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         flight.begin(self.distance);
         let span = &flight.span;
         self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
-        let planned = &mut self.planned;
         let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
         let begun = last.wrapping_add(1);
-        (planned.block, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        let planned = &mut self.planned;
+        (planned.number, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        planned.n = first.n;
         self.begun = begun;
-        (planned.n, planned.length) = (first.n, span.length);
         self.curves = span.blocks;
         self.flights.push();
-        let v_in = self.speed;
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);
         }
-        (self.planned.v_in, self.planned.v_peak, self.planned.v_out) = (v_in, self.profile.peak(), self.speed);
-        self.planned.time = self.profile.time();
-        self.planned.wait = if self.stops { self.emitter.wait() } else { Time::ZERO };
         self.curve();
         Ok(Work::Planned)
     }
@@ -463,9 +470,22 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.control
     }
 
-    /// The span planned last.
-    pub fn planned(&self) -> &PlannedBlock {
-        &self.planned
+    /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
+    pub fn planned(&self) -> PlannedBlock {
+        let Planned { number, blocks, n } = self.planned;
+        let flight = self.flights.len().checked_sub(1).and_then(|last| self.flights.get(last));
+        let (length, v_in) = flight.map_or_else(Default::default, |flight| (flight.span.length, flight.enters));
+        PlannedBlock {
+            block: number,
+            blocks,
+            n,
+            length,
+            v_in,
+            v_peak: self.profile.peak(),
+            v_out: self.speed,
+            time: self.profile.time(),
+            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
+        }
     }
 
     fn come_to_rest(&mut self) -> Work {

@@ -123,7 +123,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     let mut idle = 0;
     loop {
         match planner.poll().map_err(|e| format!("{e:?}"))? {
-            Progress::Planned => run.blocks.push(*planner.planned()),
+            Progress::Planned => run.blocks.push(planner.planned()),
             Progress::Working | Progress::Warning(_) => idle += 1,
             Progress::Waiting => {
                 for _ in 0..burst {

@@ -48,7 +48,7 @@ fn run_from<const AXES: usize>(text: &str, start: [Position; AXES], machine: &Ma
     };
     loop {
         match planner.poll().unwrap_or_else(|e| panic!("line {}: {e}\n{text}", e.place().line)) {
-            Progress::Planned => run.blocks.push(*planner.planned()),
+            Progress::Planned => run.blocks.push(planner.planned()),
             Progress::Waiting => _ = tick(&mut run),
             Progress::Done => break,
             _ => {}

@@ -390,7 +390,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
-    /// is none. Once for each span: its limits are put together in its first block.
+    /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
@@ -398,11 +398,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
         let mut headroom = first.headroom;
+        let mut limits = first.limits;
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
                     v_least = min(v_least, min(block.cap, block.limits.v));
-                    first.limits.join(&block.limits);
+                    limits.join(&block.limits);
                     headroom.join(block.headroom);
                     length += block.shape.length.to_bits();
                     (blocks, kept) = (blocks + 1, true);
@@ -416,16 +417,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         release.v_next = 0.0;
         if let Some(next) = next {
             (release.v_next, release.next) = (next.limits.v, next.headroom);
-            v_out = span::leave(&first.limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
+            v_out = span::leave(&limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
             next.start_at(v_out);
         }
         if first.is(Marks::FLAT) {
-            first.limits.flatten(v_in, v_out);
+            limits.flatten(v_in, v_out);
         }
         release.blocks = blocks;
         release.ahead = ahead;
         release.length = Distance::from_bits(length);
-        release.limits = first.limits;
+        release.limits = limits;
         (release.headroom, release.level, release.ceiling) = (headroom, self.level, f32::MAX);
         release.checked = (first.is(Marks::CHECKED) && !self.stale) || blocks == 1;
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);

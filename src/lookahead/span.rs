@@ -200,13 +200,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Goes on; `true` when the plan is complete.
     pub(super) fn step(&mut self) -> bool {
+        match self.pass {
+            Pass::Blocks(left, v_out) => self.blocks(left, v_out),
+            Pass::Done => true,
+            _ => self.spans(),
+        }
+    }
+
+    /// The same with spans of several blocks.
+    #[inline(never)]
+    fn spans(&mut self) -> bool {
         self.pass = match self.pass {
-            // Written in place: the other states are large.
-            Pass::Blocks(left, v_out) => return self.blocks(left, v_out),
             Pass::Backward(pass) => self.backward(pass),
             Pass::Forward(pass) => self.forward(pass),
             Pass::Inside(pass) => self.inside(pass),
-            Pass::Done => return true,
+            pass => pass,
         };
         matches!(self.pass, Pass::Done)
     }
@@ -504,14 +512,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
 /// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too short even for
 /// a standstill. `kept`: the speed at its start may have been planned for another end speed.
+#[inline(always)]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
         return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
-    if !kept {
-        return Some(next);
-    }
+    if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
+}
+
+/// The same where that is slower than `v_in`, whose plan may have had another end speed.
+#[inline(never)]
+fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
     let brake = limits.brake();
     let possible = |v_out: Speed| loses(&brake, length, v_in, v_out);
     if possible(next) {
@@ -551,6 +563,7 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
 ///
 /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB in
 /// `f32`.
+#[inline(always)]
 fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);
     if low.to_bits() >= cap {
@@ -560,6 +573,7 @@ fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
 }
 
 /// Change of speed from `low` on, rounded down by 2^-21.
+#[inline(always)]
 fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
     speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
 }

@@ -36,13 +36,16 @@ pub(crate) fn straight<const AXES: usize>(
     main: &[Option<usize>; 3],
 ) -> Result<Option<Straight<AXES>>, PathError> {
     let mut travel = [0; AXES];
+    let mut too_long = false;
     for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
-        *travel = to.to_bits().saturating_sub(from.to_bits());
+        let over;
+        (*travel, over) = to.to_bits().overflowing_sub(from.to_bits());
+        too_long |= over;
     }
     match reach(&travel) {
-        0 => return Ok(None),
         // A power of two.
-        reach if reach >= (LONGEST >> FINER) as u64 => return Err(PathError::TooLong),
+        reach if reach >= (LONGEST >> FINER) as u64 || too_long => return Err(PathError::TooLong),
+        0 => return Ok(None),
         _ => {}
     }
     let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);

@@ -264,6 +264,18 @@ impl<const AXES: usize> Shape<AXES> {
             }
         }
     }
+
+    /// The same at its end. Of a line without a branch for every axis, which would keep the halves of `w` apart.
+    #[inline(always)]
+    pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        if !self.is_line() {
+            return self.at(self.length.to_bits(), base, out);
+        }
+        let w = self.end_w();
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
+            *x = add(*base, mul_near(w, *gain));
+        }
+    }
 }
 
 impl Arc {

@@ -15,6 +15,7 @@ use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::{PHASES, Phase, Producer, Slot};
+use core::slice::IterMut;
 
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
@@ -58,13 +59,8 @@ pub struct Emitter {
     count: usize,
     /// Time from the start of that part to the next tick.
     next: u64,
-    /// 2^126 / (time << zeros), Δ per time and a sixth of twice Δ per time squared, and the part they belong to: often
-    /// they are those of the next part too.
-    reciprocal: u64,
-    slope: i64,
-    sixth: i64,
-    of: (u64, i64),
-    zeros: u32,
+    /// What is divided by the time of that part; often the next one has the same.
+    per_time: PerTime,
 }
 
 const PARTS: usize = 7;
@@ -83,46 +79,36 @@ impl Default for Emitter {
 impl Emitter {
     /// At rest, at a tick.
     pub const fn new() -> Self {
-        Self {
-            parts: [IDLE; PARTS],
-            part: 0,
-            count: 0,
-            next: 0,
-            reciprocal: 0,
-            slope: 0,
-            sixth: 0,
-            of: (0, 0),
-            zeros: 0,
-        }
+        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
     /// Takes the next block, which starts at path distance `start`. Only when there is no piece: [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
-        self.part = 0;
-        self.count = 0;
-        let at = self.lay_out(&profile.up, start.to_bits());
+        let mut slots = Slots(self.parts.iter_mut());
+        let at = slots.lay_out(&profile.up, start.to_bits());
         // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();
-        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
-        self.lay_out(&profile.down, back);
+        slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        slots.lay_out(&profile.down, back);
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
     /// the time from the start of a block to the next tick.
     pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
-        self.part = 0;
-        self.count = 0;
         self.next += brake.over;
-        let at = self.lay_out(&profile.up, brake.from);
+        let mut slots = Slots(self.parts.iter_mut());
+        let at = slots.lay_out(&profile.up, brake.from);
         let back = brake.end.wrapping_sub(profile.down.length());
         let back = if profile.cruise > 0 { back } else { at };
         let v = profile.down.speeds[0];
-        self.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
-        let at = self.lay_out(&profile.down, back);
+        slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
+        let at = slots.lay_out(&profile.down, back);
         let v = brake.v_out;
-        self.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+        slots.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Goes on `time` before a tick.
@@ -135,112 +121,60 @@ impl Emitter {
         self.next
     }
 
-    /// The three parts of a change of speed, from path distance `from` on; gives their end.
+    /// Whether the block is handed out.
     #[inline(always)]
-    fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
-        let mut at = from;
-        let kinds = match change.form {
-            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
-            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
-            Form::Stepped => [Kind::Hold; 3],
-        };
-        for (k, kind) in kinds.into_iter().enumerate() {
-            let to = at.wrapping_add(change.lengths[k]);
-            let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
-            self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
-            at = to;
-        }
-        at
-    }
-
-    #[inline(always)]
-    fn add(&mut self, part: Part) {
-        if let (true, Some(slot)) = (part.time > 0, self.parts.get_mut(self.count)) {
-            *slot = part;
-            self.count += 1;
-        }
+    pub fn is_done(&self) -> bool {
+        self.part >= self.count
     }
 
     /// Goes on to the part in which the next tick falls; `false` when the block is handed out.
     #[inline(always)]
     pub fn has_piece(&mut self) -> bool {
-        while let Some(part) = self.parts.get(self.part).filter(|_| self.part < self.count) {
-            if self.next < part.time {
-                return true;
+        self.at_hand().is_some()
+    }
+
+    /// The same: that part, with what else a piece needs.
+    #[inline(always)]
+    fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
+        let Self { parts, part: number, count, next, per_time } = self;
+        for part in parts.get(*number..*count)? {
+            if *next < part.time {
+                return Some((part, per_time, next));
             }
-            self.next -= part.time;
-            self.part += 1;
+            *next -= part.time;
+            *number += 1;
         }
-        false
+        None
     }
 
     /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when the block is
     /// handed out.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
-        for _ in 0..count {
-            if !self.has_piece() {
-                return false;
+        let mut left = count;
+        let Self { parts, part: number, count, next, per_time } = self;
+        for part in parts.get(*number..*count).unwrap_or_default() {
+            while *next < part.time {
+                if left == 0 {
+                    return true;
+                }
+                left -= 1;
+                queue.push_with(|phase| {
+                    part.cut(per_time, next, phase);
+                    *ticks += u32::from(phase.ticks);
+                });
             }
-            queue.push_with(|phase| {
-                self.cut(phase);
-                *ticks += u32::from(phase.ticks);
-            });
+            *next -= part.time;
+            *number += 1;
         }
-        true
+        false
     }
 
     /// The next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
-        self.cut(phase);
-    }
-
-    /// The reciprocal, and what follows from it.
-    #[inline(never)]
-    fn divide(&mut self, time: u64, delta: i64) {
-        let per_time = PerTime::new(time);
-        self.of = (time, delta);
-        self.zeros = per_time.zeros;
-        self.reciprocal = per_time.reciprocal;
-        self.slope = per_time.of(delta);
-        self.sixth = per_time.third_of(self.slope);
-    }
-
-    #[inline(always)]
-    fn cut(&mut self, phase: &mut Phase) {
-        let Some(&part) = self.parts.get(self.part) else { return };
-        let part = &part;
-        let delta = part.v1 - part.v0;
-        if delta != 0 && self.of != (part.time, delta) {
-            self.divide(part.time, delta);
+        if let Some((part, per_time, next)) = self.at_hand() {
+            part.cut(per_time, next, phase);
         }
-        let t = self.next;
-        let mut end = part.time;
-        let mut longest = match part.kind {
-            Kind::Hold if delta == 0 => LONGEST[2],
-            Kind::Hold => LONGEST[1],
-            _ => LONGEST[0],
-        };
-        if delta == 0 {
-            *phase = Self::cruise(part, t);
-        } else if matches!(part.kind, Kind::SineRise | Kind::SineFall) {
-            longest = LONGEST_SINE;
-            (*phase, end) = self.sine_piece(part, t);
-        } else if t < TICK {
-            self.first_piece(part, t, phase);
-        } else {
-            *phase = self.piece(part, t);
-        }
-        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
-        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
-        let ticks = ticks.min(longest);
-        phase.ticks = ticks as u16;
-        // Rounding must not take the path beyond the part: the next one would go backward.
-        let beyond = phase.at(ticks as u16 - 1).wrapping_sub(part.to);
-        if beyond > 0 {
-            phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
-        }
-        self.next = t + (u64::from(ticks) << 36);
     }
 
     /// The same, with as many ticks as stay at or before the path distance `end`; `false` if none does.
@@ -272,43 +206,117 @@ impl Emitter {
         let time: u64 = self.parts.iter().take(self.count).map(|part| part.time).sum();
         Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))
     }
+}
+
+/// Takes the parts that last any time, one behind the other.
+struct Slots<'a>(IterMut<'a, Part>);
+
+impl Slots<'_> {
+    /// The three parts of a change of speed, from path distance `from` on; gives their end.
+    #[inline(always)]
+    fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
+        let mut at = from;
+        let kinds = match change.form {
+            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
+            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
+            Form::Stepped => [Kind::Hold; 3],
+        };
+        for (k, kind) in kinds.into_iter().enumerate() {
+            let to = at.wrapping_add(change.lengths[k]);
+            let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
+            self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });
+            at = to;
+        }
+        at
+    }
+
+    #[inline(always)]
+    fn add(&mut self, part: Part) {
+        if part.time > 0
+            && let Some(slot) = self.0.next()
+        {
+            *slot = part;
+        }
+    }
+
+    fn used(&self) -> usize {
+        PARTS - self.0.len()
+    }
+}
+
+impl Part {
+    /// The piece that begins at the time `next`, which goes on behind it.
+    #[inline(always)]
+    fn cut(&self, per_time: &mut PerTime, next: &mut u64, phase: &mut Phase) {
+        let delta = self.v1 - self.v0;
+        if delta != 0 && (per_time.time, per_time.delta) != (self.time, delta) {
+            per_time.divide(self.time, delta);
+        }
+        let t = *next;
+        let mut end = self.time;
+        let mut longest = match self.kind {
+            Kind::Hold if delta == 0 => LONGEST[2],
+            Kind::Hold => LONGEST[1],
+            _ => LONGEST[0],
+        };
+        if delta == 0 {
+            *phase = self.cruise(t);
+        } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
+            longest = LONGEST_SINE;
+            (*phase, end) = self.sine_piece(per_time, t);
+        } else if t < TICK {
+            self.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
+        } else {
+            *phase = self.piece(per_time, t);
+        }
+        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
+        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
+        let ticks = ticks.min(longest);
+        phase.ticks = ticks as u16;
+        // Rounding must not take the path beyond the part: the next one would go backward.
+        let beyond = phase.at(ticks as u16 - 1).wrapping_sub(self.to);
+        if beyond > 0 {
+            phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
+        }
+        *next = t + (u64::from(ticks) << 36);
+    }
 
     /// State at time `t` in a part at constant speed; how long the piece lasts is left open.
     #[inline(always)]
-    fn cruise(part: &Part, t: u64) -> Phase {
+    fn cruise(&self, t: u64) -> Phase {
         Phase {
-            distance: Distance::from_bits(part.from.wrapping_add(area(part.v0, t))),
-            speed: Speed::from_bits(part.v0),
+            distance: Distance::from_bits(self.from.wrapping_add(area(self.v0, t))),
+            speed: Speed::from_bits(self.v0),
             ..Phase::BLANK
         }
     }
 
     /// The same in another part, as coefficients in ticks.
     #[inline(never)]
-    fn piece(&self, part: &Part, t: u64) -> Phase {
-        let delta = part.v1 - part.v0;
-        let fraction = |t: u64| (mul_wide(t << self.zeros, self.reciprocal).0) as i64;
+    fn piece(&self, per_time: &PerTime, t: u64) -> Phase {
+        let delta = self.v1 - self.v0;
+        let fraction = |t: u64| (mul_wide(t << per_time.zeros, per_time.reciprocal).0) as i64;
         // Good to 2^-54; the jerk, which counts n³ times, got an exact product.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
-        let slope = self.slope;
-        let (s, v, half_accel, sixth_jerk) = match part.kind {
+        let slope = per_time.slope;
+        let (s, v, half_accel, sixth_jerk) = match self.kind {
             Kind::Rise => {
                 let u = fraction(t);
                 let gained = by(by(delta, u), u);
-                let s = part.from.wrapping_add(area(part.v0 + by(gained, THIRD), t));
-                (s, part.v0 + gained, by(slope, u), self.sixth)
+                let s = self.from.wrapping_add(area(self.v0 + by(gained, THIRD), t));
+                (s, self.v0 + gained, by(slope, u), per_time.sixth)
             }
             Kind::Hold => {
                 let gained = by(delta, fraction(t));
-                let s = part.from.wrapping_add(area(part.v0 + (gained >> 1), t));
-                (s, part.v0 + gained, slope >> 1, 0)
+                let s = self.from.wrapping_add(area(self.v0 + (gained >> 1), t));
+                (s, self.v0 + gained, slope >> 1, 0)
             }
             _ => {
-                let left = part.time - t;
+                let left = self.time - t;
                 let u = fraction(left);
                 let missing = by(by(delta, u), u);
-                let s = part.to.wrapping_sub(area(part.v1 - by(missing, THIRD), left));
-                (s, part.v1 - missing, by(slope, u), -self.sixth)
+                let s = self.to.wrapping_sub(area(self.v1 - by(missing, THIRD), left));
+                (s, self.v1 - missing, by(slope, u), -per_time.sixth)
             }
         };
         Phase {
@@ -322,30 +330,30 @@ impl Emitter {
 
     /// The same in a ramp of [`Bend::SineSquare`], and the time at which its piece ends.
     #[inline(never)]
-    fn sine_piece(&self, part: &Part, t: u64) -> (Phase, u64) {
-        let falls = part.kind == Kind::SineFall;
+    fn sine_piece(&self, per_time: &PerTime, t: u64) -> (Phase, u64) {
+        let falls = self.kind == Kind::SineFall;
         // Falling, it is the rising ramp with time reversed.
-        let from_zero = if falls { part.time - t } else { t };
-        let u = (mul_wide(from_zero << self.zeros, self.reciprocal).0) as i64;
+        let from_zero = if falls { self.time - t } else { t };
+        let u = (mul_wide(from_zero << per_time.zeros, per_time.reciprocal).0) as i64;
         let k = sine_piece(u, falls);
         let bent = sine_square(u, k);
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
-        let delta = part.v1 - part.v0;
+        let delta = self.v1 - self.v0;
         let gained = by(delta, bent.speed);
-        let made = area(by(delta, bent.distance), part.time);
-        // self.sixth is a sixth of the mean jerk: eight pieces.
-        let jerk = mul_shift(self.sixth, bent.jerk, 59);
+        let made = area(by(delta, bent.distance), self.time);
+        // per_time.sixth is a sixth of the mean jerk: eight pieces.
+        let jerk = mul_shift(per_time.sixth, bent.jerk, 59);
         let (s, v, jerk, end) = if falls {
-            let s = part.to.wrapping_sub(area(part.v1, from_zero).wrapping_sub(made));
-            (s, part.v1 - gained, -jerk, part.time - sine_node(part.time, k))
+            let s = self.to.wrapping_sub(area(self.v1, from_zero).wrapping_sub(made));
+            (s, self.v1 - gained, -jerk, self.time - sine_node(self.time, k))
         } else {
-            let s = part.from.wrapping_add(area(part.v0, from_zero)).wrapping_add(made);
-            (s, part.v0 + gained, jerk, sine_node(part.time, k + 1))
+            let s = self.from.wrapping_add(area(self.v0, from_zero)).wrapping_add(made);
+            (s, self.v0 + gained, jerk, sine_node(self.time, k + 1))
         };
         let phase = Phase {
             distance: Distance::from_bits(s),
             speed: Speed::from_bits(v),
-            half_accel: Accel::from_bits(by(self.slope, bent.half_accel)),
+            half_accel: Accel::from_bits(by(per_time.slope, bent.half_accel)),
             sixth_jerk: Jerk::from_bits(jerk),
             ticks: 0,
         };
@@ -353,75 +361,76 @@ impl Emitter {
     }
 
     /// The same within the first tick of the part, from its start: the powers of t stay below 1.
-    #[inline(always)]
-    fn first_piece(&self, part: &Part, t: u64, phase: &mut Phase) {
-        // From tick to tick: (x·t) with t in 2^-32 tick
-        let t32 = (t >> 4) as u32;
+    #[inline(never)]
+    fn first_piece(&self, per_time: &PerTime, t32: u32, rest: u32, phase: &mut Phase) {
         let times = |x: i64| mul_u32(x, t32, 32);
         // Speed gained on average. The others are written at once: registers are few.
-        let mean = match part.kind {
+        let mean = match self.kind {
             Kind::Rise => {
-                let bent = times(self.sixth);
+                let bent = times(per_time.sixth);
                 let third = times(bent);
-                phase.speed = Speed::from_bits(part.v0 + 3 * third);
+                phase.speed = Speed::from_bits(self.v0 + 3 * third);
                 phase.half_accel = Accel::from_bits(3 * bent);
-                phase.sixth_jerk = Jerk::from_bits(self.sixth);
+                phase.sixth_jerk = Jerk::from_bits(per_time.sixth);
                 third
             }
             Kind::Hold => {
-                let half = self.slope >> 1;
+                let half = per_time.slope >> 1;
                 let mean = times(half);
-                phase.speed = Speed::from_bits(part.v0 + 2 * mean);
+                phase.speed = Speed::from_bits(self.v0 + 2 * mean);
                 phase.half_accel = Accel::from_bits(half);
                 phase.sixth_jerk = Jerk::ZERO;
                 mean
             }
             _ => {
-                let bent = times(-self.sixth);
-                let mean = times(self.slope + bent);
-                phase.speed = Speed::from_bits(part.v0 + 2 * mean + times(bent));
-                phase.half_accel = Accel::from_bits(self.slope + 3 * bent);
-                phase.sixth_jerk = Jerk::from_bits(-self.sixth);
+                let bent = times(-per_time.sixth);
+                let mean = times(per_time.slope + bent);
+                phase.speed = Speed::from_bits(self.v0 + 2 * mean + times(bent));
+                phase.half_accel = Accel::from_bits(per_time.slope + 3 * bent);
+                phase.sixth_jerk = Jerk::from_bits(-per_time.sixth);
                 mean
             }
         };
-        phase.distance = Distance::from_bits(part.from.wrapping_add(area_in_tick(part.v0 + mean, t)));
+        phase.distance = Distance::from_bits(self.from.wrapping_add(area_in_tick(self.v0 + mean, t32, rest)));
     }
 }
 
 /// Speed times a time below one tick, as [`area`].
 #[inline(always)]
-fn area_in_tick(v: i64, t: u64) -> i64 {
-    // By the upper 32 of its 36 bits, LSB 2^-58, then by the lower four, good to 2^-62 mm.
-    let upper = mul_u32(v, (t >> 4) as u32, 32);
-    let lower = ((v >> 32) * (t & 15) as i64) >> 4;
+fn area_in_tick(v: i64, t32: u32, rest: u32) -> i64 {
+    // LSB 2^-58, then by the lower four bits, good to 2^-62 mm.
+    let upper = mul_u32(v, t32, 32);
+    let lower = ((v >> 32) * i64::from(rest)) >> 4;
     (upper + lower + (1 << 13)) >> 14
 }
 
-/// Division by a time, LSB 2^-36 tick.
+/// A change of speed Δ divided by a time, LSB 2^-36 tick.
+#[derive(Clone, Copy, Debug)]
 struct PerTime {
+    time: u64,
+    delta: i64,
     /// 2^126 / (time << zeros).
     reciprocal: u64,
     zeros: u32,
+    /// Δ per time, and a sixth of twice Δ per time squared.
+    slope: i64,
+    sixth: i64,
 }
 
 impl PerTime {
-    fn new(time: u64) -> Self {
+    /// Of no part.
+    const NONE: Self = Self { time: 0, delta: 0, reciprocal: 0, zeros: 0, slope: 0, sixth: 0 };
+
+    #[inline(never)]
+    fn divide(&mut self, time: u64, delta: i64) {
         let zeros = time.leading_zeros();
-        Self { reciprocal: reciprocal_near(time << (zeros & 63)), zeros }
-    }
-
-    /// `x` per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
-    fn of(&self, x: i64) -> i64 {
-        self.scale(mul_hi(x, self.reciprocal as i64))
-    }
-
-    /// A third of `x` per tick.
-    fn third_of(&self, x: i64) -> i64 {
-        self.scale(mul_hi(mul_hi(x, self.reciprocal as i64), THIRD << 2))
-    }
-
-    fn scale(&self, x: i64) -> i64 {
-        if self.zeros <= 26 { x >> (26 - self.zeros) } else { x << ((self.zeros - 26) & 63) }
+        // Below 2^63, which says that no product has to look at its sign.
+        let reciprocal = reciprocal_near(time << (zeros & 63)) & (u64::MAX >> 1);
+        // Per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
+        let scale = |x: i64| if zeros <= 26 { x >> (26 - zeros) } else { x << ((zeros - 26) & 63) };
+        let per_tick = |x: i64| mul_hi(x, reciprocal as i64);
+        let slope = scale(per_tick(delta));
+        let sixth = scale(mul_hi(per_tick(slope), THIRD << 2));
+        *self = Self { time, delta, reciprocal, zeros, slope, sixth };
     }
 }

@@ -106,6 +106,7 @@ impl Change {
 
     /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from equal peak
     /// accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
+    #[inline(always)]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
         let bend = match form {
@@ -163,6 +164,7 @@ impl Change {
     }
 
     /// Becomes the same change in `factor`·2^-62 of the time.
+    #[inline(never)]
     fn shrink(&mut self, factor: u64) {
         let times =
             self.times.map(|t| if t == 0 { 0 } else { mul_shift(t as i64, factor as i64, 62) as u64 + 1 });
@@ -269,11 +271,22 @@ impl Profile {
 }
 
 /// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length allows.
+#[inline(always)]
+pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
+    match (up, down) {
+        (Ramp::Bowed(up), Ramp::Bowed(down)) => highest(up, down, speeds, length, v_limit),
+        (Ramp::Stepped(up), Ramp::Stepped(down)) => highest(up, down, speeds, length, v_limit),
+        // Both ramps of a block have one law.
+        _ => 0,
+    }
+}
+
+/// The same for ramps of one law.
 ///
 /// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
 /// halves where a step leaves it; the first guess is exact from rest to rest.
 #[inline(always)]
-pub fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
+fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
         return 0;
@@ -281,57 +294,47 @@ pub fn peak_above(up: &Ramp, down: &Ramp, [v_in, v_out, low]: [i64; 3], length: 
     let [from_in, from_out] = [v_in, v_out].map(speed_f32);
     let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { speed_f32(low - v) });
     let target = to_f32(length) * (1.0 / (1u64 << 44) as f32);
-    let excess = |x: f32| {
-        let [s0, d0] = up.distance(from_in, above_in + x);
-        let [s1, d1] = down.distance(from_out, above_out + x);
-        [s0 + s1 - target, d0 + d1]
-    };
     let [mut below, mut above] = [0.0, speed_f32(limit)];
     let mut limit_checked = false;
-    let mut x = match (up, down) {
-        (Ramp::Bowed(up), Ramp::Bowed(down)) if v_in == v_out => {
-            let x = triangular(up, down, from_in, target);
-            if x <= min(up.full, down.full) && x < above {
-                return gained(x, limit, low);
-            }
-            x
+    let mut x = if v_in == v_out {
+        let (x, exact) = R::level(up, down, from_in, target);
+        if exact && x < above {
+            return gained(x, limit, low);
         }
-        _ if v_in == v_out => stepped_peak(up, down, from_in, target),
-        _ => {
-            let (near, far) = if v_in == low { (up, down) } else { (down, up) };
-            let [length, slope] = far.distance(min(from_in, from_out), max(above_in, above_out));
-            if length >= target {
-                return 0;
-            }
-            let higher = max(from_in, from_out);
-            match (up, down, near) {
-                (Ramp::Bowed(up), Ramp::Bowed(down), Ramp::Bowed(near)) => {
-                    // A peak far above both speeds hardly knows that they differ.
-                    let gap = max(above_in, above_out);
-                    let guess = triangular(up, down, higher, target);
-                    if guess > FAR * gap { guess } else { lopsided(near, higher, slope, target - length) }
-                }
-                _ => stepped_peak(up, down, higher, target - length),
-            }
+        x
+    } else {
+        let (near, far) = if v_in == low { (up, down) } else { (down, up) };
+        let gap = max(above_in, above_out);
+        let [length, slope] = far.distance(min(from_in, from_out), gap);
+        if length >= target {
+            return 0;
         }
+        let sides = Sides { gap, slope, lengths: [target, target - length] };
+        R::beside([up, down, near], max(from_in, from_out), &sides)
     };
     for _ in 0..PEAK_STEPS {
-        if x >= above {
-            if !limit_checked && excess(above)[0] <= 0.0 {
+        let at_limit = x >= above && !limit_checked;
+        if at_limit {
+            x = above;
+        } else if !(x > below && x < above) {
+            x = 0.5 * (below + above);
+        }
+        let [s0, d0] = up.distance(from_in, above_in + x);
+        let [s1, d1] = down.distance(from_out, above_out + x);
+        let over = s0 + s1 - target;
+        if at_limit {
+            if over <= 0.0 {
                 return limit;
             }
             limit_checked = true;
+            continue;
         }
-        if !(x > below && x < above) {
-            x = 0.5 * (below + above);
-        }
-        let [over, slope] = excess(x);
         if over > 0.0 {
             (above, limit_checked) = (x, true);
         } else {
             below = x;
         }
-        let step = over / slope;
+        let step = over / (d0 + d1);
         x -= step;
         if step * step <= x * x * CLOSE {
             break;
@@ -353,30 +356,74 @@ const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
 const FAR: f32 = 8.0;
 
 /// Steps of the search.
-const PEAK_STEPS: usize = 24;
+const PEAK_STEPS: usize = 25;
 
-/// The peak above `low` if both speeds were `low` and no plateau were reached: with k² = x/full of the one slope and
-/// (r·k)² of the other, both together take c1·k + c3·k³. Exact from rest to rest, a good guess elsewhere.
-fn triangular(up: &Bowed, down: &Bowed, low: f32, length: f32) -> f32 {
-    let ratio = up.full / down.full;
-    let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
-    let c1 = low * (up.time() + ratio * down.time());
-    let c3 = up.cubic + ratio * ratio * ratio * down.cubic;
-    let k = root_of_cubic(c1, 0.0, c3, length);
-    k * k * up.full
+/// Where the search for the peak begins.
+trait Guess {
+    /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2];
+
+    /// The peak above `low` if both speeds were `low`, and whether that is exact.
+    fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool);
+
+    /// The peak above the higher speed `low`, for slopes up and down and that of them which begins there.
+    fn beside(slopes: [&Self; 3], low: f32, sides: &Sides) -> f32;
 }
 
-/// The peak of two stepped ramps from `low` on; both of a block are.
-fn stepped_peak(up: &Ramp, down: &Ramp, low: f32, length: f32) -> f32 {
-    match (up, down) {
-        (Ramp::Stepped(up), Ramp::Stepped(down)) => Stepped::peak(up, down, low, length),
-        _ => 0.0,
+/// What is known where the two speeds differ.
+struct Sides {
+    /// Their difference.
+    gap: f32,
+    /// By how much the slope from the lower one grows per speed.
+    slope: f32,
+    /// Length in all, and what is left of it above the higher speed.
+    lengths: [f32; 2],
+}
+
+impl Guess for Bowed {
+    #[inline(always)]
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        Self::distance(self, low, dv)
+    }
+
+    /// Without a plateau: with k² = x/full of the one slope and (r·k)² of the other, both together take c1·k + c3·k³. Exact
+    /// from rest to rest, a good guess elsewhere.
+    #[inline(always)]
+    fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
+        let ratio = up.full / down.full;
+        let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
+        let c1 = low * (up.time() + ratio * down.time());
+        let c3 = up.cubic + ratio * ratio * ratio * down.cubic;
+        let k = root_of_cubic(c1, 0.0, c3, length);
+        let x = k * k * up.full;
+        (x, x <= min(up.full, down.full))
+    }
+
+    /// If the slope from `low` reaches no plateau and the other one, already long, grows evenly: with k² = x/full the two
+    /// take c1·k + c2·k² + c3·k³ more.
+    #[inline(always)]
+    fn beside([up, down, near]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
+        let Sides { gap, slope, lengths: [length, left] } = *sides;
+        // A peak far above both speeds hardly knows that they differ.
+        let (x, _) = Self::level(up, down, low, length);
+        if x > FAR * gap {
+            return x;
+        }
+        let k = root_of_cubic(low * near.time(), slope * near.full, near.cubic, left);
+        k * k * near.full
     }
 }
 
-/// The peak above the higher speed `low` if the slope on its side reaches no plateau and the other one, already long,
-/// grows by `slope` per speed: with k² = x/full the two take c1·k + c2·k² + c3·k³ more.
-fn lopsided(near: &Bowed, low: f32, slope: f32, length: f32) -> f32 {
-    let k = root_of_cubic(low * near.time(), slope * near.full, near.cubic, length);
-    k * k * near.full
+impl Guess for Stepped {
+    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+        Self::distance(self, low, dv)
+    }
+
+    fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
+        (Self::peak(up, down, low, length), false)
+    }
+
+    fn beside([up, down, _]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
+        Self::peak(up, down, low, sides.lengths[1])
+    }
 }

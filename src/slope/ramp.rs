@@ -44,6 +44,7 @@ impl Ramp {
     }
 
     /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
+    #[inline(always)]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
             Self::Bowed(ramp) => ramp.reach(low, length),
@@ -70,7 +71,7 @@ impl Stepped {
         [below, dv - below]
     }
 
-    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    pub(super) fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let [below, above] = self.parts(low, dv);
         let middle = low + below;
         let length = below * (low + 0.5 * below) / self.a[0] + above * (middle + 0.5 * above) / self.a[1];
@@ -154,7 +155,7 @@ impl Bowed {
 
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     #[inline(always)]
-    fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
+    pub(super) fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let linear = low * (self.rise + self.fall);
         if dv >= self.full {
             let hold = (dv - self.full) / self.a;

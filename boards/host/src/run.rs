@@ -142,7 +142,7 @@ fn drive<const AXES: usize>(
                 Progress::Planned => {
                     let planned = planner.planned();
                     bar.at(u64::from(planned.block) + u64::from(planned.blocks));
-                    recorder.statistics.spans.push(*planned);
+                    recorder.statistics.spans.push(planned);
                 }
                 Progress::Waiting => break,
                 Progress::Done => done = true,
