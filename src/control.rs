@@ -48,7 +48,8 @@ impl Control {
     /// the motion stands still on the path, as in a feed hold.
     pub fn set_override(&self, feed: u16) {
         let feed = u32::from(feed.min(MAX_OVERRIDE));
-        let _ = self.word.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |word| Some(word & !FEED | feed));
+        let _ =
+            self.word.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |word| Some(word & !FEED | feed));
     }
 
     /// Stand still on the path as soon as the limits allow.

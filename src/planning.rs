@@ -474,7 +474,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.planned;
         let flight = self.flights.len().checked_sub(1).and_then(|last| self.flights.get(last));
-        let (length, v_in) = flight.map_or_else(Default::default, |flight| (flight.span.length, flight.enters));
+        let (length, v_in) =
+            flight.map_or_else(Default::default, |flight| (flight.span.length, flight.enters));
         PlannedBlock {
             block: number,
             blocks,

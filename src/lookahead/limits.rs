@@ -173,6 +173,8 @@ pub struct Dynamics<const AXES: usize> {
     slope: SlopeType,
     /// Elements are to be good for so many times their feed.
     level: f32,
+    /// An axis has a reduced speed.
+    reduces: bool,
 }
 
 /// What an element permits: along the path, beside a transition, with an override.
@@ -192,6 +194,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             feed_unit: cycle_s / 60.0,
             slope,
             level: 1.0,
+            reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
         }
     }
 
@@ -279,7 +282,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         for (k, set, share) in shares() {
             let scale = 1.0 / share;
             limits.restrict(&mut share_left, set, scale, turns(k).is_some());
-            v_reduced = min(v_reduced, self.axes.get(k).map_or(f32::MAX, |axis| axis.v_reduced) * scale);
+        }
+        if self.reduces {
+            for (k, _, share) in shares() {
+                v_reduced = min(v_reduced, self.axes.get(k).map_or(f32::MAX, |axis| axis.v_reduced) / share);
+            }
         }
         let feed = self.programmed(feed);
         if let Some(circle) = element.circle {

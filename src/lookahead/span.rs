@@ -415,7 +415,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     pass.worst = Some((pass.block, pass.block, block.cap));
                 }
                 let law = &pass.law;
-                if pass.block >= batch && (pass.cut == 0 || start <= law.brakes_at()) && start >= law.stops_by() {
+                if pass.block >= batch
+                    && (pass.cut == 0 || start <= law.brakes_at())
+                    && start >= law.stops_by()
+                {
                     pass.cut = pass.block;
                 }
             }

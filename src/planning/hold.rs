@@ -279,10 +279,40 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (k, v_in) = (self.laid, self.speed);
         let (end, next) = (self.end, self.emitter.next());
         let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
-        (flight.first, flight.next, flight.enters) = (end, next, v_in);
-        let start = flight.start.to_bits();
-        let end = flight.end();
-        flight.pace = self.pace;
+        (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.pace);
+        let span = &flight.span;
+        let as_planned = v_in == span.v_in && span.checked && self.pace.is_full(span.level);
+        (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
+        let mut reached = true;
+        if !as_planned || self.mode.stopping || self.mode.uneven {
+            match self.suit(k) {
+                Some(all) => reached = all,
+                None => return Ok(()),
+            }
+        }
+        let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
+        let span = &mut flight.span;
+        let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
+        let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);
+        span.limits.v = permitted;
+        planned?;
+        self.emitter.begin(&self.profile, flight.start, span.length);
+        self.laid = k + 1;
+        self.owed = flight.rest;
+        self.speed = flight.leaves;
+        self.stops = self.speed == Speed::ZERO;
+        if !reached {
+            self.lower();
+        }
+        Ok(())
+    }
+
+    /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and whether that is as
+    /// high as it may be. `None` where it slows down instead, which is done.
+    #[inline(never)]
+    fn suit(&mut self, k: usize) -> Option<bool> {
+        let flight = self.flights.get_mut(k)?;
+        let (end, v_in) = (flight.end(), flight.enters);
         let span = &mut flight.span;
         let full = self.pace.is_full(span.level);
         let mut v = self.pace.limit(span);
@@ -292,17 +322,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             span.ceiling = min(span.ceiling, max(span.v_least, speed_f32(v_in.to_bits())));
             v = min(v, span.ceiling);
         }
-        let motion = Instant { distance: start, speed: v_in.to_bits(), accel: 0 };
-        let v_planned = span.v_out.to_bits();
+        flight.limit = v;
+        let motion = Instant { distance: flight.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
+        let planned = span.v_out.to_bits();
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.mode.stopping || too_fast {
             let target = if self.mode.stopping { 0 } else { speed_bits(v) };
-            if let Some(brake) =
-                Brake::plan(&mut self.profile, &motion, end, v_planned, &span.limits, target)
-            {
-                flight.limit = v;
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, &span.limits, target) {
                 self.brake(k, &brake);
-                return Ok(());
+                return None;
             }
             v = max(v, speed_f32(v_in.to_bits()));
         }
@@ -320,27 +348,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if slower >= v_in || span.can_leave(v_in, slower) {
                 v_out = slower;
             } else if let Some(brake) =
-                Brake::plan(&mut self.profile, &motion, end, v_planned, &span.limits, slower.to_bits())
+                Brake::plan(&mut self.profile, &motion, end, planned, &span.limits, slower.to_bits())
             {
-                flight.limit = v;
                 self.brake(k, &brake);
-                return Ok(());
+                return None;
             }
         }
-        let permitted = core::mem::replace(&mut span.limits.v, v);
-        let planned = self.profile.plan(span.length, v_in, v_out, &span.limits);
-        span.limits.v = permitted;
-        planned?;
         (flight.limit, flight.leaves) = (v, v_out);
-        self.emitter.begin(&self.profile, Distance::from_bits(start), span.length);
-        self.laid = k + 1;
-        self.owed = flight.rest;
-        self.speed = v_out;
-        self.stops = self.speed == Speed::ZERO;
-        if !reached {
-            self.lower();
-        }
-        Ok(())
+        Some(reached)
     }
 
     /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.

@@ -140,7 +140,12 @@ impl Brake {
         }
         let most = v - target;
         if most <= 0 {
-            return Some(Self { from: distance, end: distance.wrapping_add(length), v_out: v, ..Self::default() });
+            return Some(Self {
+                from: distance,
+                end: distance.wrapping_add(length),
+                v_out: v,
+                ..Self::default()
+            });
         }
         let dv = lost(ramp, [0, most], v, rest)?;
         profile.down.plan(ramp, v, v - dv);

@@ -1,0 +1,147 @@
+//! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the path.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::{Program, machines};
+use host_tests::operate::{Act, Operated, POLLS, judge, operate, with_overrides};
+
+fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)], polls: usize) -> Operated {
+    operate::<3, 120>(program, machine, acts, polls)
+        .and_then(|run| judge(program, machine, &run).map(|()| run))
+        .unwrap_or_else(|fault| panic!("{}, {acts:?}, {polls} polls: {fault}", program.name))
+}
+
+/// Path speed at each tick, mm/min.
+fn speeds(run: &Operated) -> Vec<f64> {
+    let per_minute = 60.0 / run.trace.cycle / 2.0_f64.powi(44);
+    run.distances.windows(2).map(|w| w[1].wrapping_sub(w[0]) as f64 * per_minute).collect()
+}
+
+/// Ticks within which a change of speed is complete: a command is seen a tick later, acts four ticks behind that, and the change
+/// itself takes no longer than from standstill to the highest speed.
+const REACTION: usize = 5;
+
+#[test]
+fn worked_table_of_p_chan_00066() {
+    // D3-267: v_max 50, v_prog 80, v_red 5 m/min, override 50 %.
+    let table = [(0, true, 2.5), (0, false, 25.0), (1, true, 5.0), (1, false, 40.0), (2, true, 5.0), (2, false, 25.0)];
+    for (mode, reduced, m_min) in table {
+        let mut machine = machines::mill::<3>(1000);
+        machine.channel.override_weight_prog_feed = mode;
+        (machine.axes[0].vb_max, machine.axes[0].vb_eilgang) = (833_333, 833_333);
+        machine.axes[0].vb_max_red = 83_333;
+        let program = Program::new("table", 3).line(&[900.0, 0.0, 0.0], 80_000.0);
+        let acts = [(0, Act::Override(500)), (0, Act::Reduced(reduced))];
+        let fastest = speeds(&run(&program, &machine, &acts, 1000)).into_iter().fold(0.0, f64::max);
+        let part = fastest / (m_min * 1000.0);
+        assert!((0.9999..=1.0).contains(&part), "mode {mode}, reduced {reduced}: {fastest} mm/min");
+    }
+}
+
+#[test]
+fn override_acts_inside_a_block_downward_and_upward() {
+    for slope in 0..4 {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let program = Program::new("long", 3).line(&[6000.0, 0.0, 0.0], 20_000.0);
+        // Every change comes when the one before is complete, or in the middle of it.
+        for wait in [1500, 60] {
+            let steps = [1000, 300, 1500, 1490, 50, 2000, 900, 1000];
+            let acts: Vec<_> =
+                steps.iter().enumerate().map(|(k, f)| (500 + k * wait, Act::Override(*f))).collect();
+            let run = run(&program, &machine, &acts, 12);
+            let v = speeds(&run);
+            if wait == 60 {
+                continue;
+            }
+            for (k, over) in steps.iter().enumerate() {
+                let wanted = 20.0 * f64::from(*over);
+                // 2 m/s² and 1.5 m/s² at least, and ramps of 60 to 90 ms.
+                let settled = 500 + k * wait + REACTION + 900;
+                let seen = &v[settled..500 + (k + 1) * wait];
+                let off = seen.iter().map(|v| (v / wanted - 1.0).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-4, "slope {slope}, step {k}: {} for {wanted}", seen[0]);
+            }
+            // 100 % to 30 %: the slowing down begins within the reaction.
+            let at = 500 + wait;
+            assert!(v[at + REACTION + 2] < v[at], "slope {slope}");
+        }
+    }
+}
+
+#[test]
+fn constant_override_costs_no_more_than_the_same_feed() {
+    for slope in 0..4 {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let track = |factor: f64| {
+            let mut program = Program::new("track", 3);
+            for k in 0..40 {
+                let x = f64::from(k) * 3.0;
+                let y = [0.0, 0.8, 1.1, 0.4][k as usize % 4];
+                let f = [9000.0, 6000.0, 12_000.0][k as usize % 3];
+                program = program.line(&[x, y, 0.0], f * factor);
+            }
+            program
+        };
+        let half = run(&track(1.0), &machine, &[(0, Act::Override(500))], 1000).trace.len();
+        let same = run(&track(0.5), &machine, &[], 1000).trace.len();
+        println!("slope {slope}: {half} ticks at 50 %, {same} at half the feed");
+        // Planned for 100 %, run at half: acceleration may vanish at more places than needed.
+        assert!(half as f64 <= same as f64 * 1.05, "slope {slope}: {half} ticks, {same} at half the feed");
+        let double = run(&track(1.0), &machine, &[(0, Act::Override(2000))], 1000).trace.len();
+        let same = run(&track(2.0), &machine, &[], 1000).trace.len();
+        println!("slope {slope}: {double} ticks at 200 %, {same} at twice the feed");
+        assert!(double as f64 <= same as f64 * 1.05, "slope {slope}: {double} ticks, {same} at twice the feed");
+    }
+}
+
+#[test]
+fn a_change_at_every_tick() {
+    for slope in 0..4 {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let mut program = Program::new("track", 3)
+            .line(&[6.0, 0.0, 0.0], 9000.0)
+            .line(&[12.0, 1.0, 0.0], 9000.0)
+            .line(&[12.0, 8.0, 1.0], 6000.0);
+        for k in 1..=12 {
+            let x = 12.0 - 0.25 * f64::from(k);
+            program = program.line(&[x, 8.0 + 0.01 * f64::from(k * k), 1.0], 9000.0);
+        }
+        program = program.arc(&[7.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0).stop().line(&[0.0, 0.0, 0.0], 7000.0);
+        let ticks = run(&program, &machine, &[], 12).trace.len();
+        for tick in (0..ticks).step_by(3) {
+            let low = [200, 640, 990][tick % 3];
+            let acts =
+                [(tick, Act::Override(low)), (tick + 90, Act::Override(1700)), (tick + 150, Act::Override(1000))];
+            run(&program, &machine, &acts, POLLS[tick % 2]);
+        }
+    }
+}
+
+#[test]
+fn override_of_zero_holds() {
+    let machine = machines::mill::<3>(1000);
+    let program = Program::new("long", 3).line(&[100.0, 0.0, 0.0], 6000.0);
+    let acts = [(300, Act::Override(0)), (1500, Act::Override(400)), (2000, Act::Override(1000))];
+    let run = run(&program, &machine, &acts, 12);
+    assert_eq!(run.holds.len(), 1);
+    assert!(run.distances[run.holds[0]..1499].iter().all(|s| *s == run.distances[run.holds[0]]));
+    assert!(speeds(&run)[1501..1999].iter().all(|v| *v <= 2400.0 * 1.0001));
+}
+
+#[test]
+fn random_overrides_in_random_programs() {
+    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, and with holds between them.
+    for seed in 0..150 {
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = (seed % 4) as u8;
+        machine.channel.override_weight_prog_feed = (seed / 4 % 3) as u8;
+        let program = program(seed, Mix::arbitrary(3, seed));
+        let mut random = Random::new(seed);
+        for axis in &mut machine.axes {
+            axis.vb_max_red = (f64::from(axis.vb_max) * random.unit()) as u32;
+        }
+        let acts = with_overrides(&mut random, 3000, Vec::new());
+        let polls = POLLS[(random.bits() % 3) as usize];
+        let first = run(&program, &machine, &acts, polls);
+        assert_eq!(first.trace, run(&program, &machine, &acts, polls).trace, "seed {seed}");
+    }
+}
