@@ -15,7 +15,7 @@
 use super::flight::Flight;
 use super::{Brake, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work};
 use super::{clock, max, min, speed_f32, to_f32};
-use crate::queue::PHASES;
+use crate::queue::{Event, PHASES};
 
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;
@@ -36,7 +36,7 @@ pub(super) struct Mode {
     /// It is handed out.
     standing: bool,
     /// The instant of the cut that may be pending, and the last one at which one was tried.
-    cut: Option<u32>,
+    pub cut: Option<u32>,
     tried: Option<u32>,
 }
 
@@ -49,13 +49,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
-        if self.mode.stopping || self.queue.control.wants_standstill() { self.follow() } else { None }
+        let wanted = self.mode.stopping || self.joining || self.queue.control.wants_attention();
+        if wanted { self.follow() } else { None }
     }
 
     #[inline(never)]
     fn follow(&mut self) -> Option<Work> {
+        if let Some(work) = self.answer() {
+            return Some(work);
+        }
         if !self.mode.stopping {
-            return self.stop();
+            return if self.queue.control.wants_standstill() { self.stop() } else { None };
         }
         if !self.mode.standing {
             return None;
@@ -141,7 +145,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The motion at an instant that the pieces in the queue or their end cover.
-    fn motion_at(&self, at: u32) -> Option<Instant> {
+    pub(super) fn motion_at(&self, at: u32) -> Option<Instant> {
         let mut start = self.end;
         let mut number = self.queue.phases.count();
         for _ in 0..PHASES {
@@ -341,25 +345,27 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands = self.motion_at(self.end).map(|motion| motion.distance);
-        let mut reached = self.begun;
         if let (Some(segment), Some(distance)) = (self.queue.segments.recent(number), stands) {
             let start = segment.start.to_bits();
             segment.shape.at(distance.wrapping_sub(start), &segment.base, &mut self.position);
             self.distance = Distance::from_bits(start.wrapping_add(segment.shape.length.to_bits()));
-            reached = segment.block;
-            self.begun = reached.wrapping_add(1);
-            self.number = reached;
+            self.begun = segment.block.wrapping_add(1);
+            self.number = segment.block;
         }
         self.numbered = self.number;
         // The interrupt keeps the curve it is on.
         if self.queue.segments.count() != number {
             self.queue.segments.withdraw(number.wrapping_add(1));
         }
+        let stands = stands.unwrap_or(self.distance.to_bits());
+        let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
         let mut event = self.queue.events.taken();
-        while self.queue.events.recent(event).is_some_and(|event| event.block <= reached) {
+        while self.queue.events.recent(event).is_some_and(is_due) {
             event = event.wrapping_add(1);
         }
         self.queue.events.withdraw(event);
+        self.functions.clear(self.queue.control);
+        (self.reopened, self.joining, self.stood) = (false, false, false);
         self.programmed = self.position;
         self.taken = self.begun;
         self.contouring.clear();

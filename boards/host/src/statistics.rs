@@ -4,7 +4,7 @@ use crate::machine::Machine;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::quantity::{Position, Speed};
-use glidepath::queue::Event;
+use glidepath::technology::Output;
 use glidepath::tick::Telemetry;
 
 /// Set points of one axis, seen one after the other.
@@ -89,7 +89,7 @@ pub struct Statistics {
     /// The highest path speed of all ticks.
     pub fastest: Speed,
     /// Technology functions, with the tick at which they were due.
-    pub functions: Vec<(u64, Event)>,
+    pub functions: Vec<(u64, Output)>,
     /// What became of each event from outside.
     pub outcomes: Vec<Outcome>,
     /// Rows at rest up to now.
@@ -224,7 +224,7 @@ impl Statistics {
     }
 
     /// Takes in a function that is due at the last tick.
-    pub fn output(&mut self, event: Event) {
+    pub fn output(&mut self, event: Output) {
         self.functions.push((self.ticks.saturating_sub(1), event));
     }
 
