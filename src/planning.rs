@@ -309,11 +309,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(());
         }
         let room = self.queue.events.room();
-        let taken = self.functions.take(
-            (n, function, synch),
-            (self.taken, in_motion),
-            (room, self.queue.control),
-        );
+        let taken =
+            self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
         taken.map_err(|()| function)
     }
 

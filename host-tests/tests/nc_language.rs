@@ -224,10 +224,7 @@ fn nc_005_m_and_h_come_after_the_motion() {
     before.m_synch = SynchTable::NONE.with(26, Synch::MvsSvs).with(25, Synch::MnsSns);
     before.h_synch = SynchTable::NONE.with(25, Synch::MvsSns);
     let (out, ..) = decode_with(before, b"G0 X1 M25 M26 H25", 100);
-    assert!(matches!(
-        out[..],
-        [Command::M(_, 26), Command::H(_, 25), Command::Motion(_), Command::M(_, 25)]
-    ));
+    assert!(matches!(out[..], [Command::M(_, 26), Command::H(_, 25), Command::Motion(_), Command::M(_, 25)]));
 }
 
 #[test]
