@@ -170,9 +170,10 @@ pub enum Progress {
     Working,
     /// The queue is full, or the motion stands still for a feed hold or an acknowledgement: call again after some ticks.
     Waiting,
-    /// A motion block was planned for good: [`Planner::planned`]. The same block again, where an acknowledgement lets it end
-    /// faster.
+    /// A motion block was planned for good: [`Planner::planned`].
     Planned,
+    /// The same block has another law: an acknowledgement lets it end faster.
+    Replanned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
@@ -302,6 +303,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Working) => return Ok(Progress::Working),
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
             Ok(Work::Planned) => return Ok(Progress::Planned),
+            Ok(Work::Replanned) => return Ok(Progress::Replanned),
             Ok(Work::Hungry) => {}
             Ok(Work::Aborted) => {
                 self.source = Source::Ended;

@@ -41,6 +41,8 @@ pub enum Work {
     Waiting,
     /// A span has its time law: [`Planning::planned`].
     Planned,
+    /// That span has another one: it ends faster.
+    Replanned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.

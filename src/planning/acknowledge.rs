@@ -100,7 +100,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.planned.v_peak = self.profile.peak();
         self.planned.time = self.profile.time();
         self.planned.wait = crate::quantity::Time::ZERO;
-        Some(Work::Planned)
+        Some(Work::Replanned)
     }
 
     /// The last span ends at the speed `v_out`, if its law can be changed in time.
