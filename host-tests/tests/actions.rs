@@ -506,3 +506,27 @@ fn a_function_of_a_motion_that_is_refused_does_not_come_out() {
     assert_eq!((errors, interpolator.event()), (1, None));
     assert_eq!(interpolator.set_points()[0], Position::from_num(10));
 }
+
+#[test]
+fn a_dwell_between_rounded_blocks() {
+    // POST_ACTION: M25 behind the first curve; the dwell keeps the corner before it sharp; M26 behind the last curve.
+    let text = "%c\nN20 G91 G01 F6000\nN30 #CONTOUR MODE [DEV PATH_DEV=3 POST_ACTION]\nN40 X40 G61 M25\nN50 Y40 F3000\n\
+        N60 X40 G61 F6000\nN70 G04 X0.2\nN80 Y40\nN100 X40 G61\nN110 Y40 M26\nN120 G04 X0.1\nM30\n";
+    for slope in 0..4 {
+        let machine = machine(slope);
+        let run = acknowledged(text, &machine, Some(150));
+        let functions: Vec<_> = run.outputs.iter().map(|(_, o)| (o.function, o.n)).collect();
+        assert_eq!(functions, [(Function::M(25), 40), (Function::M(26), 110)]);
+        for (k, x, y) in [(0, 40, 0.0), (1, 120, 80.0)] {
+            let (from, to) = run.stands(k);
+            assert!((from + 151..from + 156).contains(&to), "{from} … {to}");
+            assert_eq!(run.row(from)[0], x << 32);
+            let beyond = run.trace.mm(from)[1] - y;
+            assert!(beyond > 1.0 && beyond < 15.0, "{beyond}");
+        }
+        // The dwell: N60 ends where it was programmed.
+        let rest = (0..run.trace.len()).filter(|&row| run.row(row) == mm([80, 40, 0])).count();
+        assert!((200..=202).contains(&rest), "{rest}");
+        assert_eq!(run.end(), mm([120, 120, 0]));
+    }
+}

@@ -1,6 +1,6 @@
 //! The board itself: memory, clock and drive loop.
-use crate::diagnose::Diagnostic;
 use crate::acknowledge::{Automatic, Delay};
+use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::Files;
 use crate::machine::{Machine, with_axes};

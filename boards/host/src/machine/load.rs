@@ -339,9 +339,9 @@ impl Loader<'_> {
         let (span, value) = (entry.value.span(), entry.value.get_ref());
         let text = self.text(&span).to_owned();
         let number = milli(value, false).ok().map(|milli| milli / 1000);
-        let meant = Synch::ALL.iter().find(|(_, name, bits)| {
-            value.as_str() == Some(name) || number == Some(i128::from(*bits))
-        });
+        let meant = Synch::ALL
+            .iter()
+            .find(|(_, name, bits)| value.as_str() == Some(name) || number == Some(i128::from(*bits)));
         let here: Vec<&str> =
             Synch::ALL.iter().filter(|(synch, ..)| synch.is_available()).map(|(_, name, _)| *name).collect();
         let here = here.join(", ");
