@@ -5,9 +5,10 @@ use glidepath::quantity::Position;
 use glidepath::queue::Function;
 use glidepath::technology::Output;
 use glidepath::tick::State;
-use host_tests::cases::machines;
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::{machines, set_point};
 use host_tests::check;
-use host_tests::operate::Act;
+use host_tests::operate::{Act, Operated, POLLS, judge, random_acts};
 use host_tests::properties::permitted;
 use host_tests::trace::Trace;
 
@@ -40,9 +41,13 @@ struct Case<'a> {
 const ENOUGH: usize = 3000;
 
 fn run(text: &str, case: &Case<'_>) -> Run {
+    run_from(text, [Position::ZERO; 3], case)
+}
+
+fn run_from(text: &str, start: [Position; 3], case: &Case<'_>) -> Run {
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) =
-        channel.split(case.machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+        channel.split(case.machine, start, text.as_bytes()).expect("machine data");
     let mut run = Run {
         trace: Trace::empty(f64::from(case.machine.channel.cycle_us) * 1e-6, 3),
         distances: Vec::new(),
@@ -528,5 +533,52 @@ fn a_dwell_between_rounded_blocks() {
         let rest = (0..run.trace.len()).filter(|&row| run.row(row) == mm([80, 40, 0])).count();
         assert!((200..=202).contains(&rest), "{rest}");
         assert_eq!(run.end(), mm([120, 120, 0]));
+    }
+}
+
+#[test]
+fn random_programs_with_functions_keep_limits_and_path() {
+    for seed in 0..160 {
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = (seed % 4) as u8;
+        (machine.channel.m_synch, machine.channel.h_synch) =
+            (self::machine(1).channel.m_synch, self::machine(1).channel.h_synch);
+        let program = program(seed, Mix::arbitrary(3, seed));
+        let mut random = Random::new(seed);
+        let words = ["M25", "M26", "M27", "H7", "M3", "M24"];
+        let mut functions = 0;
+        let text: String = program
+            .text(&machine)
+            .lines()
+            .map(|line| {
+                if !line.contains(['X', 'Y', 'Z']) || !random.once_in(3) {
+                    return format!("{line}\n");
+                }
+                let word = words[(random.bits() % 6) as usize];
+                functions += usize::from(word != "M24");
+                format!("{line} {word}\n")
+            })
+            .collect();
+        let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+        let ticks =
+            run_from(&text, start, &Case { machine: &machine, delay: Some(0), acts: &[], polls: 1000 });
+        for k in 0..4 {
+            let delay = Some(random.magnitude(1.0, 1000.0) as usize - 1);
+            let mut acts = random_acts(&mut random, ticks.trace.len());
+            acts.truncate(if k == 0 { 0 } else { acts.len() });
+            let polls = POLLS[(random.bits() % 3) as usize];
+            let run = run_from(&text, start, &Case { machine: &machine, delay, acts: &acts, polls });
+            let operated = Operated {
+                trace: run.trace,
+                distances: run.distances,
+                holds: Vec::new(),
+                aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
+            };
+            judge(&program, &machine, &operated)
+                .unwrap_or_else(|fault| panic!("seed {seed}, {delay:?}, {acts:?}: {fault}\n{text}"));
+            if !operated.aborted {
+                assert_eq!(run.outputs.len(), functions, "seed {seed}, {delay:?}, {acts:?}\n{text}");
+            }
+        }
     }
 }

@@ -126,21 +126,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.emitter.resume_at(flight.next);
         (self.laid, self.speed, self.end) = (k, flight.span.v_in, flight.first);
-        if self.lay().is_ok() && self.speed > Speed::ZERO {
-            if let Some(piece) = self.piece_at(at).filter(|piece| piece.0 == motion) {
-                let _ = self.queue.phases.push(Phase::BLANK);
-                self.put(piece.1);
-                self.hand_out();
-                self.queue.clock.publish(at, gate.wrapping_add(1));
-                let is_late = clock::is_before(at, self.queue.clock.now());
-                if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                    self.mode.cut = Some(at);
-                    return true;
-                }
-                self.queue.clock.withdraw();
-                self.queue.phases.withdraw(gate);
+        if self.lay().is_ok()
+            && self.speed > Speed::ZERO
+            && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
+        {
+            let _ = self.queue.phases.push(Phase::BLANK);
+            self.put(rest);
+            self.hand_out();
+            self.queue.clock.publish(at, gate.wrapping_add(1));
+            let is_late = clock::is_before(at, self.queue.clock.now());
+            // Late, it was taken or never will be.
+            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
+                self.mode.cut = Some(at);
+                return true;
             }
+            self.queue.clock.withdraw();
+            self.queue.phases.withdraw(gate);
         }
+        // Everything as before.
         (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops) = before;
         if let Some(old) = self.flights.get_mut(k) {
             *old = flight;

@@ -359,7 +359,12 @@ fn events_are_refused_with_line_column_word_and_what_was_expected() {
     let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
     let cases = [
         ("soon abort", "1:1", "`soon`", "a time in seconds"),
-        ("; first\r\n 0.5 halt", "2:6", "`halt`", "override, feedhold, resume, abort, reduced, starve or ack"),
+        (
+            "; first\r\n 0.5 halt",
+            "2:6",
+            "`halt`",
+            "override, feedhold, resume, abort, reduced, starve or ack",
+        ),
         ("0.5 resum", "1:5", "`resum`", "is resume meant?"),
         ("0.5 # nothing", "1:4", "the event is missing", "override, feedhold"),
         ("0.5 override 200.1", "1:14", "`200.1`", "percent, 0…200"),

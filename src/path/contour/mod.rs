@@ -99,6 +99,14 @@ pub struct Outgoing<const AXES: usize> {
     pub due: u32,
 }
 
+/// A curve in a corner on its way out: what goes with each half, and the functions due before it.
+#[derive(Clone, Copy, Debug)]
+struct Turning<const AXES: usize> {
+    course: Course<AXES>,
+    halves: [(Data, u32); 2],
+    curving: Curving,
+}
+
 /// The stage: between the blocks' curves and the look-ahead.
 #[derive(Clone, Copy, Debug)]
 pub struct Contouring<const AXES: usize> {
@@ -112,7 +120,7 @@ pub struct Contouring<const AXES: usize> {
     /// behind it.
     before: Option<Outgoing<AXES>>,
     bridge: Option<Outgoing<AXES>>,
-    course: Option<(Course<AXES>, [(Data, u32); 2], Curving)>,
+    course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
 }
 
@@ -295,7 +303,8 @@ impl<const AXES: usize> Contouring<AXES> {
                     Some(ContourAction::Post) => [first.number; 2],
                     _ => [first.number, second.number],
                 };
-                self.course = Some((course, [(first, due[0]), (second, due[1])], curving));
+                let halves = [(first, due[0]), (second, due[1])];
+                self.course = Some(Turning { course, halves, curving });
                 next.block.element = renewed;
                 next.block.from = begin;
                 if rest == 0 {
@@ -441,8 +450,8 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.before.is_some() {
             return self.before.take();
         }
-        if let Some((course, data, curving)) = &mut self.course {
-            let (data, due) = data[usize::from(!course.is_before())];
+        if let Some(Turning { course, halves, curving }) = &mut self.course {
+            let (data, due) = halves[usize::from(!course.is_before())];
             if let Some(element) = course.next() {
                 return Some(Outgoing {
                     element,
