@@ -433,7 +433,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.stage = Stage::Filling;
                 Ok(Work::Working)
             }
-            Stage::Releasing(_) if self.reopened => Ok(self.begin_pass()),
+            Stage::Releasing(_) if self.reopened => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
             Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
             Stage::Filling => Ok(self.fill()),
@@ -455,6 +455,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         // On the way to a standstill what is there has to do: a corner that is held back waits for the rest.
         if self.flush || self.mode.stopping { self.begin_pass() } else { Work::Hungry }
+    }
+
+    /// Instead of handing on what was planned with gates that are open now.
+    fn plan_anew(&mut self) -> Work {
+        self.reopened = false;
+        if self.flush {
+            return self.begin_pass();
+        }
+        // With all that the ring can hold.
+        self.stage = Stage::Filling;
+        Work::Working
     }
 
     fn begin_pass(&mut self) -> Work {

@@ -538,7 +538,8 @@ fn a_dwell_between_rounded_blocks() {
 
 #[test]
 fn random_programs_with_functions_keep_limits_and_path() {
-    for seed in 0..160 {
+    // 1367: a span before a closed gate that is too short to be cut.
+    for seed in (0..160).chain([1367]) {
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = (seed % 4) as u8;
         (machine.channel.m_synch, machine.channel.h_synch) =
@@ -566,7 +567,8 @@ fn random_programs_with_functions_keep_limits_and_path() {
             let delay = Some(random.magnitude(1.0, 1000.0) as usize - 1);
             let mut acts = random_acts(&mut random, ticks.trace.len());
             acts.truncate(if k == 0 { 0 } else { acts.len() });
-            let polls = POLLS[(random.bits() % 3) as usize];
+            // Behind a gate the queue is empty: a dozen calls a tick would not keep up with blocks of three ticks.
+            let polls = POLLS[1 + (random.bits() % 2) as usize];
             let run = run_from(&text, start, &Case { machine: &machine, delay, acts: &acts, polls });
             let operated = Operated {
                 trace: run.trace,

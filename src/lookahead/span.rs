@@ -355,6 +355,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
     fn go_back(&mut self, pass: &Forward) -> Pass {
         let &Forward { from, next, .. } = pass;
+        if self.free.take().is_some() {
+            // The plan before began at rest.
+            if let Some(first) = self.blocks.front_mut() {
+                first.v_in = Speed::ZERO;
+                first.marks.set(Marks::CHECKED, false);
+            }
+            return self.plan_again(0, self.blocks.len());
+        }
         if from < self.end && self.end < next {
             // All blocks of the span together permit less than those before the end of that plan.
             self.set_anchor(self.end);
@@ -431,7 +439,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             return self.plan_again(from, to);
         }
-        if !firm && from < self.batch() && pass.cut > from {
+        // One that a cut made too short once is not cut again.
+        let flat = self.blocks.get(from).is_some_and(|first| first.is(Marks::FLAT));
+        if !firm && !flat && from < self.batch() && pass.cut > from {
             self.set_anchor(pass.cut);
             return self.plan_again(from, to);
         }

@@ -76,12 +76,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Goes on with that plan; when it is complete, changes the law before the gate.
     fn join(&mut self) -> Option<Work> {
-        let Some(blocks) = self.lookahead.step_pass() else { return Some(Work::Working) };
-        self.joining = false;
-        self.reopened = false;
-        if let Stage::Releasing(_) = self.stage {
-            self.stage = Stage::Releasing(blocks);
+        if self.lookahead.step_pass().is_none() {
+            return Some(Work::Working);
         }
+        self.joining = false;
+        // What was to be handed on had another plan.
+        self.reopened = true;
         let first = self.lookahead.first_speed();
         let last = self.flights.len().wrapping_sub(1);
         let v_out = self.flights.get(last).map_or(Speed::ZERO, |flight| flight.span.reach(first));
@@ -90,7 +90,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if begins != first {
             // The plan began faster.
             self.lookahead.restart(begins);
-            self.reopened = true;
         }
         if !joined {
             return Some(Work::Working);
