@@ -19,12 +19,12 @@
 //! ```
 use crate::control::Control;
 use crate::machine::parameter::{RangeError, check_axis};
-use crate::machine::{AxisKind, AxisName, MachineData};
+use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourAction, ContourMethod, Decoder, DwellTime, NcError, NcWarning, Place, Setup,
-    Slope, SlopeType, Spline, Step, Text,
+    Command, Contour, ContourMethod, Decoder, DwellTime, Head, NcError, NcWarning, Place, Setup, Slope,
+    SlopeType, Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -84,6 +84,10 @@ pub enum MachineError {
     Name(AxisName),
     /// The name begins like another address of the language.
     Reserved(AxisName),
+    /// This parameter gives the function with this number a synchronisation that this version does not have.
+    Synch(&'static str, u16, Synch),
+    /// This parameter names too many functions.
+    TooManySynch(&'static str),
 }
 
 impl core::fmt::Display for MachineError {
@@ -101,6 +105,10 @@ impl core::fmt::Display for MachineError {
                 name.as_str(),
                 char::from(name.0[0])
             ),
+            Self::Synch(name, code, synch) => {
+                write!(f, "{name}[{code}] = {} is known, not available in this version", synch.name())
+            }
+            Self::TooManySynch(name) => write!(f, "{name}: more than {SYNCHRONISED} functions"),
         }
     }
 }
@@ -133,6 +141,14 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
     range("P-CHAN-00073", "prog_start.slope.ramp_time", channel.ramp_weight.into(), 0, 4, "its meaning")?;
     let mode = channel.override_weight_prog_feed.into();
     range("P-CHAN-00066", "override_weight_prog_feed", mode, 0, 2, "its meaning")?;
+    for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
+        if table.overflows() {
+            return Err(MachineError::TooManySynch(name));
+        }
+        if let Some((code, synch)) = table.entries().find(|entry| !entry.1.is_available()) {
+            return Err(MachineError::Synch(name, *code, *synch));
+        }
+    }
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
             if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
@@ -152,10 +168,12 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
-    /// The queue is full: call again after some ticks.
+    /// The queue is full, or the motion stands still for a feed hold or an acknowledgement: call again after some ticks.
     Waiting,
     /// A motion block was planned for good: [`Planner::planned`].
     Planned,
+    /// The same block has another law: an acknowledgement lets it end faster.
+    Replanned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
@@ -246,6 +264,20 @@ enum Source {
     Ended,
 }
 
+/// A function that waits for its place.
+#[derive(Clone, Copy)]
+struct Held {
+    n: u32,
+    function: Function,
+    in_motion: bool,
+}
+
+impl Held {
+    fn new(head: &Head, function: Function) -> Self {
+        Self { n: head.n, function, in_motion: head.in_motion }
+    }
+}
+
 /// The half of a channel that works ahead: text to time law, a bounded piece per call.
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     decoder: Decoder<T, AXES>,
@@ -253,7 +285,7 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     cycle_us: u32,
     source: Source,
     /// A function that the ring of events did not take.
-    held: Option<(u32, Function)>,
+    held: Option<Held>,
     /// Axes given away by #PUT AX, bit i for axis i.
     released: u32,
 }
@@ -269,6 +301,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Working) => return Ok(Progress::Working),
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
             Ok(Work::Planned) => return Ok(Progress::Planned),
+            Ok(Work::Replanned) => return Ok(Progress::Replanned),
             Ok(Work::Hungry) => {}
             Ok(Work::Aborted) => {
                 self.source = Source::Ended;
@@ -280,8 +313,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 return Err(Error::Unplannable);
             }
         }
-        if let Some((n, function)) = self.held {
-            return Ok(self.output(n, function));
+        if let Some(held) = self.held {
+            return Ok(self.output(held));
         }
         match self.source {
             Source::Open => self.decode(),
@@ -303,7 +336,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// The span of motion blocks planned last. Only after [`Progress::Planned`], before the next call of [`Self::poll`].
+    /// Whether the motion stands still because a function is not acknowledged: [`Control::awaited`].
+    pub fn is_waiting(&self) -> bool {
+        self.planning.is_waiting()
+    }
+
+    /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`], before the next call
+    /// of [`Self::poll`].
     pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }
@@ -364,10 +403,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Command::Dwell(_, DwellTime::Revolutions(_)) => return refuse("G04 S (revolutions)"),
             Command::M(_, 0) => return refuse("M00"),
             Command::M(_, 1) => return refuse("M01"),
-            Command::M(head, code) => return Ok(self.output(head.n, Function::M(*code))),
-            Command::H(head, code) => return Ok(self.output(head.n, Function::H(*code))),
-            Command::Spindle(head, speed) => return Ok(self.output(head.n, Function::Spindle(*speed))),
-            Command::Tool(head, tool) => return Ok(self.output(head.n, Function::Tool(*tool))),
+            Command::M(head, code) => return Ok(self.output(Held::new(head, Function::M(*code)))),
+            Command::H(head, code) => return Ok(self.output(Held::new(head, Function::H(*code)))),
+            Command::Spindle(head, speed) => {
+                return Ok(self.output(Held::new(head, Function::Spindle(*speed))));
+            }
+            Command::Tool(head, tool) => return Ok(self.output(Held::new(head, Function::Tool(*tool)))),
             Command::Slope(_, slope) if slope.default => self.planning.set_slope(None),
             // Only HSC has a better use of jerk.
             Command::Slope(_, Slope { kind: Some(SlopeType::Hsc), no_opt: Some(false), .. }) => {
@@ -411,11 +452,18 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         Ok(Progress::Working)
     }
 
-    fn output(&mut self, n: u32, function: Function) -> Progress {
+    fn output(&mut self, held: Held) -> Progress {
         self.held = None;
-        if let Err(function) = self.planning.output(n, function) {
-            // Motion frees the ring: let all of it run.
-            self.held = Some((n, function));
+        let setup = self.decoder.setup();
+        let synch = match held.function {
+            Function::M(code) => setup.m_synch.of(code),
+            Function::H(code) => setup.h_synch.of(code),
+            Function::Spindle(_) | Function::Tool(_) => Synch::Mos,
+        };
+        let Held { n, function, in_motion } = held;
+        if self.planning.output(n, function, synch, in_motion).is_err() {
+            // Motion and acknowledgements make room: let all of it run.
+            self.held = Some(held);
             self.planning.rest(0);
             return Progress::Waiting;
         }
@@ -425,12 +473,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
 
 /// What of contour mode this version does not have.
 fn not_available(contour: &Contour) -> Option<&'static str> {
-    match (contour.method, contour.action) {
-        (Some(ContourMethod::DistSoft), _) => return Some("#CONTOUR MODE [DIST_SOFT]"),
-        (Some(ContourMethod::DistMaster), _) => return Some("#CONTOUR MODE [DIST_MASTER]"),
-        (Some(ContourMethod::Ptp), _) => return Some("#CONTOUR MODE [PTP]"),
-        (_, Some(ContourAction::Pre)) => return Some("PRE_ACTION"),
-        (_, Some(ContourAction::Post)) => return Some("POST_ACTION"),
+    match contour.method {
+        Some(ContourMethod::DistSoft) => return Some("#CONTOUR MODE [DIST_SOFT]"),
+        Some(ContourMethod::DistMaster) => return Some("#CONTOUR MODE [DIST_MASTER]"),
+        Some(ContourMethod::Ptp) => return Some("#CONTOUR MODE [PTP]"),
         _ => {}
     }
     let lengths = [contour.path_dist, contour.track_dist, contour.sym_dist];

@@ -1,7 +1,15 @@
-//! What an operator may do while the motion runs: override, feed hold, resume, abort, reduced speed.
+//! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an operator,
+//! acknowledgements of functions.
 //!
 //! Commands are one atomic word: any context may give them at any time, without a lock and without waiting. The
 //! planner follows them from a few ticks behind its next call on, see [`crate::planning`].
+mod acknowledge;
+
+pub use acknowledge::Unexpected;
+pub(crate) use acknowledge::{OPEN, Ticket};
+
+use crate::queue::Function;
+use acknowledge::Acknowledgements;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Highest override: 200 %, LSB 0.1 %.
@@ -15,10 +23,13 @@ const FEED: u32 = 0xffff;
 const HOLD: u32 = 1 << 16;
 const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
+/// An acknowledgement came that the planner has not looked at.
+const ANSWERED: u32 = 8 << 16;
 
 /// Commands to a running channel. Shared by all who give them and the planner that follows them.
 pub struct Control {
     word: AtomicU32,
+    acknowledgements: Acknowledgements,
 }
 
 /// The commands as they stand.
@@ -36,12 +47,15 @@ pub struct Commands {
 }
 
 impl Control {
+    /// The commands in the word.
+    pub(crate) const COMMANDS: u32 = !ANSWERED;
+
     /// The word of [`Self::new`].
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
     /// Full override, no hold.
     pub const fn new() -> Self {
-        Self { word: AtomicU32::new(Self::NORMAL) }
+        Self { word: AtomicU32::new(Self::NORMAL), acknowledgements: Acknowledgements::new() }
     }
 
     /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066 says how. With 0
@@ -72,6 +86,21 @@ impl Control {
         self.set(REDUCED, reduced);
     }
 
+    /// Acknowledges a function. If it was put out more than once, that put out first.
+    ///
+    /// # Errors
+    /// Nothing waits for it: it was not put out yet, or it is acknowledged already. It is ignored.
+    pub fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
+        self.acknowledgements.answer(function)?;
+        self.set(ANSWERED, true);
+        Ok(())
+    }
+
+    /// The function put out first of those that are not acknowledged.
+    pub fn awaited(&self) -> Option<Function> {
+        self.acknowledgements.awaited()
+    }
+
     /// The commands as they stand.
     pub fn commands(&self) -> Commands {
         Commands::of(self.word())
@@ -81,6 +110,23 @@ impl Control {
     #[inline(always)]
     pub(crate) fn word(&self) -> u32 {
         self.word.load(Ordering::Relaxed)
+    }
+
+    /// Whether an acknowledgement is to be looked at.
+    pub(crate) fn is_answered(&self) -> bool {
+        self.word() & ANSWERED != 0
+    }
+
+    /// The tickets acknowledged, which are free again. For the planner.
+    pub(crate) fn take_answers(&self) -> u32 {
+        // What comes behind this sets the flag again.
+        self.set(ANSWERED, false);
+        self.acknowledgements.take_answers()
+    }
+
+    /// The open acknowledgements, for both ends of the queue.
+    pub(crate) fn acknowledgements(&self) -> &Acknowledgements {
+        &self.acknowledgements
     }
 
     /// The rest of the program is forgotten, and with it a hold in which it stood.

@@ -33,6 +33,8 @@ pub mod tick;
 
 pub mod axis;
 
+pub mod technology;
+
 pub mod digest;
 
 pub mod planning;

@@ -1,22 +1,25 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
+mod acknowledge;
 mod flight;
+mod functions;
 mod hold;
 mod pace;
 
 use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
 use crate::lookahead::{Dynamics, Lookahead, Pace, Permitted, max, min};
-use crate::machine::MachineData;
+use crate::machine::{MachineData, Synch};
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
 use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
-use crate::queue::{Event, Function, Phase, Sender, Slot, clock};
+use crate::queue::{Function, Phase, Sender, Slot, clock};
 use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable, speed_f32};
 use flight::Flights;
+use functions::Functions;
 use hold::Mode;
 
 /// Where the ring is handed on.
@@ -39,6 +42,8 @@ pub enum Work {
     Waiting,
     /// A span has its time law: [`Planning::planned`].
     Planned,
+    /// That span has another one: it ends faster.
+    Replanned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
@@ -97,6 +102,12 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// The operator's commands as they were seen last, and what they make of the speed.
     word: u32,
     pace: Pace,
+    functions: Functions,
+    /// A gate is open: what is in the look-ahead is planned again. At the first block: also the law that ends there.
+    reopened: bool,
+    joining: bool,
+    /// It stands, or will stand, before the first block or at the end, with a tick that shows it.
+    stood: bool,
     /// End of the last block handed on, and its path distance.
     position: [Position; AXES],
     distance: Distance,
@@ -158,6 +169,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             mode: Mode::RUN,
             word: Control::NORMAL,
             pace: Pace::new(machine.channel.override_weight_prog_feed),
+            functions: Functions::new(),
+            reopened: false,
+            joining: false,
+            stood: false,
             position: start,
             distance: Distance::ZERO,
             taken: 0,
@@ -174,6 +189,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// The block is refused and leaves no trace.
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let result = self.take_motion(motion);
+        if result.is_err() {
+            self.functions.drop_unsettled(self.queue.control);
+        }
+        // Without path: with the block before.
+        self.functions.settle(false, false);
+        result
+    }
+
+    fn take_motion(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let feed = match motion.kind {
             MotionKind::Rapid => None,
             _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
@@ -240,10 +265,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let data =
             Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
         if self.contouring.is_idle() {
-            self.push(element, limits, &data);
+            self.functions.settle(true, false);
+            self.push(element, limits, &data, data.number);
         } else {
             let (from, to) = (self.programmed, motion.target);
             self.contouring.take(&Block { element: *element, from, to, form, data })?;
+            self.functions.settle(true, self.contouring.rounds());
         }
         self.programmed = motion.target;
         self.taken = self.taken.wrapping_add(1);
@@ -260,11 +287,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data) {
+    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data, due: u32) {
         // More than fits is made up for later.
         let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u8::MAX));
         self.numbered = self.numbered.wrapping_add(ahead);
         let numbers = (ahead as u8, data.n);
+        self.lookahead.before(self.functions.before(due));
         self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers);
         self.dynamics.settle();
         if data.stop {
@@ -275,20 +303,33 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Takes over an element from contour mode.
     #[inline(never)]
     fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
-        let Outgoing { element, data, curving } = outgoing;
+        let Outgoing { element, data, curving, due } = outgoing;
         let limits = match (&element.bounds, curving) {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
-        self.push(element, limits, data);
+        self.push(element, limits, data, *due);
     }
 
-    /// Hands over what is to happen between the last block taken in and the next one.
+    /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
+    /// with a motion. Only after [`Work::Hungry`].
     ///
     /// # Errors
-    /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
-    pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
-        self.queue.events.push(Event { block: self.taken, n, function }).map_err(|e| e.function)
+    /// The function back, if there is no room: [`Self::rest`], and again when there is.
+    pub fn output(
+        &mut self,
+        n: u32,
+        function: Function,
+        synch: Synch,
+        in_motion: bool,
+    ) -> Result<(), Function> {
+        if synch == Synch::NoSynch {
+            return Ok(());
+        }
+        let room = self.queue.events.room();
+        let taken =
+            self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
+        taken.map_err(|()| function)
     }
 
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
@@ -370,6 +411,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     fn curve(&mut self) {
         self.curves -= 1;
         let Some(block) = self.lookahead.first() else { return };
+        if block.has_functions() {
+            self.functions.pass(self.distance, &mut self.queue.events);
+        }
         let base = block.shape.base(&self.position);
         self.number = self.number.wrapping_add(u32::from(block.ahead));
         let (start, number) = (self.distance, self.number);
@@ -405,6 +449,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.stage = Stage::Filling;
                 Ok(Work::Working)
             }
+            Stage::Releasing(_) if self.reopened => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
             Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
             Stage::Filling => Ok(self.fill()),
@@ -428,7 +473,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.flush || self.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
+    /// Instead of handing on what was planned with gates that are open now.
+    fn plan_anew(&mut self) -> Work {
+        self.reopened = false;
+        if self.flush {
+            return self.begin_pass();
+        }
+        // With all that the ring can hold.
+        self.stage = Stage::Filling;
+        Work::Working
+    }
+
     fn begin_pass(&mut self) -> Work {
+        self.reopened = false;
         self.lookahead.begin_pass(!self.flush);
         self.stage = Stage::Passing;
         Work::Working
@@ -437,6 +494,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Plans the first span of the ring for good.
     #[inline(never)]
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
+        if self.lookahead.first().is_some_and(|first| first.is_gate()) {
+            return Ok(self.wait());
+        }
         self.trim();
         if self.queue.segments.is_full() || self.flights.is_full() {
             return Ok(Work::Waiting);
@@ -457,6 +517,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.begun = begun;
         self.curves = span.blocks;
         self.flights.push();
+        self.stood = false;
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);
@@ -490,13 +551,22 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn come_to_rest(&mut self) -> Work {
-        // There is room: asked at the beginning of the call.
-        let left = self.put_rest(self.distance, self.rest);
-        if let Some(flight) = self.flights.len().checked_sub(1).and_then(|last| self.flights.get_mut(last)) {
-            flight.rest += self.rest - left;
+        if self.functions.at_end(self.taken, self.distance, &mut self.queue.events) {
+            return self.stand();
         }
+        let left = self.stay(self.rest);
         self.rest = left;
         self.flush = left > 0;
         Work::Working
+    }
+
+    /// Stays where everything handed on ends, as long as a piece can. There is room: asked at the beginning of the call.
+    /// Ticks left.
+    fn stay(&mut self, ticks: u64) -> u64 {
+        let left = self.put_rest(self.distance, ticks);
+        if let Some(flight) = self.flights.len().checked_sub(1).and_then(|last| self.flights.get_mut(last)) {
+            flight.rest += ticks - left;
+        }
+        left
     }
 }

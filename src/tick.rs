@@ -10,7 +10,8 @@
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::control::Control;
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{Event, Phase, Receiver, Segment, Slot};
+use crate::queue::{Phase, Receiver, Segment, Slot, clock};
+use crate::technology::{Output, Technology};
 
 /// Most elements one tick may pass.
 pub const SKIP_PER_TICK: u32 = 8;
@@ -93,14 +94,24 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         &self.set_points
     }
 
-    /// The next event whose point of the motion the last tick has reached or passed. Call it after a tick until it
+    /// The next function whose point of the motion the last tick has reached or passed. Call it after every tick until it
     /// says `None`, in the interrupt or elsewhere.
-    pub fn event(&mut self) -> Option<Event> {
+    pub fn event(&mut self) -> Option<Output> {
         let event = self.queue.events.peek()?;
-        // At the end of the last block so far, what comes after that block is due.
-        let distance = self.distance.to_bits();
-        let reached = self.queue.segments.peek().map_or(0, |s| s.block + u32::from(s.is_behind(distance)));
-        if event.block <= reached { self.queue.events.pop() } else { None }
+        if self.distance.to_bits().wrapping_sub(event.distance.to_bits()) < 0 {
+            return None;
+        }
+        let event = self.queue.events.pop()?;
+        self.queue.control.acknowledgements().put_out(event.ticket);
+        let tick = (self.queue.clock.own() / clock::TICK).saturating_sub(1);
+        Some(Output { tick, n: event.n, function: event.function, waits: event.ticket.waits() })
+    }
+
+    /// Hands over all functions that [`Self::event`] has.
+    pub fn deliver(&mut self, technology: &mut impl Technology) {
+        while let Some(output) = self.event() {
+            technology.output(&output);
+        }
     }
 
     /// Path values of the last set point.

@@ -27,7 +27,8 @@ pub enum Act {
 }
 
 impl Act {
-    fn give(self, control: &Control) {
+    /// Gives the command.
+    pub fn give(self, control: &Control) {
         match self {
             Self::Hold => control.feed_hold(),
             Self::Resume => control.resume(),

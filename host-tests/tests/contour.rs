@@ -4,7 +4,8 @@ use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::nc::{Contour, ContourMethod};
 use glidepath::quantity::Position;
-use glidepath::queue::{Event, Function};
+use glidepath::queue::Function;
+use glidepath::technology::Output;
 use glidepath::tick::State;
 use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, program};
@@ -19,7 +20,7 @@ struct Run {
     trace: Trace,
     blocks: Vec<PlannedBlock>,
     /// Rows at which events were due.
-    events: Vec<(usize, Event)>,
+    events: Vec<(usize, Output)>,
     digest: u64,
 }
 

@@ -132,8 +132,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#CONTOUR MODE [DIST_MASTER SYM_DIST=1]",
         "#CONTOUR MODE ON [PTP PATH_DEV=1]",
         "#CONTOUR MODE [ACC_MAX=50]",
-        "#CONTOUR MODE [DEV PRE_ACTION]",
-        "#CONTOUR MODE [POST_ACTION]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
         "#SLOPE [TYPE=HSC NO_OPT=0]",

@@ -1,5 +1,6 @@
 //! Rows NC-001…NC-008 and gaps §11: program structure, words, modal state, parameters, control blocks.
 mod nc_decode;
+use glidepath::machine::{Synch, SynchTable};
 use glidepath::nc::{ArcBy, Command, DwellTime, MotionKind, NcWarningKind, Plane};
 use glidepath::quantity::Position;
 use nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
@@ -220,9 +221,10 @@ fn nc_005_m_and_h_come_after_the_motion() {
     );
     assert_eq!(names("S1000 M3 T5 D2"), ["spindle speed S", "tool T", "tool offset D", "M3"]);
     let mut before = setup();
-    before.m_before = &[26];
-    let (out, ..) = decode_with(before, b"G0 X1 M25 M26", 100);
-    assert!(matches!(out[..], [Command::M(_, 26), Command::Motion(_), Command::M(_, 25)]));
+    before.m_synch = SynchTable::NONE.with(26, Synch::MvsSvs).with(25, Synch::MnsSns);
+    before.h_synch = SynchTable::NONE.with(25, Synch::MvsSns);
+    let (out, ..) = decode_with(before, b"G0 X1 M25 M26 H25", 100);
+    assert!(matches!(out[..], [Command::M(_, 26), Command::H(_, 25), Command::Motion(_), Command::M(_, 25)]));
 }
 
 #[test]

@@ -23,7 +23,14 @@ const REACTION: usize = 5;
 #[test]
 fn worked_table_of_p_chan_00066() {
     // D3-267: v_max 50, v_prog 80, v_red 5 m/min, override 50 %.
-    let table = [(0, true, 2.5), (0, false, 25.0), (1, true, 5.0), (1, false, 40.0), (2, true, 5.0), (2, false, 25.0)];
+    let table = [
+        (0, true, 2.5),
+        (0, false, 25.0),
+        (1, true, 5.0),
+        (1, false, 40.0),
+        (2, true, 5.0),
+        (2, false, 25.0),
+    ];
     for (mode, reduced, m_min) in table {
         let mut machine = machines::mill::<3>(1000);
         machine.channel.override_weight_prog_feed = mode;
@@ -89,7 +96,10 @@ fn constant_override_costs_no_more_than_the_same_feed() {
         let double = run(&track(1.0), &machine, &[(0, Act::Override(2000))], 1000).trace.len();
         let same = run(&track(2.0), &machine, &[], 1000).trace.len();
         println!("slope {slope}: {double} ticks at 200 %, {same} at twice the feed");
-        assert!(double as f64 <= same as f64 * 1.05, "slope {slope}: {double} ticks, {same} at twice the feed");
+        assert!(
+            double as f64 <= same as f64 * 1.05,
+            "slope {slope}: {double} ticks, {same} at twice the feed"
+        );
     }
 }
 
@@ -105,12 +115,16 @@ fn a_change_at_every_tick() {
             let x = 12.0 - 0.25 * f64::from(k);
             program = program.line(&[x, 8.0 + 0.01 * f64::from(k * k), 1.0], 9000.0);
         }
-        program = program.arc(&[7.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0).stop().line(&[0.0, 0.0, 0.0], 7000.0);
+        program =
+            program.arc(&[7.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0).stop().line(&[0.0, 0.0, 0.0], 7000.0);
         let ticks = run(&program, &machine, &[], 12).trace.len();
         for tick in (0..ticks).step_by(3) {
             let low = [200, 640, 990][tick % 3];
-            let acts =
-                [(tick, Act::Override(low)), (tick + 90, Act::Override(1700)), (tick + 150, Act::Override(1000))];
+            let acts = [
+                (tick, Act::Override(low)),
+                (tick + 90, Act::Override(1700)),
+                (tick + 150, Act::Override(1000)),
+            ];
             run(&program, &machine, &acts, POLLS[tick % 2]);
         }
     }

@@ -28,6 +28,7 @@ use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
+use crate::slope::profile::speed_bits;
 use heapless::Deque;
 use span::Pass;
 
@@ -77,6 +78,10 @@ impl Marks {
     const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     const CHECKED: u8 = 16;
+    /// Functions come out where it begins.
+    const FUNCTIONS: u8 = 32;
+    /// It waits for acknowledgements: the motion stands still before it.
+    const GATE: u8 = 64;
 
     #[inline(always)]
     const fn has(self, mark: u8) -> bool {
@@ -93,6 +98,21 @@ impl<const AXES: usize> Block<AXES> {
     fn is(&self, mark: u8) -> bool {
         self.marks.has(mark)
     }
+
+    /// Whether functions come out where it begins.
+    pub fn has_functions(&self) -> bool {
+        self.is(Marks::FUNCTIONS)
+    }
+
+    /// Whether it waits for acknowledgements.
+    pub fn is_gate(&self) -> bool {
+        self.is(Marks::GATE)
+    }
+
+    /// Speed at which its start may be passed now.
+    fn cap(&self) -> f32 {
+        if self.is(Marks::GATE) { 0.0 } else { self.cap }
+    }
 }
 
 impl<const AXES: usize> Block<AXES> {
@@ -103,6 +123,15 @@ impl<const AXES: usize> Block<AXES> {
             self.marks.set(Marks::CHECKED, false);
         }
     }
+}
+
+/// What happens before a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Before {
+    /// Functions come out.
+    pub functions: bool,
+    /// The motion waits for acknowledgements.
+    pub gate: bool,
 }
 
 /// The span at the front of the ring.
@@ -173,6 +202,11 @@ impl Release {
         span::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)
     }
 
+    /// Highest speed at its end, at most `next`, that can be reached from the speed at its start.
+    pub fn reach(&self, next: Speed) -> Speed {
+        span::leave(&self.limits, self.length.to_bits(), true, self.v_in, next).unwrap_or(Speed::ZERO)
+    }
+
     /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
     pub fn leave(&self, v_in: Speed) -> Speed {
         span::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
@@ -199,6 +233,12 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     last: Option<Last<AXES>>,
     /// The next transition is a standstill.
     stop: bool,
+    /// What happens before the next block.
+    before: Before,
+    /// The plan goes on at least to this block: from there on it may be as it was.
+    until: usize,
+    /// The first block's start may rise up to this speed.
+    free: Option<Speed>,
     pass: Pass,
     /// More blocks may come.
     open: bool,
@@ -214,8 +254,6 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     stale: bool,
     /// Speeds are those of the programmed feed, so many times.
     level: f32,
-    /// The level has risen since the last complete plan.
-    risen: bool,
 }
 
 /// No speed yet.
@@ -233,6 +271,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             depth,
             last: None,
             stop: false,
+            before: Before { functions: false, gate: false },
+            until: usize::MAX,
+            free: None,
             pass: Pass::Done,
             open: false,
             through: 0,
@@ -241,7 +282,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             end: 0,
             stale: false,
             level: 1.0,
-            risen: false,
         }
     }
 
@@ -267,9 +307,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             last = block.limits.v;
         }
-        self.risen = !self.blocks.is_empty();
-        if self.risen && !matches!(self.pass, Pass::Done) {
-            self.begin();
+        if !self.blocks.is_empty() {
+            self.until = 0;
+            if !matches!(self.pass, Pass::Done) {
+                self.begin();
+            }
         }
     }
 
@@ -287,6 +329,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.last = None;
+        self.before = Before::default();
+        (self.until, self.free) = (usize::MAX, None);
         self.pass = Pass::Done;
         self.through = 0;
         self.span = 0;
@@ -300,6 +344,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Demands a standstill before the next block.
     pub fn stop_here(&mut self) {
         self.stop = true;
+    }
+
+    /// This happens before the next block.
+    pub fn before(&mut self, before: Before) {
+        self.before = before;
     }
 
     /// Appends a block. Only when not [`Self::is_full`].
@@ -341,6 +390,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
         }
+        let Before { functions, gate } = core::mem::take(&mut self.before);
+        anchor |= gate;
         if anchor {
             self.span = 0;
         } else {
@@ -353,6 +404,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::FUNCTIONS, functions);
+        marks.set(Marks::GATE, gate);
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             shape: element.shape.linear(),
@@ -382,6 +435,22 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             first.marks.set(Marks::CHECKED, false);
         }
         self.begin();
+    }
+
+    /// The plan about to begin decides the speed at the first block's start too, up to `reach`.
+    pub fn free_start(&mut self, reach: Speed) {
+        self.free = Some(reach);
+        self.until = 0;
+    }
+
+    /// Speed at which the first block may be entered, whatever comes before and behind.
+    pub fn entry(&self) -> Speed {
+        self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
+    }
+
+    /// Planned speed at the first block's start.
+    pub fn first_speed(&self) -> Speed {
+        self.blocks.front().map_or(Speed::ZERO, |block| block.v_in)
     }
 
     /// Goes on with the plan; when it is complete, how many blocks may leave now.
@@ -442,6 +511,31 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stale = blocks == 0 && !matches!(self.pass, Pass::Done);
     }
 
+    /// The first block begins at another speed than planned.
+    pub fn restart(&mut self, v_in: Speed) {
+        if let Some(first) = self.blocks.front_mut() {
+            first.v_in = v_in;
+            first.marks.set(Marks::CHECKED, false);
+        }
+        self.until = 0;
+    }
+
+    /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the plan is at work.
+    pub fn open_gate(&mut self, number: usize) -> Option<usize> {
+        let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
+        let (index, block) = gates.nth(number)?;
+        block.marks.set(Marks::GATE, false);
+        self.until = self.until.min(index);
+        Some(index)
+    }
+
+    /// The functions where the first block begins are out.
+    pub fn drop_functions(&mut self) {
+        if let Some(block) = self.blocks.front_mut() {
+            block.marks.set(Marks::FUNCTIONS, false);
+        }
+    }
+
     /// The first block.
     pub fn first(&self) -> Option<&Block<AXES>> {
         self.blocks.front()
@@ -453,6 +547,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.through -= 1;
         }
         self.end = self.end.saturating_sub(1);
+        if self.until != usize::MAX {
+            self.until = self.until.saturating_sub(1);
+        }
         if self.blocks.is_empty() {
             // What follows starts from rest.
             self.last = None;

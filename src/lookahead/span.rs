@@ -192,8 +192,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     block.marks.set(Marks::CHECKED, false);
                 }
             }
-            let until = if core::mem::take(&mut self.risen) { 0 } else { left };
             let span = Span::default();
+            let until = left.min(core::mem::replace(&mut self.until, usize::MAX));
             Pass::Backward(Backward { left, span, v_out: Speed::ZERO, until, changed: true })
         };
     }
@@ -223,7 +223,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..STEPS {
             // The first block's start is already decided.
             if left <= 1 {
-                self.risen = false;
+                self.raise_first(v_out);
+                self.until = usize::MAX;
                 self.pass = Pass::Done;
                 return true;
             }
@@ -232,13 +233,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let Some(block) = self.blocks.get_mut(left) else { continue };
             let share = self.last.as_ref().filter(|_| last && self.open).map(|last| &last.share);
             let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-            let v = faster(&brake, length_mm(&block.shape), v_out, block.cap);
+            let v = faster(&brake, length_mm(&block.shape), v_out, block.cap());
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
             // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
             // What was planned with a lower end speed stays possible, and is not taken back.
             block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
-            if v == block.v_in && !self.risen {
+            if v == block.v_in && left <= self.until {
+                self.until = usize::MAX;
                 self.pass = Pass::Done;
                 return true;
             }
@@ -265,10 +267,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             // The first block's start is already decided.
             if left == 0 {
+                self.raise_first_span(&pass);
                 return self.start_forward();
             }
             // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
-            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap).max(block.v_old);
+            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).max(block.v_old);
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
@@ -279,6 +282,28 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             pass.span = Span::default();
         }
         Pass::Backward(pass)
+    }
+
+    /// The first block's start may rise: to what its end permits.
+    fn raise_first(&mut self, v_out: Speed) {
+        let Some(reach) = self.free.take() else { return };
+        let last = self.open && self.blocks.len() == 1;
+        let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+        let Some(block) = self.blocks.front_mut() else { return };
+        let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+        let v = faster(&brake, length_mm(&block.shape), v_out, block.cap()).min(reach);
+        block.marks.set(Marks::KEPT, true);
+        block.v_in = v.max(block.v_in);
+    }
+
+    /// The same for a span; again where it gets other ends.
+    fn raise_first_span(&mut self, pass: &Backward) {
+        let Some(reach) = self.free else { return };
+        let Some(block) = self.blocks.front_mut() else { return };
+        let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).min(reach);
+        block.marks.set(Marks::KEPT, true);
+        block.marks.set(Marks::CHECKED, false);
+        block.v_in = v;
     }
 
     fn start_forward(&self) -> Pass {
@@ -343,6 +368,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
     fn go_back(&mut self, pass: &Forward) -> Pass {
         let &Forward { from, next, .. } = pass;
+        if self.free.take().is_some() {
+            // The plan before began at rest.
+            if let Some(first) = self.blocks.front_mut() {
+                first.v_in = Speed::ZERO;
+                first.marks.set(Marks::CHECKED, false);
+            }
+            return self.plan_again(0, self.blocks.len());
+        }
         if from < self.end && self.end < next {
             // All blocks of the span together permit less than those before the end of that plan.
             self.set_anchor(self.end);
@@ -494,6 +527,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn complete(&mut self) -> Pass {
         self.end = self.blocks.len();
+        self.free = None;
         for block in self.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {
             block.marks.set(Marks::FRESH, false);
             block.v_old = block.v_reached;

@@ -1,6 +1,9 @@
 //! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under their names.
 
 pub mod parameter;
+mod synch;
+
+pub use synch::{SYNCHRONISED, Synch, SynchTable};
 
 /// Letters (and digits) of an axis: `X`, `C`, `X1`; padded with zeros.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -214,6 +217,10 @@ pub struct ChannelData {
     /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time,
     /// 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
+    /// P-CHAN-00041 `m_synch[n]`: synchronisation of M functions.
+    pub m_synch: SynchTable,
+    /// P-CHAN-00027 `h_synch[n]`: the same of H functions.
+    pub h_synch: SynchTable,
 }
 
 impl ChannelData {
@@ -234,6 +241,8 @@ impl ChannelData {
             vector_unit: AccelerationUnit::MmMin2,
             cir_radial_acc_limit: false,
             check_jerk_on_poly_path: 1,
+            m_synch: SynchTable::NONE,
+            h_synch: SynchTable::NONE,
         }
     }
 }

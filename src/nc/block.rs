@@ -193,7 +193,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             b'H' => {
                 let (code, span) = self.code(c, mark, "H", 999)?;
-                push(&mut w.after, span, ItemKind::H(code as u16))?;
+                let code = code as u16;
+                let before = self.setup.h_synch.of(code).is_before();
+                push(if before { &mut w.before } else { &mut w.after }, span, ItemKind::H(code))?;
             }
             b'T' => {
                 let (code, span) = self.code(c, mark, "T", 999_999_999)?;
@@ -288,7 +290,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// M functions go behind the motion but those the set-up wants before it.
+    /// M functions go behind the motion but those that P-CHAN-00041 puts before it.
     fn m_word(&mut self, w: &mut Words<AXES>, code: u32, span: Span) -> Result<(), Fault> {
         let code = code as u16;
         let ending = match code {
@@ -305,8 +307,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             return Ok(());
         }
-        let list = if self.setup.m_before.contains(&code) { &mut w.before } else { &mut w.after };
-        push(list, span, ItemKind::M(code))
+        let before = self.setup.m_synch.of(code).is_before();
+        push(if before { &mut w.before } else { &mut w.after }, span, ItemKind::M(code))
     }
 
     fn g_word(&mut self, c: &mut Cursor<'_>, w: &mut Words<AXES>, mark: usize) -> Result<(), Fault> {

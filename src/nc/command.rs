@@ -1,6 +1,6 @@
 //! What the decoder hands to the next stage: one typed command at a time.
 use super::function::*;
-use crate::machine::{AxisKind, AxisName, MachineData};
+use crate::machine::{AxisKind, AxisName, MachineData, SynchTable};
 use crate::quantity::{Feed, Position};
 
 /// A place in the program text: where a command or an error comes from.
@@ -39,8 +39,10 @@ pub struct Setup<const AXES: usize> {
     pub start: [Position; AXES],
     /// Zero offsets of G54…G59.
     pub zero_offsets: [[Position; AXES]; 6],
-    /// M codes carried out before the motion of their block (P-CHAN-00041: MVS_SVS, MVS_SNS); all others behind it.
-    pub m_before: &'static [u16],
+    /// P-CHAN-00041: which M functions stand before the motion of their block; all others behind it.
+    pub m_synch: SynchTable,
+    /// P-CHAN-00027: the same of H functions.
+    pub h_synch: SynchTable,
 }
 
 impl<const AXES: usize> Setup<AXES> {
@@ -53,7 +55,8 @@ impl<const AXES: usize> Setup<AXES> {
             feedrate_factor_milli: machine.channel.feedrate_factor_milli,
             start,
             zero_offsets: [[Position::ZERO; AXES]; 6],
-            m_before: &[],
+            m_synch: machine.channel.m_synch,
+            h_synch: machine.channel.h_synch,
         }
     }
 }
@@ -128,8 +131,9 @@ pub struct Motion<const AXES: usize> {
     pub exact_stop: bool,
 }
 
-/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of the text
-/// (with the M codes of [`Setup::m_before`]), then motion or dwell, then M and H, then the program end.
+/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of the text,
+/// with the functions that [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion, then motion or dwell, then the other M
+/// and H, then the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
     /// G00…G03.

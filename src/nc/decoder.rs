@@ -61,6 +61,11 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         result.map(|()| Step::Working)
     }
 
+    /// What it knows of the machine.
+    pub fn setup(&self) -> &Setup<AXES> {
+        &self.interpreter.setup
+    }
+
     /// Where the axes stand after the last command, machine coordinates.
     pub fn position(&self) -> [Position; AXES] {
         self.interpreter.position

@@ -13,9 +13,11 @@
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete.
 use super::flight::Flight;
-use super::{Brake, Commands, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work};
+use super::{
+    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work,
+};
 use super::{clock, max, min, speed_f32, to_f32};
-use crate::queue::PHASES;
+use crate::queue::{Event, PHASES};
 use crate::slope::brake::SHORT;
 use crate::slope::profile::speed_bits;
 
@@ -70,12 +72,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn follow(&mut self, word: u32) -> Option<Work> {
         let commands = Commands::of(word);
+        // An acknowledgement to be looked at makes every word a new one.
+        let word = word & Control::COMMANDS;
         if word != self.word {
             self.word = word;
             self.set_pace(&commands);
         }
+        self.mode.busy = true;
+        if let Some(work) = self.answer() {
+            return Some(work);
+        }
         let work = if self.mode.stopping {
-            self.stand(&commands)
+            self.hold(&commands)
         } else if commands.standstill() {
             self.stop()
         } else if self.mode.adjusting {
@@ -83,12 +91,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else {
             None
         };
-        self.mode.busy = self.mode.stopping || self.mode.adjusting || commands.standstill();
+        self.mode.busy = self.mode.stopping
+            || self.mode.adjusting
+            || commands.standstill()
+            || self.joining
+            || self.queue.control.is_answered();
         work
     }
 
     /// On the way to a standstill, and in it.
-    fn stand(&mut self, commands: &Commands) -> Option<Work> {
+    fn hold(&mut self, commands: &Commands) -> Option<Work> {
         if !self.mode.standing {
             return None;
         }
@@ -444,25 +456,27 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands = self.motion_at(self.end).map(|motion| motion.distance);
-        let mut reached = self.begun;
         if let (Some(segment), Some(distance)) = (self.queue.segments.recent(number), stands) {
             let start = segment.start.to_bits();
             segment.shape.at(distance.wrapping_sub(start), &segment.base, &mut self.position);
             self.distance = Distance::from_bits(start.wrapping_add(segment.shape.length.to_bits()));
-            reached = segment.block;
-            self.begun = reached.wrapping_add(1);
-            self.number = reached;
+            self.begun = segment.block.wrapping_add(1);
+            self.number = segment.block;
         }
         self.numbered = self.number;
         // The interrupt keeps the curve it is on.
         if self.queue.segments.count() != number {
             self.queue.segments.withdraw(number.wrapping_add(1));
         }
+        let stands = stands.unwrap_or(self.distance.to_bits());
+        let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
         let mut event = self.queue.events.taken();
-        while self.queue.events.recent(event).is_some_and(|event| event.block <= reached) {
+        while self.queue.events.recent(event).is_some_and(is_due) {
             event = event.wrapping_add(1);
         }
         self.queue.events.withdraw(event);
+        self.functions.clear(self.queue.control);
+        (self.reopened, self.joining, self.stood) = (false, false, false);
         self.programmed = self.position;
         self.taken = self.begun;
         self.contouring.clear();

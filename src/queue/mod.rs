@@ -6,7 +6,7 @@ mod ring;
 pub use clock::Clock;
 pub use ring::{Consumer, Producer, Ring, Slot};
 
-use crate::control::Control;
+use crate::control::{Control, Ticket};
 use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
@@ -23,16 +23,18 @@ pub const EVENTS: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Event {
-    /// It belongs before this motion block, counted from 0; after the last block it belongs to the end.
-    pub block: u32,
+    /// Path distance of its point.
+    pub distance: Distance,
     /// Programmed N number.
     pub n: u32,
     /// What to do.
     pub function: Function,
+    /// Its acknowledgement, if the motion waits for one.
+    pub(crate) ticket: Ticket,
 }
 
-/// Technology functions, output without waiting for an acknowledgement.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Technology functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Function {
     /// M function.
@@ -92,10 +94,23 @@ impl Slot for Phase {
 }
 
 impl Slot for Event {
-    const BLANK: Self = Self { block: 0, n: 0, function: Function::M(0) };
+    const BLANK: Self =
+        Self { distance: Distance::ZERO, n: 0, function: Function::M(0), ticket: Ticket::NONE };
 }
 
 impl Phase {
+    /// What is left of it behind its first `n` ticks.
+    pub fn advance(&mut self, n: u16) {
+        let ticks = i64::from(n);
+        let (half, sixth) = (self.half_accel.to_bits(), self.sixth_jerk.to_bits());
+        let bent = sixth.wrapping_mul(ticks).wrapping_mul(3);
+        let gained = half.wrapping_mul(2).wrapping_add(bent).wrapping_mul(ticks);
+        self.distance = Distance::from_bits(self.at(n));
+        self.speed = Speed::from_bits(self.speed.to_bits().wrapping_add(gained));
+        self.half_accel = Accel::from_bits(half.wrapping_add(bent));
+        self.ticks = self.ticks.saturating_sub(n);
+    }
+
     /// Path distance at its tick `n`, LSB 2^-44 mm. Runs in the tick.
     #[inline(always)]
     pub fn at(&self, n: u16) -> i64 {

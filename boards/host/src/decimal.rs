@@ -67,6 +67,16 @@ fn divide_to_nearest(value: i128, by: i128) -> i128 {
     if value < 0 { -quotient } else { quotient }
 }
 
+/// `12.34` in units of 10^-places, exactly; nothing else, above all no sign.
+pub fn parse(text: &[u8], places: usize) -> Option<u64> {
+    let text = std::str::from_utf8(text).ok()?;
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let fraction = fraction.trim_end_matches('0');
+    let digits = format!("{whole}{fraction:0<places$}");
+    let plain = !whole.is_empty() && fraction.len() <= places && digits.bytes().all(|b| b.is_ascii_digit());
+    if plain { digits.parse().ok() } else { None }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

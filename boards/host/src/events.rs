@@ -1,4 +1,4 @@
-//! What happens from outside while a program runs: the operator's commands, and a planner that is late.
+//! What happens from outside while a program runs: the operator's commands, acknowledgements, and a planner that is late.
 //!
 //! One event per line: seconds since the first set point, a word, its value.
 //!
@@ -8,14 +8,16 @@
 //! 1.75  resume
 //! 2     reduced on        ; or off
 //! 2.2   starve 0.08       ; seconds in which the planner gets no time
+//! 2.5   ack M25           ; or an H function
 //! 3     abort
 //! ```
 //!
 //! Times ascend. An event acts at the first tick at or after its time.
-use crate::decimal::push_scaled;
+use crate::decimal::{parse as decimal, push_scaled};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::statistics::Outcome;
 use glidepath::control::{Commands, Control, MAX_OVERRIDE};
+use glidepath::queue::Function;
 use std::path::Path;
 
 /// An event with its place in the file.
@@ -46,12 +48,15 @@ pub enum What {
     Reduced(bool),
     /// The planner gets no time for so many ns.
     Starve(u64),
+    /// A function is acknowledged.
+    Acknowledge(Function),
 }
 
 impl What {
-    /// Gives the command to a channel; a late planner is not one.
-    pub fn give(self, control: &Control) {
+    /// Gives the command to a channel; a late planner is not one. `false`: it is an acknowledgement that nothing waits for.
+    pub fn give(self, control: &Control) -> bool {
         match self {
+            Self::Acknowledge(function) => return control.acknowledge(function).is_ok(),
             Self::Override(feed) => control.set_override(feed),
             Self::FeedHold => control.feed_hold(),
             Self::Resume => control.resume(),
@@ -59,6 +64,7 @@ impl What {
             Self::Reduced(on) => control.set_reduced(on),
             Self::Starve(_) => {}
         }
+        true
     }
 
     /// The word of the file.
@@ -70,6 +76,7 @@ impl What {
             Self::Abort => 3,
             Self::Reduced(_) => 4,
             Self::Starve(_) => 5,
+            Self::Acknowledge(_) => 6,
         }]
     }
 }
@@ -84,6 +91,7 @@ impl std::fmt::Display for What {
             Self::Resume | Self::Abort => f.write_str(self.word()),
             Self::Reduced(on) => write!(f, "reduced {}", if *on { "on" } else { "off" }),
             Self::Starve(ns) => write!(f, "planner late {} s", seconds(*ns)),
+            Self::Acknowledge(function) => write!(f, "ack {}", function_name(*function)),
         }
     }
 }
@@ -118,14 +126,18 @@ impl Script {
         diagnostic.at(&self.source, event.line, event.column, event.what.word().len())
     }
 
-    /// A warning for each event that the program did not live to see.
+    /// A warning for each event that the program did not live to see, and for acknowledgements that were ignored.
     pub fn unused(&self, outcomes: &[Outcome], end_s: f64) -> impl Iterator<Item = Diagnostic> {
-        let unused = self.events.iter().zip(outcomes).filter(|(_, outcome)| outcome.tick.is_none());
-        unused.map(move |(event, _)| {
-            self.at(
-                event,
-                Diagnostic::warning(format!("the program ends at {end_s:.3} s, before this event")),
-            )
+        self.events.iter().zip(outcomes).filter_map(move |(event, outcome)| {
+            let message = match event.what {
+                _ if outcome.tick.is_none() => format!("the program ends at {end_s:.3} s, before this event"),
+                What::Acknowledge(function) if outcome.ignored => {
+                    let name = function_name(function);
+                    format!("nothing waits for {name} at this time: it is not put out yet, or acknowledged already")
+                }
+                _ => return None,
+            };
+            Some(self.at(event, Diagnostic::warning(message)))
         })
     }
 }
@@ -145,15 +157,15 @@ impl<'a> Schedule<'a> {
         Self { events, cycle_us, next: 0, late_until: 0 }
     }
 
-    /// The next event that acts at `tick`; commands are given to `control`.
-    pub fn due(&mut self, tick: u64, control: &Control) -> Option<(usize, What)> {
+    /// The next event that acts at `tick`; commands are given to `control`. `false`: nothing waits for it.
+    pub fn due(&mut self, tick: u64, control: &Control) -> Option<(usize, What, bool)> {
         let event = self.events.get(self.next).filter(|event| event.tick(self.cycle_us) <= tick)?;
-        event.what.give(control);
+        let taken = event.what.give(control);
         if let What::Starve(ns) = event.what {
             self.late_until = self.late_until.max(tick + ticks(ns, self.cycle_us));
         }
         self.next += 1;
-        Some((self.next - 1, event.what))
+        Some((self.next - 1, event.what, taken))
     }
 
     /// Whether the planner is late at `tick`.
@@ -167,6 +179,17 @@ impl<'a> Schedule<'a> {
         let resumed = !commands.hold || later(|what| what == What::Resume);
         let fed = commands.feed > 0 || later(|what| matches!(what, What::Override(1..)));
         later(|what| what == What::Abort) || (resumed && fed)
+    }
+
+    /// Whether an event acknowledges this function, now or before.
+    pub fn acknowledges(&self, function: Function) -> bool {
+        self.events.iter().any(|event| event.what == What::Acknowledge(function))
+    }
+
+    /// Whether a motion that waits for this function is to go on or to end by a later event.
+    pub fn answers(&self, function: Function) -> bool {
+        let ends = |what| what == What::Abort || what == What::Acknowledge(function);
+        self.events[self.next..].iter().any(|event| ends(event.what))
     }
 
     /// The event behind such a standstill.
@@ -195,7 +218,7 @@ pub fn seconds(ns: u64) -> String {
     out
 }
 
-const WORDS: [&str; 6] = ["override", "feedhold", "resume", "abort", "reduced", "starve"];
+const WORDS: [&str; 7] = ["override", "feedhold", "resume", "abort", "reduced", "starve", "ack"];
 
 /// Largest time, s.
 const LATEST: u64 = 1_000_000;
@@ -302,8 +325,14 @@ fn event(line: &[u8], number: usize) -> Result<Option<(Word<'_>, Event)>, Unfit>
             let expected = format!("seconds without the planner, above 0, at most {LATEST}");
             What::Starve(ns.ok_or_else(|| value.refused("the duration is missing", expected))?)
         }
+        b"ack" => {
+            let value = next();
+            let expected = "an M or H function, M25 or H7, 0…999";
+            let function = function(value.text);
+            What::Acknowledge(function.ok_or_else(|| value.refused("the function is missing", expected))?)
+        }
         _ => {
-            let expected = "override, feedhold, resume, abort, reduced or starve";
+            let expected = "override, feedhold, resume, abort, reduced, starve or ack";
             let meant = nearest(&word.shown(), WORDS).filter(|_| !word.text.is_empty());
             let expected =
                 meant.map_or_else(|| expected.into(), |one| format!("{expected}; is {one} meant?"));
@@ -329,14 +358,26 @@ fn words(line: &[u8]) -> impl Iterator<Item = Word<'_>> {
     })
 }
 
-/// `12.34` in units of 10^-places, exactly; nothing else, above all no sign.
-fn decimal(text: &[u8], places: usize) -> Option<u64> {
-    let text = std::str::from_utf8(text).ok()?;
-    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
-    let fraction = fraction.trim_end_matches('0');
-    let digits = format!("{whole}{fraction:0<places$}");
-    let plain = !whole.is_empty() && fraction.len() <= places && digits.bytes().all(|b| b.is_ascii_digit());
-    if plain { digits.parse().ok() } else { None }
+/// `M25`, `H7`.
+fn function(text: &[u8]) -> Option<Function> {
+    let (letter, digits) = text.split_first()?;
+    let plain = digits.len() <= 3 && digits.iter().all(u8::is_ascii_digit);
+    let code = std::str::from_utf8(digits).ok().filter(|_| plain)?.parse().ok()?;
+    match letter {
+        b'M' => Some(Function::M(code)),
+        b'H' => Some(Function::H(code)),
+        _ => None,
+    }
+}
+
+/// As it is programmed.
+pub fn function_name(function: Function) -> String {
+    match function {
+        Function::M(code) => format!("M{code}"),
+        Function::H(code) => format!("H{code}"),
+        Function::Spindle(speed) => format!("S{speed}"),
+        Function::Tool(tool) => format!("T{tool}"),
+    }
 }
 
 #[cfg(test)]
@@ -351,7 +392,7 @@ mod tests {
     #[test]
     fn every_event_is_read() {
         let text = "; all of them\r\n0 override 62.5\r\n\r\n 0.25\tfeedhold # now\r\n1 resume\r\n1. reduced on\r\n\
-            1.000000001 reduced off;\r\n2 starve 0.08\r\n30 abort";
+            1.000000001 reduced off;\r\n2 starve 0.08\r\n2 ack M25\n2 ack H007 ; now\n30 abort";
         let events = read(text).unwrap_or_default();
         let seen: Vec<_> = events.iter().map(|event| (event.time_ns, event.what, event.line)).collect();
         let expected = [
@@ -361,7 +402,9 @@ mod tests {
             (1_000_000_000, What::Reduced(true), 6),
             (1_000_000_001, What::Reduced(false), 7),
             (2_000_000_000, What::Starve(80_000_000), 8),
-            (30_000_000_000, What::Abort, 9),
+            (2_000_000_000, What::Acknowledge(Function::M(25)), 9),
+            (2_000_000_000, What::Acknowledge(Function::H(7)), 10),
+            (30_000_000_000, What::Abort, 11),
         ];
         assert_eq!(seen, expected);
         assert_eq!(events[1].column, 7);
@@ -427,6 +470,12 @@ mod tests {
             ("1 reduced yes", (1, 11)),
             ("1 starve 0", (1, 10)),
             ("1 resume now", (1, 10)),
+            ("1 ack", (1, 6)),
+            ("1 ack 25", (1, 7)),
+            ("1 ack M", (1, 7)),
+            ("1 ack T5", (1, 7)),
+            ("1 ack M+5", (1, 7)),
+            ("1 ack M1000", (1, 7)),
             ("2 feedhold\n1.9 resume", (2, 1)),
             ("1 \u{e4}bort", (1, 3)),
         ] {

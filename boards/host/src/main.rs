@@ -3,6 +3,7 @@
 //! A board like the others: it supplies program text, machine data and a clock, here one that runs as fast as the
 //! processor allows.
 
+mod acknowledge;
 mod contour;
 mod decimal;
 mod diagnose;
@@ -77,9 +78,13 @@ struct Run {
     #[command(flatten)]
     input: Input,
     /// Events from outside, one per line: `<seconds> override <percent>`, `feedhold`, `resume`, `abort`,
-    /// `reduced on|off`, `starve <seconds>`.
+    /// `reduced on|off`, `starve <seconds>`, `ack <function>`.
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
+    /// Seconds after its output at which a function is acknowledged, or `never`. Functions that --events acknowledges are not
+    /// meant.
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
+    ack: acknowledge::Delay,
     /// Every set point of every tick, as exact decimals.
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
@@ -145,7 +150,12 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         Some(path) => Some((path, outputs.create(path)?)),
         None => None,
     };
-    let wanted = Wanted { trace, picture: arguments.plot.is_some(), script: script.as_ref() };
+    let wanted = Wanted {
+        trace,
+        picture: arguments.plot.is_some(),
+        script: script.as_ref(),
+        acknowledge: arguments.ack,
+    };
     let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
     if let Some(script) = &script {
         let end = result.time_s(&machine);

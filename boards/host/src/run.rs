@@ -1,15 +1,17 @@
 //! The board itself: memory, clock and drive loop.
+use crate::acknowledge::{Automatic, Delay};
 use crate::diagnose::Diagnostic;
-use crate::events::{Event, Schedule, Script, What};
+use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::Files;
 use crate::machine::{Machine, with_axes};
 use crate::output;
 use crate::plot::Picture;
 use crate::program::{self, Program};
-use crate::statistics::Statistics;
+use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Planner, Progress};
 use glidepath::quantity::{Accel, Position, Speed};
+use glidepath::queue::Function;
 use glidepath::tick::{Interpolator, State, Telemetry};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::File;
@@ -29,6 +31,8 @@ pub struct Wanted<'a> {
     pub picture: bool,
     /// Events from outside.
     pub script: Option<&'a Script>,
+    /// Functions that no event acknowledges.
+    pub acknowledge: Delay,
 }
 
 /// Runs the program to its end.
@@ -71,12 +75,22 @@ fn simulate_axes<const AXES: usize>(
     let schedule = Schedule::new(events, machine.channel.cycle_us);
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions);
-    drive(planner, interpolator, recorder, schedule, patience, bar).map_err(|stop| match stop {
+    let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
+    let rules = Rules { schedule, automatic, patience };
+    drive(planner, interpolator, recorder, rules, bar).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
         )],
+        Stop::Unanswered { since, function } => {
+            let (at, name) = (since as f64 * machine.cycle_s(), function_name(function));
+            let message = format!(
+                "the motion waits for the acknowledgement of {name} from {at:.3} s on, and no later event gives it"
+            );
+            let expected = format!("a later line `{at:.3} ack {name}` or abort in --events, or --ack SECONDS");
+            vec![Diagnostic::error(message).expected(expected)]
+        }
         Stop::Held { since, cause } => {
             let at = since as f64 * machine.cycle_s();
             let message = format!("the motion stands still from {at:.3} s on and no later event lets it go on");
@@ -105,29 +119,45 @@ enum Stop {
         since: u64,
         cause: Option<Event>,
     },
+    /// From that tick on, for that function.
+    Unanswered {
+        since: u64,
+        function: Function,
+    },
+}
+
+/// What happens besides the program.
+struct Rules<'a> {
+    schedule: Schedule<'a>,
+    automatic: Automatic,
+    /// The longest rest, in ticks, that the program may contain of its own.
+    patience: u64,
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then time passes
 /// by one tick: the motion never starves, unless an event wants it, and the set points are those of any controller
 /// that is fast enough.
 ///
-/// A motion that rests because of an event goes on taking time: the set points stay where they are, tick by tick.
-/// `patience` is the longest rest, in ticks, that a program may contain of its own.
+/// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set points stay where they
+/// are, tick by tick.
 fn drive<const AXES: usize>(
     mut planner: Planner<'_, &Files, AXES, BLOCKS>,
     mut interpolator: Interpolator<'_, AXES>,
     mut recorder: Recorder,
-    mut schedule: Schedule<'_>,
-    patience: u64,
+    rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
+    let Rules { mut schedule, mut automatic, patience } = rules;
     let control = planner.control();
     let mut done = false;
     let mut idle = 0;
     loop {
         let tick = recorder.statistics.ticks;
-        while let Some((index, what)) = schedule.due(tick, control) {
-            recorder.statistics.happens(index, what);
+        while let Some((index, what, taken)) = schedule.due(tick, control) {
+            recorder.statistics.happens(index, what, taken);
+        }
+        while let Some(function) = automatic.due(tick, control) {
+            recorder.statistics.acknowledged(function);
         }
         let late = schedule.is_late(tick);
         if !late {
@@ -144,31 +174,49 @@ fn drive<const AXES: usize>(
                     bar.at(u64::from(planned.block) + u64::from(planned.blocks));
                     recorder.statistics.spans.push(planned);
                 }
+                Progress::Replanned => {
+                    if let Some(last) = recorder.statistics.spans.last_mut() {
+                        *last = planner.planned();
+                    }
+                }
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }
         }
         let commands = control.commands();
         let held = commands.hold || commands.feed == 0;
+        let waiting = planner.is_waiting();
         let state = interpolator.tick();
         let mut telemetry = interpolator.telemetry();
         if state == State::Idle {
             if done {
                 break;
             }
-            if !late && !held {
+            if !late && !held && !waiting {
                 idle += 1;
                 if idle > PATIENCE {
                     return Err(Stop::Starved);
                 }
+                // Functions before the first motion.
+                put_out(&mut interpolator, &mut recorder, &mut automatic, &schedule);
                 continue;
             }
             (telemetry.speed, telemetry.accel) = (Speed::ZERO, Accel::ZERO);
         }
         idle = 0;
-        recorder.tick(&telemetry, interpolator.set_points(), held || late).map_err(Stop::Unwritable)?;
-        while let Some(event) = interpolator.event() {
-            recorder.statistics.output(event);
+        let pause = match (held || late, waiting) {
+            (true, _) => Pause::Held,
+            (false, true) => Pause::Waiting,
+            _ => Pause::None,
+        };
+        recorder.tick(&telemetry, interpolator.set_points(), pause).map_err(Stop::Unwritable)?;
+        put_out(&mut interpolator, &mut recorder, &mut automatic, &schedule);
+        if let (true, Some(function)) = (waiting && state == State::Idle, control.awaited())
+            && !automatic.answers(function)
+            && !schedule.answers(function)
+        {
+            let since = recorder.statistics.ticks.saturating_sub(1 + recorder.statistics.rest);
+            return Err(Stop::Unanswered { since, function });
         }
         let rest = recorder.statistics.rest;
         let enough = if state == State::Idle { !late } else { rest > patience };
@@ -181,6 +229,21 @@ fn drive<const AXES: usize>(
     recorder.finish(interpolator.set_points())
 }
 
+/// The functions that are due, to the statistics and to whoever acknowledges.
+fn put_out<const AXES: usize>(
+    interpolator: &mut Interpolator<'_, AXES>,
+    recorder: &mut Recorder,
+    automatic: &mut Automatic,
+    schedule: &Schedule<'_>,
+) {
+    while let Some(output) = interpolator.event() {
+        recorder.statistics.output(output);
+        if output.waits && !schedule.acknowledges(output.function) {
+            automatic.answer(output.function, recorder.statistics.ticks);
+        }
+    }
+}
+
 /// Everything that looks at the set points.
 struct Recorder {
     statistics: Statistics,
@@ -190,9 +253,9 @@ struct Recorder {
 }
 
 impl Recorder {
-    /// A row; `held`: an event wants the motion to stand still.
-    fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position], held: bool) -> io::Result<()> {
-        self.statistics.add(telemetry, set_points, held);
+    /// A row, and why it may be at rest.
+    fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) -> io::Result<()> {
+        self.statistics.add(telemetry, set_points, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
@@ -206,7 +269,7 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points, false).map_err(Stop::Unwritable)?;
+            self.tick(&Telemetry::default(), set_points, Pause::None).map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
         if let Some(trace) = self.trace {

@@ -4,7 +4,8 @@ use crate::machine::Machine;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::quantity::{Position, Speed};
-use glidepath::queue::Event;
+use glidepath::queue::Function;
+use glidepath::technology::Output;
 use glidepath::tick::Telemetry;
 
 /// Set points of one axis, seen one after the other.
@@ -88,18 +89,41 @@ pub struct Statistics {
     pub transitions: Vec<Speed>,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
-    /// Technology functions, with the tick at which they were due.
-    pub functions: Vec<(u64, Event)>,
+    /// Technology functions in the order of their output.
+    pub functions: Vec<PutOut>,
     /// What became of each event from outside.
     pub outcomes: Vec<Outcome>,
     /// Rows at rest up to now.
     pub rest: u64,
-    /// Rows at rest because of an event.
+    /// Rows at rest because of an event, and because of a function that was not acknowledged.
     pub held: u64,
-    /// Stretches of these: tick of the first row and of the last one.
+    pub waited: u64,
+    /// Stretches of both: tick of the first row and of the last one.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
     last: Telemetry,
+}
+
+/// Why a row may be at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pause {
+    /// The program wants it.
+    None,
+    /// An event wants it.
+    Held,
+    /// A function is not acknowledged.
+    Waiting,
+}
+
+/// A technology function that was put out.
+#[derive(Clone, Copy, Debug)]
+pub struct PutOut {
+    /// The tick that reached its point.
+    pub tick: u64,
+    /// What it is.
+    pub output: Output,
+    /// The tick before which it was acknowledged.
+    pub acknowledged: Option<u64>,
 }
 
 /// What became of an event.
@@ -109,6 +133,8 @@ pub struct Outcome {
     pub tick: Option<u64>,
     /// What came of it.
     pub reaction: Option<Reaction>,
+    /// An acknowledgement that nothing waited for.
+    pub ignored: bool,
 }
 
 /// A reaction that is waited for.
@@ -157,28 +183,43 @@ impl Statistics {
             outcomes: vec![Outcome::default(); events],
             rest: 0,
             held: 0,
+            waited: 0,
             holds: Vec::new(),
             awaited: Vec::new(),
             last: Telemetry::default(),
         }
     }
 
-    /// The event with this index happens before the tick to come.
-    pub fn happens(&mut self, index: usize, what: What) {
+    /// The event with this index happens before the tick to come; `taken`: it was not ignored.
+    pub fn happens(&mut self, index: usize, what: What, taken: bool) {
         let ended = match what {
             What::FeedHold | What::Override(0) => Some(Effect::Motion),
             What::Resume | What::Override(_) => Some(Effect::Standstill),
-            What::Abort | What::Reduced(_) | What::Starve(_) => None,
+            What::Abort | What::Reduced(_) | What::Starve(_) | What::Acknowledge(_) => None,
         };
         self.awaited.retain(|other| Some(other.effect) != ended);
         let effect = match what {
             What::FeedHold | What::Abort | What::Override(0) | What::Starve(_) => Some(Effect::Standstill),
             What::Resume => Some(Effect::Motion),
-            What::Override(_) | What::Reduced(_) => None,
+            What::Acknowledge(_) if taken && self.rest > 0 => Some(Effect::Motion),
+            What::Acknowledge(_) | What::Override(_) | What::Reduced(_) => None,
         };
         let (tick, distance) = (self.ticks, self.distance);
-        self.outcomes[index].tick = Some(tick);
+        (self.outcomes[index].tick, self.outcomes[index].ignored) = (Some(tick), !taken);
+        if let (What::Acknowledge(function), true) = (what, taken) {
+            self.acknowledged(function);
+        }
         self.awaited.extend(effect.map(|effect| Awaited { index, what, effect, tick, distance }));
+    }
+
+    /// A function is acknowledged before the tick to come.
+    pub fn acknowledged(&mut self, function: Function) {
+        let open = |done: &&mut PutOut| {
+            done.output.waits && done.output.function == function && done.acknowledged.is_none()
+        };
+        if let Some(done) = self.functions.iter_mut().find(open) {
+            done.acknowledged = Some(self.ticks);
+        }
     }
 
     /// The planner is no longer late.
@@ -186,8 +227,8 @@ impl Statistics {
         self.awaited.retain(|awaited| !matches!(awaited.what, What::Starve(_)));
     }
 
-    /// Takes in a row; `held`: an event wants the motion to stand still.
-    pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], held: bool) {
+    /// Takes in a row, and why it may be at rest.
+    pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) {
         self.digest.add(set_points);
         let moved = telemetry.distance != self.last.distance;
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
@@ -202,8 +243,8 @@ impl Statistics {
         }
         self.react(moved);
         self.rest = if moved { 0 } else { self.rest + 1 };
-        if held && !moved {
-            self.held += 1;
+        if pause != Pause::None && !moved {
+            *if pause == Pause::Held { &mut self.held } else { &mut self.waited } += 1;
             match self.holds.last_mut() {
                 Some([_, last]) if *last + 1 == self.ticks => *last = self.ticks,
                 _ => self.holds.push([self.ticks; 2]),
@@ -224,8 +265,9 @@ impl Statistics {
     }
 
     /// Takes in a function that is due at the last tick.
-    pub fn output(&mut self, event: Event) {
-        self.functions.push((self.ticks.saturating_sub(1), event));
+    pub fn output(&mut self, output: Output) {
+        let tick = self.ticks.saturating_sub(1);
+        self.functions.push(PutOut { tick, output, acknowledged: None });
     }
 
     /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks.
@@ -273,7 +315,7 @@ mod tests {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
         // 1 mm per tick from rest, and a jump to rest.
         for i in 1..=10 {
-            statistics.add(&row(i, 0, 0), &[Position::from_num(-i)], false);
+            statistics.add(&row(i, 0, 0), &[Position::from_num(-i)], Pause::None);
         }
         statistics.finish(&[Position::from_num(-10)]);
         let axis = &statistics.axes[0];
@@ -286,7 +328,7 @@ mod tests {
     fn transitions_have_the_lower_speed_of_the_ticks_around_them() {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
         for (block, speed) in [(0, 0), (0, 5), (1, 3), (1, 4), (4, 7), (4, 0)] {
-            statistics.add(&row(0, block, speed), &[Position::ZERO], false);
+            statistics.add(&row(0, block, speed), &[Position::ZERO], Pause::None);
         }
         assert_eq!(statistics.transitions, [3, 4, 4, 4].map(Speed::from_bits));
         assert_eq!(statistics.fastest, Speed::from_bits(7));
@@ -297,20 +339,20 @@ mod tests {
         let mut statistics = Statistics::new(&[Position::ZERO], 4);
         let rows = |statistics: &mut Statistics, places: &[i64]| {
             for &mm in places {
-                statistics.add(&row(mm, 0, 0), &[Position::ZERO], true);
+                statistics.add(&row(mm, 0, 0), &[Position::ZERO], Pause::Held);
             }
         };
         rows(&mut statistics, &[0, 2]);
-        statistics.happens(0, What::FeedHold);
+        statistics.happens(0, What::FeedHold, true);
         rows(&mut statistics, &[4, 5, 5, 5, 5]);
-        statistics.happens(1, What::Resume);
+        statistics.happens(1, What::Resume, true);
         rows(&mut statistics, &[5, 6]);
         // The planner comes back before anything stands still; then a hold is lifted too early.
-        statistics.happens(2, What::Starve(1));
+        statistics.happens(2, What::Starve(1), true);
         rows(&mut statistics, &[7]);
         statistics.catches_up();
-        statistics.happens(3, What::FeedHold);
-        statistics.happens(1, What::Resume);
+        statistics.happens(3, What::FeedHold, true);
+        statistics.happens(1, What::Resume, true);
         rows(&mut statistics, &[7, 7]);
         let reaction = |effect, ticks, mm: i128| Some(Reaction { effect, ticks, distance: mm << 44 });
         let seen: Vec<_> = statistics.outcomes.iter().map(|outcome| outcome.reaction).collect();

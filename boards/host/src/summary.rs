@@ -1,5 +1,5 @@
 //! What a run comes down to, for people and for programs.
-use crate::events::Event;
+use crate::events::{Event, function_name};
 use crate::files::Files;
 use crate::machine::{Machine, slope_name};
 use crate::program::{Program, Segment, plural};
@@ -7,7 +7,6 @@ use crate::statistics::{Effect, Statistics};
 use anstyle::Style;
 use glidepath::machine::AxisKind;
 use glidepath::quantity::{Speed, Time};
-use glidepath::queue::Function;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
 
@@ -32,6 +31,8 @@ pub struct Summary {
     dwell_s: f64,
     /// At rest because of an event.
     held_s: f64,
+    /// At rest because a function was not acknowledged.
+    waited_s: f64,
     path_mm: f64,
     v_path_max: f64,
     /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
@@ -72,6 +73,10 @@ struct Output {
     t_s: f64,
     n: u32,
     function: String,
+    /// The motion needs its acknowledgement.
+    waits: bool,
+    /// When that came.
+    acknowledged_s: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -188,15 +193,12 @@ impl Summary {
             Warning { id: warning.id.clone(), line, column, file, text: warning.message.clone() }
         });
         let plan: Vec<Span> = plan.collect();
-        let functions = statistics.functions.iter().map(|(tick, event)| Output {
-            t_s: in_seconds(*tick, machine),
-            n: event.n,
-            function: match event.function {
-                Function::M(code) => format!("M{code}"),
-                Function::H(code) => format!("H{code}"),
-                Function::Spindle(speed) => format!("S{speed}"),
-                Function::Tool(tool) => format!("T{tool}"),
-            },
+        let functions = statistics.functions.iter().map(|done| Output {
+            t_s: in_seconds(done.tick, machine),
+            n: done.output.n,
+            function: function_name(done.output.function),
+            waits: done.output.waits,
+            acknowledged_s: done.acknowledged.map(|tick| in_seconds(tick, machine)),
         });
         // Events change the speeds that were planned.
         let planned = events.is_empty();
@@ -231,6 +233,7 @@ impl Summary {
             blocks: statistics.blocks(),
             dwell_s: program.dwell_s(),
             held_s: in_seconds(statistics.held, machine),
+            waited_s: in_seconds(statistics.waited, machine),
             path_mm: statistics.distance_mm(),
             v_path_max,
             digest: format!("{:016x}", statistics.digest.value()),
@@ -282,8 +285,11 @@ impl Summary {
         if self.held_s > 0.0 {
             write!(out, ", {:.3} s held", self.held_s)?;
         }
+        if self.waited_s > 0.0 {
+            write!(out, ", {:.3} s waited", self.waited_s)?;
+        }
         writeln!(out)?;
-        let moving = self.program_time_s - self.dwell_s - self.held_s;
+        let moving = self.program_time_s - self.dwell_s - self.held_s - self.waited_s;
         let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
         writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
         if !self.functions.is_empty() {
@@ -335,6 +341,23 @@ impl Summary {
             }
             if self.events.len() > EVENTS {
                 writeln!(out, "  {dim}… {} in all{dim:#}", self.events.len())?;
+            }
+        }
+        let waits: Vec<&Output> = self.functions.iter().filter(|output| output.waits).collect();
+        if !waits.is_empty() {
+            writeln!(out)?;
+            writeln!(out, "  {dim} output at{dim:#}")?;
+            for output in waits.iter().take(EVENTS) {
+                let outcome = match output.acknowledged_s {
+                    Some(at) => {
+                        format!("{dim}acknowledged after{dim:#} {:.3} ms", (at - output.t_s) * 1e3)
+                    }
+                    None => format!("{dim}not acknowledged{dim:#}"),
+                };
+                writeln!(out, "  {:>10.3} s  {:<18}  {outcome}", output.t_s, output.function)?;
+            }
+            if waits.len() > EVENTS {
+                writeln!(out, "  {dim}… {} in all{dim:#}", waits.len())?;
             }
         }
         if !self.slowest_corners.is_empty() {

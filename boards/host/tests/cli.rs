@@ -185,6 +185,24 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             &["(P-CHAN-00361) is known, not available in this version"],
         ),
         (
+            "synch-later",
+            "[axis.X]\n[channel.m_synch]\n25 = \"MVS_SLM\"\n",
+            3,
+            &["m_synch[25] (P-CHAN-00041) = MVS_SLM is known, not available in this version", "MVS_SNS"],
+        ),
+        (
+            "synch-unknown",
+            "[axis.X]\n[channel.h_synch]\n25 = 3\n",
+            3,
+            &["h_synch[25] (P-CHAN-00027) = 3: no synchronisation", "NO_SYNCH, MOS, MVS_SVS"],
+        ),
+        (
+            "synch-number",
+            "[axis.X]\n[channel.h_synch]\nM25 = 2\n",
+            3,
+            &["h_synch[M25] (P-CHAN-00027): no number of a function", "0…999"],
+        ),
+        (
             "mode",
             "[axis.X]\n[channel]\noverride_weight_prog_feed = 3\n",
             3,
@@ -341,13 +359,19 @@ fn events_are_refused_with_line_column_word_and_what_was_expected() {
     let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
     let cases = [
         ("soon abort", "1:1", "`soon`", "a time in seconds"),
-        ("; first\r\n 0.5 halt", "2:6", "`halt`", "override, feedhold, resume, abort, reduced or starve"),
+        (
+            "; first\r\n 0.5 halt",
+            "2:6",
+            "`halt`",
+            "override, feedhold, resume, abort, reduced, starve or ack",
+        ),
         ("0.5 resum", "1:5", "`resum`", "is resume meant?"),
         ("0.5 # nothing", "1:4", "the event is missing", "override, feedhold"),
         ("0.5 override 200.1", "1:14", "`200.1`", "percent, 0…200"),
         ("0.5 override 99.95", "1:14", "`99.95`", "one decimal at most"),
         ("0.5 reduced", "1:12", "on or off is missing", "on or off"),
         ("0.5 starve 0", "1:12", "`0`", "seconds without the planner, above 0"),
+        ("0.5 ack S3", "1:9", "`S3`", "an M or H function"),
         ("0.5 feedhold now", "1:14", "`now`", "the end of the line"),
         ("2 feedhold\n1.5 resume", "2:1", "a time before the one above", "2 of line 1 or later"),
     ];

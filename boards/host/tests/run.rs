@@ -579,3 +579,68 @@ fn pictures_show_limits_beside_values() {
     };
     assert_eq!((dashed(&svg, "#3a9d5d"), dashed(&other, "#3a9d5d")), (0, 4));
 }
+
+/// A rounded corner with M25, then M26 before a block.
+const ACTIONS: &str = "%m\nN100 #CONTOUR MODE [DEV, PATH_DEV 2, INTER_ACTION]\nN110 G01 X60 G61 M25 F6000\n\
+    N120 Y60\nN130 X0 M26\nM30\n";
+
+fn synchronised(name: &str) -> String {
+    let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.toml"));
+    let text = fs::read_to_string(shipped("machines/default.toml")).expect("the shipped machine");
+    let text = format!("{text}\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n");
+    fs::write(&machine, text).expect("a machine for the test");
+    machine.to_str().expect("a path of plain characters").to_owned()
+}
+
+#[test]
+fn functions_are_acknowledged_at_once_late_or_by_events() {
+    let (program, machine) = (written("actions", ACTIONS), synchronised("actions"));
+    let ms = |value: &Value| (number(value) * 1e3).round() as i64;
+    let functions = |run: &Run| {
+        let functions = run.summary["functions"].as_array().expect("a list").iter();
+        functions.map(|f| (ms(&f["t_s"]), ms(&f["acknowledged_s"]))).collect::<Vec<_>>()
+    };
+    let at_once = run("at-once", &program, Some(&machine));
+    let [(first, one), (second, two)] = functions(&at_once)[..] else { panic!("{:?}", at_once.summary) };
+    assert_eq!((one - first, two - second), (1, 1));
+    assert_eq!(at_once.summary["waited_s"], json!(0.0));
+    // 0.25 s from each output.
+    let late = run_with("late-ack", &program, Some(&machine), &["--ack", "0.25"]);
+    let delayed = second + 249;
+    assert_eq!(functions(&late), [(first, first + 250), (delayed, delayed + 250)]);
+    assert_eq!(ms(&late.summary["waited_s"]), 2 * 249);
+    assert!(late.stdout.contains("0.498 s waited") && late.stdout.contains("acknowledged after 250.000 ms"));
+    let svg = fs::read_to_string(late.directory.join("p.svg")).expect("it was asked for");
+    assert!(svg.contains(">M25</text>") && svg.contains(">M26</text>"));
+    // By an event, one that comes too early, and one at once.
+    let script = events("actions", "0.1 ack M25\n3 ack M25\n");
+    let run = run_with("acked", &program, Some(&machine), &["--events", &script]);
+    assert_eq!(functions(&run)[0], (first, 3000));
+    assert!(run.stderr.contains("actions.events:1:5") && run.stderr.contains("nothing waits for M25"));
+    assert_eq!(run.stderr.matches("warning").count(), 1, "{}", run.stderr);
+    // The set points stay where the curve is in its middle.
+    let rows = &run.trace.rows;
+    assert!(rows[first as usize..3000].iter().all(|row| row.axes == rows[first as usize].axes));
+    assert_ne!(rows[3005].axes, rows[3000].axes);
+}
+
+#[test]
+fn a_function_that_is_never_acknowledged_is_named() {
+    let (program, machine) = (written("never", ACTIONS), synchronised("never"));
+    let script = events("never", "0.1 ack M25\n0.2 feedhold\n0.4 resume\n");
+    for (options, expected) in
+        [(["--ack", "never"], "acknowledgement of M25"), (["--events", &script], "acknowledgement of M25")]
+    {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+        command.args(["run", &program, "--machine", &machine]).args(options);
+        let output = command.output().expect("the simulator starts");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert!(text.contains(expected) && text.contains("--ack SECONDS"), "{text}");
+    }
+    // An abort ends the wait.
+    let script = events("never-abort", "0.1 ack M25\n4 abort\n");
+    let run = run_with("never-abort", &program, Some(&machine), &["--events", &script]);
+    assert_eq!(run.summary["functions"][0]["acknowledged_s"], Value::Null);
+    assert_eq!(run.summary["events"][1]["tick"], json!(4000));
+}

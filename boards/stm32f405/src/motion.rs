@@ -6,7 +6,9 @@ use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use critical_section::Mutex;
 use glidepath::axis::Axes;
+use glidepath::control::Control;
 use glidepath::digest::Digest;
+use glidepath::technology::{Output as Function, Technology};
 use glidepath::tick::{Interpolator, State};
 use stm32f4::stm32f405::{Interrupt, RCC, TIM2, interrupt};
 
@@ -37,6 +39,17 @@ struct Motion {
     interpolator: Interpolator<'static, AXES>,
     axes: Output,
     timer: TIM2,
+}
+
+/// Nothing here carries out M, H, S and T: what is to be acknowledged is so at once.
+struct Nothing<'a>(&'a Control);
+
+impl Technology for Nothing<'_> {
+    fn output(&mut self, function: &Function) {
+        if function.waits {
+            let _ = self.0.acknowledge(function.function);
+        }
+    }
 }
 
 static MAILBOX: Mutex<Cell<Option<Motion>>> = Mutex::new(Cell::new(None));
@@ -81,6 +94,8 @@ fn TIM2() {
     // The set points of the cycle before: their moment does not depend on how long the next ones take.
     motion.axes.write(motion.interpolator.set_points());
     let state = motion.interpolator.tick();
+    let control = motion.interpolator.control();
+    motion.interpolator.deliver(&mut Nothing(control));
     let late = motion.timer.sr().read().uif().bit_is_set();
     critical_section::with(|cs| {
         let mut report = REPORT.borrow(cs).get();

@@ -11,7 +11,8 @@
 //!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
 //! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
-//! corner between them, inside the second one they do not.
+//! corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and POST_ACTION count as they stood when the
+//! block before the corner came.
 mod corner;
 mod curve;
 mod parameters;
@@ -24,7 +25,7 @@ use super::poly::Knot;
 use super::{Element, PathError, arc, line};
 use crate::lookahead::{Curving, max};
 use crate::math::float::to_f32;
-use crate::nc::{Contour, ContourMethod, ContourSwitch, Place, Plane};
+use crate::nc::{Contour, ContourAction, ContourMethod, ContourSwitch, Place, Plane};
 use crate::quantity::{Distance, Position};
 
 /// How a block was programmed, to make its rest anew.
@@ -94,6 +95,16 @@ pub struct Outgoing<const AXES: usize> {
     pub data: Data,
     /// Set for the curve in a corner.
     pub curving: Option<Curving>,
+    /// Functions with no more motion blocks before them come before it.
+    pub due: u32,
+}
+
+/// A curve in a corner on its way out: what goes with each half, and the functions due before it.
+#[derive(Clone, Copy, Debug)]
+struct Turning<const AXES: usize> {
+    course: Course<AXES>,
+    halves: [(Data, u32); 2],
+    curving: Curving,
 }
 
 /// The stage: between the blocks' curves and the look-ahead.
@@ -109,7 +120,7 @@ pub struct Contouring<const AXES: usize> {
     /// behind it.
     before: Option<Outgoing<AXES>>,
     bridge: Option<Outgoing<AXES>>,
-    course: Option<(Course<AXES>, [Data; 2], Curving)>,
+    course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
 }
 
@@ -250,6 +261,11 @@ impl<const AXES: usize> Contouring<AXES> {
         self.once = false;
     }
 
+    /// Whether the end of the last block is to be rounded.
+    pub fn rounds(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.rule.is_some())
+    }
+
     /// Whether a block is held back.
     pub fn holds(&self) -> bool {
         self.held.is_some()
@@ -281,7 +297,14 @@ impl<const AXES: usize> Contouring<AXES> {
             if let Some(course) =
                 Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack])
             {
-                self.course = Some((course, [data, next.block.data], curving));
+                let [first, second] = [data, next.block.data];
+                let due = match held.rule.map(|rule| rule.action) {
+                    Some(ContourAction::Pre) => [second.number; 2],
+                    Some(ContourAction::Post) => [first.number; 2],
+                    _ => [first.number, second.number],
+                };
+                let halves = [(first, due[0]), (second, due[1])];
+                self.course = Some(Turning { course, halves, curving });
                 next.block.element = renewed;
                 next.block.from = begin;
                 if rest == 0 {
@@ -294,7 +317,7 @@ impl<const AXES: usize> Contouring<AXES> {
             // An arc may come back so near to the other block that no even curve joins them there.
             [reach.before, reach.behind] = [reach.before, reach.behind].map(|c| c - c / 4);
         }
-        self.before = Some(Outgoing { element, data, curving: None });
+        self.before = Some(Outgoing { element, data, curving: None, due: data.number });
         if self.course.is_none() {
             self.bridge = held.bridge(&self.main);
         }
@@ -399,7 +422,7 @@ impl<const AXES: usize> Held<AXES> {
     fn bridge(&self, main: &Main) -> Option<Outgoing<AXES>> {
         let (to, data) = self.skipped?;
         let element = line(&self.block.to, &to, main).ok().flatten()?;
-        Some(Outgoing { element, data, curving: None })
+        Some(Outgoing { element, data, curving: None, due: data.number })
     }
 
     /// The rest of the block from a point on it.
@@ -427,13 +450,14 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.before.is_some() {
             return self.before.take();
         }
-        if let Some((course, data, curving)) = &mut self.course {
-            let data = data[usize::from(!course.is_before())];
+        if let Some(Turning { course, halves, curving }) = &mut self.course {
+            let (data, due) = halves[usize::from(!course.is_before())];
             if let Some(element) = course.next() {
                 return Some(Outgoing {
                     element,
                     data: Data { stop: false, ..data },
                     curving: Some(*curving),
+                    due,
                 });
             }
             self.course = None;
@@ -446,6 +470,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         let held = self.held.take()?;
         self.bridge = held.bridge(&self.main);
-        Some(Outgoing { element: held.block.element, data: held.block.data, curving: None })
+        let Held { block: Block { element, data, .. }, .. } = held;
+        Some(Outgoing { element, data, curving: None, due: data.number })
     }
 }

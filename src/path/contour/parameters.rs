@@ -4,7 +4,7 @@ use super::{REVERSAL, TANGENTIAL};
 use crate::lookahead::min;
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
-use crate::nc::{Contour, ContourMethod};
+use crate::nc::{Contour, ContourAction, ContourMethod};
 use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
@@ -34,6 +34,8 @@ pub struct Parameters {
     pub dist: [f32; 2],
     /// Interim point; where it is not given, the corner's coordinate.
     pub point: [Option<Position>; 3],
+    /// Where functions between the blocks come out.
+    pub action: ContourAction,
 }
 
 /// Sine of half an angle in degrees.
@@ -61,6 +63,7 @@ impl Parameters {
             const_vel: false,
             dist: [1.0; 2],
             point: [None; 3],
+            action: ContourAction::Inter,
         }
     }
 
@@ -90,6 +93,9 @@ impl Parameters {
         }
         if let Some(constant) = contour.const_vel {
             self.const_vel = constant;
+        }
+        if let Some(action) = contour.action {
+            self.action = action;
         }
         let [pre, post] = &mut self.dist;
         set(pre, contour.pre_dist);

@@ -13,8 +13,6 @@ pub const AXIS: &[(&str, &str)] = &[
 
 /// Channel parameters: ISG id and dotted name inside `[channel]`.
 pub const CHANNEL: &[(&str, &str)] = &[
-    ("P-CHAN-00027", "h_synch"),
-    ("P-CHAN-00041", "m_synch"),
     ("P-CHAN-00141", "jerk_monitoring_mode"),
     ("P-CHAN-00217", "hsc.gen.on_delay_output_one_block"),
     ("P-CHAN-00239", "hsc.bspline.auto_contour_mode"),

@@ -3,7 +3,7 @@ use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::run::BLOCKS;
 use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis};
-use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData};
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -46,6 +46,9 @@ impl Allowed {
         }
     }
 }
+
+/// Largest number of an M or H function.
+const LAST_FUNCTION: u16 = 999;
 
 const LOOK_AHEAD: &str = "look_ahead";
 const SLOPE: &str = "prog_start.slope.profile";
@@ -151,7 +154,9 @@ impl Loader<'_> {
                     let mut entries = Vec::new();
                     flatten(table, "", &mut entries);
                     for entry in &entries {
-                        self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
+                        if !self.synch(entry, &mut machine.channel) {
+                            self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
+                        }
                     }
                 }
                 ("axis", DeValue::Table(_)) => {}
@@ -315,6 +320,51 @@ impl Loader<'_> {
         }
     }
 
+    /// A function of `m_synch` or `h_synch`; `false` if the name is another.
+    fn synch(&mut self, entry: &Entry<'_>, channel: &mut ChannelData) -> bool {
+        let (table, number) = entry.name.split_once('.').unwrap_or((&entry.name, ""));
+        let (id, synchs) = match table {
+            "m_synch" => ("P-CHAN-00041", &mut channel.m_synch),
+            "h_synch" => ("P-CHAN-00027", &mut channel.h_synch),
+            _ => return false,
+        };
+        let label = format!("channel.{table}[{number}] ({id})");
+        let code = number.parse::<u16>().ok().filter(|code| *code <= LAST_FUNCTION);
+        let Some(code) = code else {
+            let example = format!("for example [channel.{table}] with 25 = \"MVS_SNS\"");
+            let message = format!("{label}: no number of a function");
+            self.refuse(&entry.key, message, &format!("0…{LAST_FUNCTION}, {example}"));
+            return true;
+        };
+        let (span, value) = (entry.value.span(), entry.value.get_ref());
+        let text = self.text(&span).to_owned();
+        let number = milli(value, false).ok().map(|milli| milli / 1000);
+        let meant = Synch::ALL
+            .iter()
+            .find(|(_, name, bits)| value.as_str() == Some(name) || number == Some(i128::from(*bits)));
+        let here: Vec<&str> =
+            Synch::ALL.iter().filter(|(synch, ..)| synch.is_available()).map(|(_, name, _)| *name).collect();
+        let here = here.join(", ");
+        match meant {
+            Some((synch, ..)) if synch.is_available() => *synchs = synchs.with(code, *synch),
+            Some((_, name, _)) => {
+                let message = format!("{label} = {name} is known, not available in this version");
+                self.refuse(&span, message, &here);
+            }
+            None => {
+                let names = Synch::ALL.map(|(_, name, _)| name);
+                let meant = value.as_str().and_then(|word| nearest(word, names));
+                let expected = meant.map_or_else(|| here.clone(), |name| format!("{here}; is {name} meant?"));
+                self.refuse(&span, format!("{label} = {text}: no synchronisation"), &expected);
+            }
+        }
+        if synchs.overflows() {
+            let message = format!("{label}: more than {SYNCHRONISED} functions");
+            self.refuse(&entry.key, message, "leave out those of MOS: it is the default");
+        }
+        true
+    }
+
     /// One of the words of a parameter.
     fn set_word<Target>(
         &mut self,
@@ -436,7 +486,7 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepath::machine::AccelerationUnit;
+    use glidepath::machine::{AccelerationUnit, SynchTable};
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -452,7 +502,7 @@ mod tests {
         let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
-            cir_radial_acc_limit = 1\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
+            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
             a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
             vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
@@ -488,7 +538,12 @@ mod tests {
             vector_unit: AccelerationUnit::MmS2,
             cir_radial_acc_limit: true,
             check_jerk_on_poly_path: 2,
+            // In the order of the file, which TOML tables have not.
+            m_synch: machine.channel.m_synch,
+            h_synch: SynchTable::NONE.with(7, Synch::MnsSns),
         };
+        let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
+        assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);
         assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
         // What is left out has ISG's defaults.
         let default = ChannelData::new();

@@ -1,8 +1,9 @@
-//! Events over time: a mark through all charts, its label above the first one, and a ground where the motion rests.
+//! Events, and functions that are to be acknowledged, over time: a mark through all charts, its label above the first one, and a ground where the motion rests.
 use super::Scene;
 use super::canvas::{Anchor, Canvas, EVENT, HELD, Point, Rect, Stroke, TextStyle};
 use super::font::Font;
 use super::scale::Scale;
+use crate::events::function_name;
 
 /// Lines of labels; where these are full, a mark stays without.
 const LINES: usize = 4;
@@ -21,7 +22,7 @@ struct Mark {
 pub struct Marks {
     marks: Vec<Mark>,
     lines: usize,
-    /// From where to where an event makes the motion rest.
+    /// From where to where an event or a missing acknowledgement makes the motion rest.
     holds: Vec<[f64; 2]>,
 }
 
@@ -34,10 +35,15 @@ impl Marks {
         // Where labels and stems behind begin, per line.
         let mut starts = [f64::INFINITY; LINES];
         let mut marks: Vec<Mark> = Vec::new();
+        let events = scene.events.iter().zip(&scene.statistics.outcomes);
+        let events = events.filter_map(|(event, outcome)| Some((outcome.tick?, event.what.to_string())));
+        let functions = scene.statistics.functions.iter().filter(|done| done.output.waits);
+        let functions = functions.map(|done| (done.tick, function_name(done.output.function)));
+        let mut all: Vec<(u64, String)> = events.chain(functions).collect();
+        all.sort_by_key(|(tick, _)| *tick);
         // From the last to the first: a label stands above those behind it, and its stem beside them.
-        for (event, outcome) in scene.events.iter().zip(&scene.statistics.outcomes).rev() {
-            let Some(tick) = outcome.tick else { continue };
-            let (x, text) = (at(tick), event.what.to_string());
+        for (tick, text) in all.into_iter().rev() {
+            let x = at(tick);
             let width = font.width(&text);
             let left = if x + 3.0 + width <= right { x + 3.0 } else { x - 3.0 - width };
             let fits = |line: &usize| {

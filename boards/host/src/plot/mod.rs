@@ -118,6 +118,7 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
 mod tests {
     use super::*;
     use crate::program::{Kind, Segment};
+    use crate::statistics::Pause;
     use glidepath::nc::Place;
     use glidepath::quantity::{Accel, Position, Speed};
     use glidepath::tick::Telemetry;
@@ -160,7 +161,7 @@ mod tests {
                 accel: Accel(((s * 0.04).cos() * 0.001).to_string().parse().unwrap_or_default()),
                 ..Telemetry::default()
             };
-            statistics.add(&telemetry, &set_points, false);
+            statistics.add(&telemetry, &set_points, Pause::None);
             picture.add(&telemetry, &set_points, &statistics.axes, machine.cycle_s());
         }
         let source = Source { name: "a & b.nc".into(), text: Vec::new() };

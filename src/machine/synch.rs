@@ -1,0 +1,132 @@
+//! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027 `h_synch[n]`.
+
+/// When a function is put out, and up to where it has to be acknowledged.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Synch {
+    /// NO_SYNCH: it is not put out.
+    NoSynch,
+    /// MOS: put out, no acknowledgement.
+    Mos,
+    /// MVS_SVS: put out before the motion of its block, which begins when it is acknowledged.
+    MvsSvs,
+    /// MVS_SNS: put out before the motion of its block, acknowledged before the next motion.
+    MvsSns,
+    /// MNS_SNS: put out behind the motion of its block, acknowledged before the next motion.
+    MnsSns,
+    /// MNE_SNS: put out at a measuring event.
+    MneSns,
+    /// MVS_SLM: acknowledged where the motion changes to feed.
+    MvsSlm,
+    /// MVS_SLP: acknowledged at #EXPL SYN.
+    MvsSlp,
+    /// MOS_TS: put out a time before or behind the motion.
+    MosTs,
+    /// BWD_SYNCH: acknowledged in backward motion too.
+    BwdSynch,
+    /// FWD_SYNCH: acknowledged in simulated forward motion too.
+    FwdSynch,
+    /// MEP_SVS: put out a distance ahead.
+    MepSvs,
+    /// MET_SVS: put out a time ahead.
+    MetSvs,
+    /// FAW_SYNCH: the decoder waits too.
+    FawSynch,
+}
+
+impl Synch {
+    /// All of them: name, and value in an ISG parameter list.
+    pub const ALL: [(Self, &'static str, u32); 14] = [
+        (Self::NoSynch, "NO_SYNCH", 0),
+        (Self::Mos, "MOS", 0x1),
+        (Self::MvsSvs, "MVS_SVS", 0x2),
+        (Self::MvsSns, "MVS_SNS", 0x4),
+        (Self::MnsSns, "MNS_SNS", 0x8),
+        (Self::MneSns, "MNE_SNS", 0x20),
+        (Self::MvsSlm, "MVS_SLM", 0x4000),
+        (Self::MvsSlp, "MVS_SLP", 0x8000),
+        (Self::MosTs, "MOS_TS", 0x4_0000),
+        (Self::BwdSynch, "BWD_SYNCH", 0x40_0000),
+        (Self::FwdSynch, "FWD_SYNCH", 0x80_0000),
+        (Self::MepSvs, "MEP_SVS", 0x100_0000),
+        (Self::MetSvs, "MET_SVS", 0x200_0000),
+        (Self::FawSynch, "FAW_SYNCH", 0x1000_0000),
+    ];
+
+    /// As ISG calls it.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(synch, ..)| *synch == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// Whether this version does it.
+    pub const fn is_available(self) -> bool {
+        matches!(self, Self::NoSynch | Self::Mos | Self::MvsSvs | Self::MvsSns | Self::MnsSns)
+    }
+
+    /// Put out before the motion of its block.
+    pub const fn is_before(self) -> bool {
+        matches!(self, Self::MvsSvs | Self::MvsSns)
+    }
+
+    /// The motion waits for an acknowledgement.
+    pub const fn waits(self) -> bool {
+        matches!(self, Self::MvsSvs | Self::MvsSns | Self::MnsSns)
+    }
+}
+
+/// Functions that a table can hold.
+pub const SYNCHRONISED: usize = 32;
+
+/// Functions by their number; one that is not in the table is [`Synch::Mos`].
+///
+/// ```
+/// use glidepath::machine::{Synch, SynchTable};
+/// const M_SYNCH: SynchTable = SynchTable::NONE.with(25, Synch::MvsSns).with(26, Synch::MvsSvs);
+/// assert_eq!(M_SYNCH.of(26), Synch::MvsSvs);
+/// assert_eq!(M_SYNCH.of(3), Synch::Mos);
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SynchTable {
+    entries: [(u16, Synch); SYNCHRONISED],
+    len: u8,
+    full: bool,
+}
+
+impl SynchTable {
+    /// No function in it.
+    pub const NONE: Self = Self { entries: [(0, Synch::Mos); SYNCHRONISED], len: 0, full: false };
+
+    /// The same with function number `code`. More than [`SYNCHRONISED`] are refused with the machine data.
+    #[must_use]
+    pub const fn with(mut self, code: u16, synch: Synch) -> Self {
+        let len = self.len as usize;
+        let mut k = 0;
+        while k < len && self.entries[k].0 != code {
+            k += 1;
+        }
+        if k < SYNCHRONISED {
+            self.entries[k] = (code, synch);
+            if k == len {
+                self.len += 1;
+            }
+        } else {
+            self.full = true;
+        }
+        self
+    }
+
+    /// Of the function number `code`.
+    pub fn of(&self, code: u16) -> Synch {
+        self.entries().find(|entry| entry.0 == code).map_or(Synch::Mos, |entry| entry.1)
+    }
+
+    /// What is in it: number and type.
+    pub fn entries(&self) -> impl Iterator<Item = &(u16, Synch)> {
+        self.entries.iter().take(self.len.into())
+    }
+
+    /// Whether more was put in than it holds.
+    pub const fn overflows(&self) -> bool {
+        self.full
+    }
+}

@@ -1,0 +1,173 @@
+//! Waiting at gates, and going on.
+//!
+//! Before a gate the motion is planned to stand still; behind it nothing is handed on. When the last acknowledgement comes
+//! while the motion before the gate does not slow down for it yet, the law of that motion is made anew with the speed that the
+//! way behind the gate permits. It has to agree with the old one up to a tick shortly ahead, where the interrupt changes over
+//! ([`clock`]): so it does as long as only its end differs. Otherwise the old law holds, and the motion goes on from rest.
+use super::hold::REACTION;
+use super::{PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use crate::queue::PHASES;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Before the first block of the look-ahead, a gate.
+    pub(super) fn wait(&mut self) -> Work {
+        if self.lookahead.first().is_some_and(|first| first.has_functions()) {
+            self.functions.pass(self.distance, &mut self.queue.events);
+            self.lookahead.drop_functions();
+        }
+        self.stand()
+    }
+
+    /// Stands where everything handed on ends: a tick shows the point itself.
+    pub(super) fn stand(&mut self) -> Work {
+        if self.stood {
+            return Work::Waiting;
+        }
+        self.stood = true;
+        self.stay(1);
+        Work::Working
+    }
+
+    /// Whether the motion stands still because acknowledgements have not come.
+    pub fn is_waiting(&self) -> bool {
+        let gate = self.lookahead.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
+        gate && self.stood && self.queue.clock.now() == self.end
+    }
+
+    /// Looks at acknowledgements, and goes on with what they began.
+    pub(super) fn answer(&mut self) -> Option<Work> {
+        if self.joining {
+            return self.join();
+        }
+        // A plan at work is completed first.
+        if !self.queue.control.is_answered() || self.stage == Stage::Passing {
+            return None;
+        }
+        let answers = self.queue.control.take_answers();
+        let (lookahead, curves) = (&mut self.lookahead, self.curves);
+        let (mut first, mut any) = (false, false);
+        self.functions.answer(answers, |gate| {
+            let index = lookahead.open_gate(gate);
+            first |= index == Some(curves);
+            any |= index > Some(curves);
+        });
+        self.reopened |= any;
+        if first && self.begin_join() { Some(Work::Working) } else { None }
+    }
+
+    /// The first gate is open. Plans what is behind it, if the motion before it may still be fast there.
+    fn begin_join(&mut self) -> bool {
+        let Some(last) = self.flights.len().checked_sub(1) else { return false };
+        let Some(flight) = self.flights.get(last) else { return false };
+        let done = !clock::is_before(self.queue.clock.now(), self.end);
+        // What has a law of its own already, a hold among them, keeps it.
+        if done || self.mode.stopping || self.curves > 0 || self.laid != self.flights.len() {
+            return false;
+        }
+        let reach = flight.span.reach(self.lookahead.entry());
+        if flight.span.v_out != Speed::ZERO || reach == Speed::ZERO {
+            return false;
+        }
+        self.lookahead.free_start(reach);
+        self.lookahead.begin_pass(!self.flush);
+        self.joining = true;
+        true
+    }
+
+    /// Goes on with that plan; when it is complete, changes the law before the gate.
+    fn join(&mut self) -> Option<Work> {
+        if self.lookahead.step_pass().is_none() {
+            return Some(Work::Working);
+        }
+        self.joining = false;
+        // What was to be handed on had another plan.
+        self.reopened = true;
+        let first = self.lookahead.first_speed();
+        let last = self.flights.len().wrapping_sub(1);
+        let v_out = self.flights.get(last).map_or(Speed::ZERO, |flight| flight.span.reach(first));
+        let joined = v_out > Speed::ZERO && self.join_at(v_out);
+        let begins = if joined { v_out } else { Speed::ZERO };
+        if begins != first {
+            // The plan began faster.
+            self.lookahead.restart(begins);
+        }
+        if !joined {
+            return Some(Work::Working);
+        }
+        self.stood = false;
+        Some(Work::Replanned)
+    }
+
+    /// The last span ends at the speed `v_out`, if its law can be changed in time.
+    fn join_at(&mut self, v_out: Speed) -> bool {
+        self.trim();
+        let Some(k) = self.flights.len().checked_sub(1) else { return false };
+        let Some(&flight) = self.flights.get(k) else { return false };
+        let now = self.queue.clock.now();
+        let at = now.wrapping_add(clock::TICK * REACTION);
+        let at = if clock::is_before(at, flight.first) { flight.first } else { at };
+        let stopping = self.mode.stopping || self.queue.control.commands().standstill();
+        let room = self.queue.phases.room() >= PIECES + 2;
+        if !clock::is_before(at, self.end) || stopping || self.mode.cut.is_some() || !room {
+            return false;
+        }
+        let Some(motion) = self.motion_at(at) else { return false };
+        let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops);
+        let gate = self.queue.phases.count();
+        if let Some(flight) = self.flights.get_mut(k) {
+            flight.span.v_out = v_out;
+            flight.span.checked &= flight.span.blocks == 1;
+            flight.rest = 0;
+        }
+        self.emitter.resume_at(flight.next);
+        (self.laid, self.speed, self.end) = (k, flight.enters, flight.first);
+        if self.lay().is_ok()
+            && self.speed > Speed::ZERO
+            && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
+        {
+            let _ = self.queue.phases.push(Phase::BLANK);
+            self.put(rest);
+            self.hand_out();
+            self.queue.clock.publish(at, gate.wrapping_add(1));
+            let is_late = clock::is_before(at, self.queue.clock.now());
+            // Late, it was taken or never will be.
+            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
+                self.mode.cut = Some(at);
+                return true;
+            }
+            self.queue.clock.withdraw();
+            self.queue.phases.withdraw(gate);
+        }
+        // Everything as before.
+        (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops) = before;
+        if let Some(old) = self.flights.get_mut(k) {
+            *old = flight;
+        }
+        false
+    }
+
+    /// The law just begun at the instant `at`: the motion there, and the piece from there on.
+    fn piece_at(&mut self, at: u32) -> Option<(super::Instant, Phase)> {
+        let mut phase = Phase::BLANK;
+        for _ in 0..PHASES {
+            if !self.emitter.has_piece() {
+                return None;
+            }
+            self.emitter.step(&mut phase);
+            let end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+            if clock::is_before(at, end) {
+                let gone = at.wrapping_sub(self.end) / clock::TICK;
+                self.end = at;
+                phase.advance(gone as u16);
+                let motion = super::Instant {
+                    distance: phase.distance.to_bits(),
+                    speed: phase.speed.to_bits(),
+                    accel: 2 * phase.half_accel.to_bits(),
+                };
+                return Some((motion, phase));
+            }
+            self.end = end;
+        }
+        None
+    }
+}

@@ -1,0 +1,202 @@
+//! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion waits.
+//!
+//! A function belongs between two motion blocks, which counts as the number of motion blocks before it. Contour mode decides
+//! which element of the path begins there. That element carries two marks in the look-ahead: one says that functions come
+//! out where it begins, the other that it is a *gate*: it is not handed on, and the motion is planned to stand still before
+//! it, until all acknowledgements demanded there have come.
+use super::Function;
+use crate::control::{Control, OPEN, Ticket};
+use crate::lookahead::Before;
+use crate::machine::Synch;
+use crate::quantity::Distance;
+use crate::queue::{EVENTS, Event, Producer};
+use heapless::Vec;
+
+/// A function that is not in the queue yet.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    n: u32,
+    function: Function,
+    ticket: Ticket,
+    /// Motion blocks before it, and before its gate.
+    out: u32,
+    gate: u32,
+    /// The motion it was programmed with is still to come; and is before its gate.
+    unsettled: bool,
+    spans: bool,
+    /// Its gate is known.
+    gated: bool,
+    /// It comes out where this one of the marked elements begins.
+    at: Option<u32>,
+}
+
+/// Functions and gates.
+pub(super) struct Functions {
+    entries: Vec<Entry, EVENTS>,
+    /// Elements with functions before them that have gone into the look-ahead, and that have come out of it.
+    marked: u32,
+    passed: u32,
+    /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded where
+    /// everything taken in ends.
+    gates: Vec<u32, OPEN>,
+    last: u32,
+    sequence: u8,
+}
+
+/// Not later: numbers of motion blocks.
+const fn reaches(number: u32, other: u32) -> bool {
+    number.wrapping_sub(other) as i32 >= 0
+}
+
+impl Functions {
+    pub const fn new() -> Self {
+        Self { entries: Vec::new(), marked: 0, passed: 0, gates: Vec::new(), last: 0, sequence: 0 }
+    }
+
+    /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of events.
+    /// `in_motion`: it was programmed together with a motion.
+    ///
+    /// # Errors
+    /// No room.
+    pub fn take(
+        &mut self,
+        (n, function, synch): (u32, Function, Synch),
+        (number, in_motion): (u32, bool),
+        (room, control): (u32, &Control),
+    ) -> Result<(), ()> {
+        if self.entries.len() >= room as usize {
+            return Err(());
+        }
+        let mut ticket = Ticket::NONE;
+        if synch.waits() {
+            ticket = control.acknowledgements().plan(function, self.sequence).ok_or(())?;
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        let entry = Entry {
+            n,
+            function,
+            ticket,
+            out: number,
+            gate: number,
+            unsettled: in_motion && synch.is_before(),
+            spans: synch == Synch::MvsSns,
+            gated: !ticket.waits(),
+            at: None,
+        };
+        self.entries.push(entry).map_err(|_| ())
+    }
+
+    /// The motion that they were programmed with is there: `moved`, it has path; `rounds`, its end is to be rounded.
+    pub fn settle(&mut self, moved: bool, rounds: bool) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.unsettled) {
+            entry.unsettled = false;
+            if entry.spans && moved {
+                entry.gate = entry.gate.wrapping_add(1);
+                entry.out = if rounds { entry.gate } else { entry.out };
+            }
+        }
+    }
+
+    /// The motion that they were programmed with is refused.
+    pub fn drop_unsettled(&mut self, control: &Control) {
+        for entry in self.entries.iter().filter(|entry| entry.unsettled) {
+            control.acknowledgements().give_back(entry.ticket);
+        }
+        self.entries.retain(|entry| !entry.unsettled);
+    }
+
+    /// What comes before the next element of the path: all that has no more than `due` motion blocks before it.
+    pub fn before(&mut self, due: u32) -> Before {
+        if self.entries.is_empty() && self.last == 0 {
+            return Before::default();
+        }
+        let functions = self.assign(due);
+        let gate = core::mem::take(&mut self.last);
+        // There is room: a gate has a bit of its own.
+        let gate = gate != 0 && self.gates.push(gate).is_ok();
+        Before { functions, gate }
+    }
+
+    /// Assigns functions to the next marked element, and gates to `last`.
+    fn assign(&mut self, due: u32) -> bool {
+        let mut functions = false;
+        for entry in &mut self.entries {
+            if entry.at.is_none() && reaches(due, entry.out) {
+                entry.at = Some(self.marked);
+                functions = true;
+            }
+            if entry.at.is_some() && !entry.gated && reaches(due, entry.gate) {
+                entry.gated = true;
+                self.last |= entry.ticket.bit();
+            }
+        }
+        self.marked = self.marked.wrapping_add(u32::from(functions));
+        self.tidy();
+        functions
+    }
+
+    /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait there.
+    pub fn at_end(
+        &mut self,
+        number: u32,
+        distance: Distance,
+        queue: &mut Producer<'_, Event, EVENTS>,
+    ) -> bool {
+        if self.assign(number) {
+            self.pass(distance, queue);
+        }
+        self.last != 0
+    }
+
+    /// The next marked element begins at `distance`: its functions into the queue, which has room for them.
+    pub fn pass(&mut self, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) {
+        let here = Some(self.passed);
+        for entry in self.entries.iter().filter(|entry| entry.at == here) {
+            let Entry { n, function, ticket, .. } = *entry;
+            let _ = queue.push(Event { distance, n, function, ticket });
+        }
+        self.passed = self.passed.wrapping_add(1);
+        self.tidy();
+    }
+
+    /// What is in the queue stays as long as its gate is still to come.
+    fn tidy(&mut self) {
+        let passed = self.passed;
+        self.entries.retain(|entry| entry.at.is_none_or(|at| reaches(at, passed)) || !entry.gated);
+    }
+
+    /// These acknowledgements have come; calls `open` with the number of every gate in the look-ahead that is open now, counted
+    /// without those already open.
+    pub fn answer(&mut self, bits: u32, mut open: impl FnMut(usize)) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.ticket.bit() & bits != 0) {
+            // Acknowledged before its gate was known: it needs none.
+            entry.gated = true;
+        }
+        self.last &= !bits;
+        let mut gate = 0;
+        for _ in 0..OPEN {
+            let Some(mask) = self.gates.get_mut(gate) else { break };
+            *mask &= !bits;
+            if *mask == 0 {
+                self.gates.remove(gate);
+                open(gate);
+            } else {
+                gate += 1;
+            }
+        }
+        self.tidy();
+    }
+
+    /// Whether the motion is to wait where everything taken in ends.
+    pub const fn waits(&self) -> bool {
+        self.last != 0
+    }
+
+    /// Forgets all of them.
+    pub fn clear(&mut self, control: &Control) {
+        control.acknowledgements().clear();
+        self.entries.clear();
+        self.gates.clear();
+        (self.last, self.passed) = (0, self.marked);
+    }
+}
