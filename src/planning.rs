@@ -228,7 +228,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.push(element, limits, &data);
         } else {
             let (from, to) = (self.programmed, motion.target);
-            self.contouring.take(&Block { element: *element, from, to, form, data })?;
+            self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
         }
         self.programmed = motion.target;
         self.taken = self.taken.wrapping_add(1);

@@ -42,6 +42,9 @@ const ARC_PART: f32 = 0.5;
 /// Speeds tried for an arc, and the step from one to the next.
 const ARC_SPEEDS: usize = 5;
 const ARC_SPEED_STEP: f32 = 0.8;
+/// Parts of `a_max` and of `B` inside an element whose path is time, and of `B` for the slope there.
+const TIMED_PART: f32 = 0.988;
+const TIMED_SLOPE: f32 = 0.007;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
@@ -281,6 +284,28 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left)
     }
 
+    /// Speed, acceleration and jerk that a motion along the line `element` may have in both directions; `None` with a slope that
+    /// has no jerk.
+    pub fn along(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<[f32; 3]> {
+        let (limits, _) = self.element(element, feed);
+        let Law::Bowed { j, .. } = limits.law else { return None };
+        let j = j.into_iter().fold(f32::MAX, min);
+        Some([limits.v, min(limits.a_up, limits.a_down), j])
+    }
+
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`.
+    pub fn together(&self, parts: &[f32; AXES], rapid: bool) -> [f32; 2] {
+        let [mut a, mut j] = [f32::MAX; 2];
+        for (axis, part) in self.axes.iter().zip(parts) {
+            let (set, part) = (axis.set(rapid), magnitude(*part));
+            if part > 0.0 {
+                a = min(a, min(set.least(), axis.a_max) / part);
+                j = min(j, set.ramp_budget / part);
+            }
+        }
+        [a, j]
+    }
+
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
     /// its largest, share the acceleration a_max and the jerk budget:
     ///
@@ -296,6 +321,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> (Limits, Share) {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        if bounds.timed {
+            return self.timed(bounds, feed);
+        }
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         if let Some(feed) = feed {
@@ -357,6 +385,49 @@ impl<const AXES: usize> Dynamics<AXES> {
             best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
         }
         limits.lower_accelerations(best.2);
+        self.path.lower(&mut limits, rapid, true);
+        (limits, share_left)
+    }
+
+    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve.
+    ///
+    /// |x''|·v² ≤ P·a_max,  |x'''|·v³ ≤ P·B;  what is left is shared by changes of path speed as in [`Self::polynomial`].
+    fn timed(&self, bounds: &Bounds<AXES>, feed: Option<f32>) -> (Limits, Share) {
+        let rapid = feed.is_none();
+        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        if let Some(feed) = feed {
+            limits.v = min(limits.v, feed * self.feed_unit * MARGIN);
+        }
+        limits.law = self.law(f32::MAX);
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = axis.set(rapid);
+            if *slope > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / slope, true);
+                if let Law::Bowed { bend, j } = &mut limits.law {
+                    lower(j, [TIMED_SLOPE / bend.peak_jerk() * set.joint.budget / slope; 4]);
+                }
+            }
+            if *bend > 0.0 {
+                limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / bend));
+            }
+            if *twist > 0.0 {
+                limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
+            }
+        }
+        let v = limits.v;
+        let mut a = min(limits.a_up, limits.a_down);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let budget = axis.set(rapid).joint.budget;
+            if *slope > 0.0 {
+                a = min(a, (axis.a_max - bend * v * v) / slope);
+            }
+            if *bend > 0.0 {
+                a = min(a, ((1.0 - TIMED_SLOPE) * budget - twist * v * v * v) / (3.0 * v * bend));
+            }
+        }
+        limits.lower_accelerations(a);
         self.path.lower(&mut limits, rapid, true);
         (limits, share_left)
     }

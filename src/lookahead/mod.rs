@@ -248,7 +248,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut shared = false;
         let mut anchor = true;
-        let through = dynamics.slope() == SlopeType::Hsc;
+        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed);
+        let through = dynamics.slope() == SlopeType::Hsc && !timed;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
