@@ -42,9 +42,11 @@ const ARC_PART: f32 = 0.5;
 /// Speeds tried for an arc, and the step from one to the next.
 const ARC_SPEEDS: usize = 5;
 const ARC_SPEED_STEP: f32 = 0.8;
-/// Parts of `a_max` and of `B` inside an element whose path is time, and of `B` for the slope there.
+/// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
-const TIMED_SLOPE: f32 = 0.007;
+/// Jerks tried there, each by that factor less: down to a thousandth.
+const TIMED_STEPS: usize = 32;
+const TIMED_STEP: f32 = 0.8;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
@@ -389,9 +391,17 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left)
     }
 
-    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve.
+    /// Limits of an element whose path is time. Nearly all of acceleration and jerk belongs to the curve as long as it is passed at
+    /// the highest speed V; a path acceleration needs 3·x''·v·a beside it.
     ///
-    /// |x''|·v² ≤ P·a_max,  |x'''|·v³ ≤ P·B;  what is left is shared by changes of path speed as in [`Self::polynomial`].
+    /// But acceleration is zero at both ends of a span, and between them it changes with the jerk j at most: from zero at a
+    /// speed of V at most, or to zero there. So v + a²/(2·j) ≤ V, which leaves room where there is acceleration: the only
+    /// question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
+    ///
+    /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
+    ///
+    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
+    /// e·(1 − e²) is at most 0.385.
     fn timed(&self, bounds: &Bounds<AXES>, feed: Option<f32>) -> (Limits, Share) {
         let rapid = feed.is_none();
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
@@ -401,13 +411,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.law = self.law(f32::MAX);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let mut jerk = f32::MAX;
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
                 limits.restrict(&mut share_left, set, 1.0 / slope, true);
-                if let Law::Bowed { bend, j } = &mut limits.law {
-                    lower(j, [TIMED_SLOPE / bend.peak_jerk() * set.joint.budget / slope; 4]);
-                }
+                jerk = min(jerk, set.joint.budget / slope);
             }
             if *bend > 0.0 {
                 limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / bend));
@@ -417,17 +426,27 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         let v = limits.v;
-        let mut a = min(limits.a_up, limits.a_down);
-        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
-            let budget = axis.set(rapid).joint.budget;
-            if *slope > 0.0 {
-                a = min(a, (axis.a_max - bend * v * v) / slope);
+        for _ in 0..TIMED_STEPS {
+            let root = sqrt_f32(2.0 * jerk * v);
+            let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {
+                let (a, left) = (bend * v * v, axis.set(rapid).joint.budget - slope * jerk);
+                let (along, across) = (slope * root, 3.0 * bend * v * root);
+                let third = twist * v * v * v;
+                let near = a + along <= axis.a_max || a * a + along * along * (1.0 / 7.0) <= axis.a_max * a;
+                let evenly = third + 0.385 * across <= left
+                    || third * third + across * across * (1.0 / 9.0) <= left * third;
+                near && evenly
+                    && max(along, 0.5625 * a + 0.5 * along) <= axis.a_max
+                    && 0.421_875 * third + 0.385 * across <= left
+            });
+            if keeps {
+                break;
             }
-            if *bend > 0.0 {
-                a = min(a, ((1.0 - TIMED_SLOPE) * budget - twist * v * v * v) / (3.0 * v * bend));
-            }
+            jerk *= TIMED_STEP;
         }
-        limits.lower_accelerations(a);
+        if let Law::Bowed { bend, j } = &mut limits.law {
+            lower(j, [jerk / bend.peak_jerk(); 4]);
+        }
         self.path.lower(&mut limits, rapid, true);
         (limits, share_left)
     }

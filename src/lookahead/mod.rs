@@ -155,6 +155,8 @@ struct Last<const AXES: usize> {
     shared: bool,
     /// Acceleration may pass its ends.
     through: bool,
+    /// Its path is time.
+    timed: bool,
 }
 
 /// The ring.
@@ -249,7 +251,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut shared = false;
         let mut anchor = true;
         let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed);
-        let through = dynamics.slope() == SlopeType::Hsc && !timed;
+        let through = dynamics.slope() == SlopeType::Hsc;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -267,6 +269,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             anchor = !(through
                 && last.through
+                && last.timed == timed
+                && (!timed || limits.v == before.limits.v)
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
         }
@@ -279,7 +283,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         let [low, middle, high, _] = place.line.min((1 << 24) - 1).to_le_bytes();

@@ -22,7 +22,7 @@ pub use parameters::Parameters;
 
 use self::corner::{CONSTANT, Corner, Course, EVEN, turn};
 use self::curve::{Main, Side, plus, size};
-use self::timed::{Overlap, PART, Rise, Timed};
+use self::timed::{Overlap, Rise, Timed};
 use super::poly::Knot;
 use super::{Element, PathError, arc, line};
 use crate::lookahead::{Curving, Dynamics, max, min};
@@ -440,7 +440,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let (t1, t2) = (before.tangent(), behind.tangent());
         let change = plus(t2, -1.0, t1);
         // Both at once: every axis changes its speed evenly.
-        let [a, j] = planned(dynamics.together(&change, rapid));
+        let [a, j] = planned(rule.method, dynamics.together(&change, rapid));
         if soft {
             let mut distance = rule.distances([most; 2])[0];
             if self.tracks(&change) {
@@ -464,7 +464,10 @@ impl<const AXES: usize> Contouring<AXES> {
             return Some(Overlap::whole(whole))
                 .filter(|way| rule.method == ContourMethod::Ptp && way.is_long());
         }
-        let brief = planned([min(a1, a2), min(min(j1, j2), dynamics.together(&plus(t1, 1.0, t2), rapid)[1])]);
+        let brief = planned(
+            rule.method,
+            [min(a1, a2), min(min(j1, j2), dynamics.together(&plus(t1, 1.0, t2), rapid)[1])],
+        );
         let overlap = |[a, j]: [f32; 2]| {
             let rise = Rise::within(most, v, a, j);
             let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
@@ -492,9 +495,11 @@ impl<const AXES: usize> Contouring<AXES> {
 /// Of a tolerance.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// What of acceleration and jerk a curve over time is planned with.
-fn planned([a, j]: [f32; 2]) -> [f32; 2] {
-    [PART[0] * a, PART[1] * j]
+/// What of acceleration and jerk a curve over time is planned with. The rest is for changes of path speed inside it, for a
+/// feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
+fn planned(method: ContourMethod, [a, j]: [f32; 2]) -> [f32; 2] {
+    let [of_a, of_j] = if method == ContourMethod::Ptp { [0.98, 0.95] } else { [0.93, 0.85] };
+    [of_a * a, of_j * j]
 }
 
 /// How long it takes to go through a corner at the speed `through` over arc length, `c` before and behind it, from where the

@@ -335,6 +335,3 @@ pub fn larger<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES
     }
     most
 }
-
-/// Part of the axes' acceleration and jerk that is planned with: the rest is for a path speed that changes.
-pub const PART: [f32; 2] = [0.985, 0.97];
