@@ -7,7 +7,7 @@ use crate::control::Control;
 use crate::lookahead::{Dynamics, Limits, Lookahead, Share, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -200,6 +200,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.contouring.command(contour, in_motion);
+    }
+
+    /// What is to be said about the curve that the last motion led to.
+    pub fn remark(&mut self) -> Option<NcWarningKind> {
+        self.contouring.remark()
     }
 
     /// The block taken in last gets no curve at its end.

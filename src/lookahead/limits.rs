@@ -295,17 +295,19 @@ impl<const AXES: usize> Dynamics<AXES> {
         Some([limits.v, min(limits.a_up, limits.a_down), j])
     }
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`.
-    pub fn together(&self, parts: &[f32; AXES], rapid: bool) -> [f32; 2] {
-        let [mut a, mut j] = [f32::MAX; 2];
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`; the jerk of a slope, and what a
+    /// curve with this CHECK_JERK may cause.
+    pub fn together(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> [f32; 3] {
+        let [mut a, mut j, mut across] = [f32::MAX; 3];
         for (axis, part) in self.axes.iter().zip(parts) {
             let (set, part) = (axis.set(rapid), magnitude(*part));
             if part > 0.0 {
                 a = min(a, min(set.least(), axis.a_max) / part);
                 j = min(j, set.ramp_budget / part);
+                across = min(across, set.curving_budget(check) / part);
             }
         }
-        [a, j]
+        [a, j, across]
     }
 
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at

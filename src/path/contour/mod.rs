@@ -21,14 +21,14 @@ mod timed;
 pub use parameters::Parameters;
 
 use self::corner::{CONSTANT, Corner, Course, EVEN, turn};
-use self::curve::{Main, Side, plus, size};
+use self::curve::{Main, Quintic, Side, plus, size};
 use self::timed::{Overlap, Rise, Timed};
 use super::poly::Knot;
 use super::{Element, PathError, arc, line};
 use crate::lookahead::{Curving, Dynamics, max, min};
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::nc::{Contour, ContourMethod, ContourSwitch, Place, Plane, SlopeType};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane, SlopeType};
 use crate::quantity::{Distance, Position};
 
 /// How a block was programmed, to make its rest anew.
@@ -115,6 +115,8 @@ pub struct Contouring<const AXES: usize> {
     bridge: Option<Outgoing<AXES>>,
     course: Option<(Curve<AXES>, [Data; 2], Curving)>,
     held: Option<Held<AXES>>,
+    /// What is to be said about the curve that the last block led to.
+    remark: Option<NcWarningKind>,
 }
 
 /// The curve of a corner.
@@ -186,6 +188,7 @@ impl<const AXES: usize> Contouring<AXES> {
             bridge: None,
             course: None,
             held: None,
+            remark: None,
         }
     }
 
@@ -228,7 +231,12 @@ impl<const AXES: usize> Contouring<AXES> {
     /// The line in place of blocks left out is too long.
     #[inline(never)]
     pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>) -> Result<(), PathError> {
-        let rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+        let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+        if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
+            self.on = false;
+            rounds = false;
+            self.remark = Some(NcWarningKind::PtpArc);
+        }
         let mut next = Held {
             block: *block,
             length: block.element.shape.length.to_bits(),
@@ -268,6 +276,11 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         self.held = Some(next);
         Ok(())
+    }
+
+    /// What is to be said about the curve that the last block led to, once.
+    pub fn remark(&mut self) -> Option<NcWarningKind> {
+        self.remark.take()
     }
 
     /// Lets go of the block held back; `stop` demands a standstill at its end.
@@ -342,7 +355,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether and how far a curve reaches into both blocks.
     fn corner(
-        &self,
+        &mut self,
         held: &Held<AXES>,
         next: &Held<AXES>,
         rule: &Parameters,
@@ -354,6 +367,12 @@ impl<const AXES: usize> Contouring<AXES> {
         let position = rule.method == ContourMethod::Pos;
         if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
             return None;
+        }
+        let arc = held.block.form != Form::Line || next.block.form != Form::Line;
+        match rule.method {
+            ContourMethod::Ptp if arc => return None,
+            ContourMethod::DistSoft if arc => self.remark = Some(NcWarningKind::SoftArc),
+            _ => {}
         }
         // Largest distances: a share of the programmed length, a quarter of a turn.
         let mut most = [0.0; 2];
@@ -369,13 +388,13 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         let mut slack = f32::MAX;
         let mut distances = rule.distances(most);
-        let sides = [&before, &behind];
-        if let Some(overlap) = self.overlap([held, next], sides, rule, dynamics, min(most[0], most[1])) {
-            let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
-            let way = Way::Timed(overlap);
-            return Some(Cut { before: reach.min(held.length / 2), behind: reach.min(next.length / 2), way });
-        }
         let corner = Corner { main: &self.main, before, behind };
+        if let Some(overlap) = self.overlap([held, next], &corner, rule, dynamics, min(most[0], most[1])) {
+            let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+            // What is left of a halved line may be some LSB less than its half.
+            let before = reach.min(held.block.element.shape.length.to_bits());
+            return Some(Cut { before, behind: reach.min(next.length / 2), way: Way::Timed(overlap) });
+        }
         let tolerance = rule.tolerance();
         if !position && (tolerance.path.is_some() || tolerance.track > 0.0) {
             let (part, room) = corner.reach(&tolerance, distances)?;
@@ -417,7 +436,7 @@ impl<const AXES: usize> Contouring<AXES> {
     fn overlap(
         &self,
         [held, next]: [&Held<AXES>; 2],
-        [before, behind]: [&Side<AXES>; 2],
+        corner: &Corner<'_, AXES>,
         rule: &Parameters,
         dynamics: &Dynamics<AXES>,
         most: f32,
@@ -437,10 +456,11 @@ impl<const AXES: usize> Contouring<AXES> {
         let [v1, a1, j1] = dynamics.along(&first.element, first.data.feed)?;
         let [v2, a2, j2] = dynamics.along(&second.element, second.data.feed)?;
         let v = min(v1, v2);
-        let (t1, t2) = (before.tangent(), behind.tangent());
+        let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let change = plus(t2, -1.0, t1);
         // Both at once: every axis changes its speed evenly.
-        let [a, j] = planned(rule.method, dynamics.together(&change, rapid));
+        let [a_both, j_both, _] = dynamics.together(&change, rapid, 0);
+        let [a, j] = planned(rule.method, [a_both, j_both]);
         if soft {
             let mut distance = rule.distances([most; 2])[0];
             if self.tracks(&change) {
@@ -459,31 +479,51 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         let reach = f64::from(rule.ptp_distance());
         let whole = Rise::within(most, v, a, j);
-        if whole.half_way() <= off && whole.distance() <= reach {
-            // DEV uses all of its tolerance.
-            return Some(Overlap::whole(whole))
-                .filter(|way| rule.method == ContourMethod::Ptp && way.is_long());
-        }
-        let brief = planned(
-            rule.method,
-            [min(a1, a2), min(min(j1, j2), dynamics.together(&plus(t1, 1.0, t2), rapid)[1])],
-        );
-        let overlap = |[a, j]: [f32; 2]| {
-            let rise = Rise::within(most, v, a, j);
-            let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
-            if by_off.time < by_reach.time { by_off } else { by_reach }
+        let way = if whole.half_way() <= off && whole.distance() <= reach {
+            // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
+            let most = f64::min(off / whole.half_way(), f64::from(most) / whole.distance());
+            let by = if rule.method == ContourMethod::Ptp || most < 1.0 { 1.0 } else { most };
+            Overlap::whole(whole.stretched(by))
+        } else {
+            let sum = dynamics.together(&plus(t1, 1.0, t2), rapid, 0);
+            let brief = planned(rule.method, [min(a1, a2), min(min(j1, j2), sum[1])]);
+            let overlap = |[a, j]: [f32; 2]| {
+                let rise = Rise::within(most, v, a, j);
+                let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
+                if by_off.time < by_reach.time { by_off } else { by_reach }
+            };
+            let way = overlap(brief);
+            if way.is_brief() { way } else { overlap([min(brief[0], a), min(brief[1], j)]) }
         };
-        let mut way = overlap(brief);
-        if !way.is_brief() {
-            way = overlap([min(brief[0], a), min(brief[1], j)]);
-        }
-        let quick = rule.method == ContourMethod::Ptp || {
-            let c = min(most, 4.0 * rule.path_dev / (0.5 * turn as f32));
-            let [a, j] = dynamics.together(&change, rapid);
-            let through = min(v, min(sqrt_f32(0.6 * a * c), cbrt_f32(0.19 * j * c * c)));
-            (way.duration() as f32) < even_time(through, c, &way, [v, min(a1, a2), min(j1, j2)])
-        };
+        // Where the corner is not slower than the feed, the shorter curve over arc length is faster.
+        let room = min(most, rule.ptp_distance());
+        let part = corner.reach(&rule.tolerance(), [room; 2]).map_or(0.0, |(part, _)| part);
+        let c = room * part;
+        let curve = corner.between([c; 2]);
+        let length = curve.length(&self.main, 0.0, 1.0);
+        let through = self.speed(&curve, length, v, dynamics, rapid);
+        let limits = [v, min(a1, a2), min(j1, j2)];
+        let quick = part == 0.0 || (way.duration() as f32) < even_time([through, c, length], &way, limits);
         Some(way).filter(|way| quick && way.is_long())
+    }
+
+    /// About the speed at which a curve over arc length is passed.
+    fn speed(
+        &self,
+        curve: &Quintic<AXES>,
+        length: f32,
+        v: f32,
+        dynamics: &Dynamics<AXES>,
+        rapid: bool,
+    ) -> f32 {
+        let mut through = v;
+        for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let [a, ..] = dynamics.together(&curve.at(u)[2], rapid, 0);
+            let [.., j] = dynamics.together(&curve.third(u), rapid, self.parameters.check_jerk);
+            let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
+            through = min(through, slowest * length);
+        }
+        through
     }
 
     /// Whether other than main axes change their direction.
@@ -491,6 +531,9 @@ impl<const AXES: usize> Contouring<AXES> {
         change.iter().enumerate().any(|(k, x)| *x != 0.0 && !self.main.contains(&Some(k)))
     }
 }
+
+/// A jerk that is none, mm/tick³.
+const UNLIMITED: f32 = 1e6;
 
 /// Of a tolerance.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
@@ -502,14 +545,19 @@ fn planned(method: ContourMethod, [a, j]: [f32; 2]) -> [f32; 2] {
     [of_a * a, of_j * j]
 }
 
-/// How long it takes to go through a corner at the speed `through` over arc length, `c` before and behind it, from where the
-/// curve over time begins to where it ends: with the speed, acceleration and jerk of its lines.
-fn even_time(through: f32, c: f32, way: &Overlap, [v, a, j]: [f32; 3]) -> f32 {
+/// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
+const NORMAL: f32 = 0.8;
+const TWISTED: f32 = 0.25;
+
+/// How long it takes to go through a corner at the speed `through` on a curve over arc length that begins and ends at the
+/// distance `c` and is so long, from where the curve over time begins to where it ends: with the speed, acceleration and jerk
+/// of the lines.
+fn even_time([through, c, length]: [f32; 3], way: &Overlap, [v, a, j]: [f32; 3]) -> f32 {
     let reach = way.rise.distance() as f32;
     let change = v - through;
     let time = if change >= a * a / j { change / a + a / j } else { 2.0 * sqrt_f32(max(change, 0.0) / j) };
     let ramps = 0.5 * (v + through) * time;
-    2.0 * (time + (reach - c - ramps) / v + c / through)
+    2.0 * (time + (reach - c - ramps) / v) + length / through
 }
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower

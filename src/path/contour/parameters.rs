@@ -167,7 +167,8 @@ impl Parameters {
 
     /// PTP: PATH_DIST if it is given and monitored.
     pub(super) fn ptp_distance(&self) -> f32 {
-        if self.given[1] { monitored(self.path_dist) } else { f32::MAX }
+        let counts = self.method == ContourMethod::Ptp && self.given[1];
+        if counts { monitored(self.path_dist) } else { f32::MAX }
     }
 
     /// The deviation that is to be kept: of PTP where PATH_DEV is given, or nothing is.

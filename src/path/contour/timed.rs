@@ -58,6 +58,11 @@ impl Rise {
         Self::new(min(v, fastest * (1.0 - 1.0 / 1_048_576.0)), a, j)
     }
 
+    /// The same speed, gained in so many times the time.
+    pub fn stretched(self, by: f64) -> Self {
+        Self { j: self.j / (by * by), ramp: self.ramp * by, hold: self.hold * by, v: self.v }
+    }
+
     /// Its time.
     fn time(&self) -> f64 {
         2.0 * self.ramp + self.hold
