@@ -288,7 +288,7 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
         return Ok(seen);
     }
 
-    seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.timed));
+    seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.timed.is_some()));
 
     // Joints: position to the bit, direction and curvature to the resolution.
     let mut at = blocks[0].from;

@@ -296,14 +296,19 @@ fn a_soft_corner_is_calmer_than_one_by_deviation() {
             "N1 #CONTOUR MODE [{mode}]\nN2 G00 X0 Y0\nN3 G261\nN4 G01 X80 Y0 F2500\nN5 X80 Y80\nN6 G260\nM30\n"
         )
     };
-    let go = |mode: &str| run_from(&text(mode), [Position::ZERO; 3], &quick(1000));
-    let (soft, dev) = (go("DIST_SOFT PATH_DIST=12"), go("DEV PATH_DEV=0.2"));
-    assert!(soft.time() < dev.time() - 0.005, "{} {}", soft.time(), dev.time());
-    // Half of the acceleration, and of the jerk, that is there.
-    let inside = [peaks_inside(&soft), peaks_inside(&dev), jerk_inside(&soft), jerk_inside(&dev)];
-    assert!(inside[0] < 0.55 && inside[1] > inside[0] && inside[2] < 0.6 * inside[3], "{inside:?}");
-    let off = [soft.distance([80.0, 0.0]), dev.distance([80.0, 0.0])];
-    assert!((off[1] - 0.2).abs() < 1e-3 && off[0] > off[1] && off[0] < 1.0, "{off:?}");
+    // As in the README: s, mm/s², mm/s³, mm.
+    for (mode, expected) in [
+        ("DIST_SOFT PATH_DIST=12", [3.905, 835.0, 17_000.0, 0.486]),
+        ("DEV PATH_DEV=0.2", [3.917, 1176.0, 33_996.0, 0.2]),
+        ("PTP PATH_DEV=0.2", [3.915, 1249.0, 38_396.0, 0.2]),
+    ] {
+        let run = run_from(&text(mode), [Position::ZERO; 3], &quick(1000));
+        let [a, j] = [2000.0 * peaks_inside(&run), jerk_inside(&run)];
+        let seen = [run.time(), a, j, run.distance([80.0, 0.0])];
+        for (seen, expected) in seen.into_iter().zip(expected) {
+            assert!((seen - expected).abs() < 2e-3 * expected, "{mode}: {seen} instead of {expected}");
+        }
+    }
 }
 
 #[test]

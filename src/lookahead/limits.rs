@@ -45,8 +45,8 @@ const ARC_SPEED_STEP: f32 = 0.8;
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
 /// Jerks tried there, each by that factor less: down to a thousandth.
-const TIMED_STEPS: usize = 32;
-const TIMED_STEP: f32 = 0.8;
+const TIMED_STEPS: usize = 44;
+const TIMED_STEP: f32 = 0.85;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
@@ -325,8 +325,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> (Limits, Share) {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        if bounds.timed {
-            return self.timed(bounds, feed);
+        if let Some(speed) = bounds.timed {
+            return self.timed(bounds, speed, feed);
         }
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
@@ -404,9 +404,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
     /// e·(1 − e²) is at most 0.385.
-    fn timed(&self, bounds: &Bounds<AXES>, feed: Option<f32>) -> (Limits, Share) {
+    fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> (Limits, Share) {
         let rapid = feed.is_none();
-        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
+        let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         if let Some(feed) = feed {
             limits.v = min(limits.v, feed * self.feed_unit * MARGIN);

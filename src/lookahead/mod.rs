@@ -250,7 +250,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut shared = false;
         let mut anchor = true;
-        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed);
+        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
         let through = dynamics.slope() == SlopeType::Hsc;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);

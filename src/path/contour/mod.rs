@@ -541,7 +541,7 @@ const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 /// What of acceleration and jerk a curve over time is planned with. The rest is for changes of path speed inside it, for a
 /// feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
 fn planned(method: ContourMethod, [a, j]: [f32; 2]) -> [f32; 2] {
-    let [of_a, of_j] = if method == ContourMethod::Ptp { [0.98, 0.95] } else { [0.93, 0.85] };
+    let [of_a, of_j] = if method == ContourMethod::Ptp { [0.975, 0.96] } else { [0.93, 0.85] };
     [of_a * a, of_j * j]
 }
 

@@ -315,7 +315,7 @@ impl<const AXES: usize> Iterator for Timed<AXES> {
         let mut element = poly(&from, &to, length, 1.0 + 1e-6)?;
         if let Some(bounds) = &mut element.bounds {
             // Acceleration changes evenly: of a short piece that is known better than from its points.
-            bounds.timed = true;
+            bounds.timed = Some(self.overlap.rise.v as f32);
             bounds.bend = larger(&from.end.curvature, &to.end.curvature);
             bounds.twist = twist;
         }
