@@ -295,19 +295,26 @@ impl<const AXES: usize> Dynamics<AXES> {
         Some([limits.v, min(limits.a_up, limits.a_down), j])
     }
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`; the jerk of a slope, and what a
-    /// curve with this CHECK_JERK may cause.
-    pub fn together(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> [f32; 3] {
-        let [mut a, mut j, mut across] = [f32::MAX; 3];
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than
+    /// `of` a_max and of `B`.
+    pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
+        let [mut a, mut j] = [f32::MAX; 2];
         for (axis, part) in self.axes.iter().zip(parts) {
             let (set, part) = (axis.set(rapid), magnitude(*part));
             if part > 0.0 {
-                a = min(a, min(set.least(), axis.a_max) / part);
-                j = min(j, set.ramp_budget / part);
-                across = min(across, set.curving_budget(check) / part);
+                a = min(a, min(set.least(), of[0] * axis.a_max) / part);
+                j = min(j, min(set.ramp_budget, of[1] * set.joint.budget) / part);
             }
         }
-        [a, j, across]
+        [a, j]
+    }
+
+    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.
+    pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
+        let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
+        axes.fold(f32::MAX, |j, (axis, part)| {
+            min(j, axis.set(rapid).curving_budget(check) / magnitude(*part))
+        })
     }
 
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at

@@ -459,8 +459,8 @@ impl<const AXES: usize> Contouring<AXES> {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let change = plus(t2, -1.0, t1);
         // Both at once: every axis changes its speed evenly.
-        let [a_both, j_both, _] = dynamics.together(&change, rapid, 0);
-        let [a, j] = planned(rule.method, [a_both, j_both]);
+        let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
+        let [a, j] = dynamics.together(&change, rapid, of);
         if soft {
             let mut distance = rule.distances([most; 2])[0];
             if self.tracks(&change) {
@@ -485,8 +485,11 @@ impl<const AXES: usize> Contouring<AXES> {
             let by = if rule.method == ContourMethod::Ptp || most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {
-            let sum = dynamics.together(&plus(t1, 1.0, t2), rapid, 0);
-            let brief = planned(rule.method, [min(a1, a2), min(min(j1, j2), sum[1])]);
+            let alone = [t1, t2].map(|t| dynamics.together(t, rapid, of));
+            let [_, j_sum] = dynamics.together(&plus(t1, 1.0, t2), rapid, of);
+            let brief = alone.iter().fold([min(a1, a2), min(min(j1, j2), j_sum)], |[a, j], alone| {
+                [min(a, alone[0]), min(j, alone[1])]
+            });
             let overlap = |[a, j]: [f32; 2]| {
                 let rise = Rise::within(most, v, a, j);
                 let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
@@ -518,8 +521,8 @@ impl<const AXES: usize> Contouring<AXES> {
     ) -> f32 {
         let mut through = v;
         for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            let [a, ..] = dynamics.together(&curve.at(u)[2], rapid, 0);
-            let [.., j] = dynamics.together(&curve.third(u), rapid, self.parameters.check_jerk);
+            let [a, _] = dynamics.together(&curve.at(u)[2], rapid, [1.0; 2]);
+            let j = dynamics.across(&curve.third(u), rapid, self.parameters.check_jerk);
             let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
             through = min(through, slowest * length);
         }
@@ -538,12 +541,11 @@ const UNLIMITED: f32 = 1e6;
 /// Of a tolerance.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// What of acceleration and jerk a curve over time is planned with. The rest is for changes of path speed inside it, for a
-/// feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
-fn planned(method: ContourMethod, [a, j]: [f32; 2]) -> [f32; 2] {
-    let [of_a, of_j] = if method == ContourMethod::Ptp { [0.975, 0.96] } else { [0.93, 0.85] };
-    [of_a * a, of_j * j]
-}
+/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
+/// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
+const PART: [f32; 2] = [0.93, 0.85];
+/// See [`PART`].
+const PART_PTP: [f32; 2] = [0.975, 0.96];
 
 /// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
 const NORMAL: f32 = 0.8;
