@@ -189,7 +189,7 @@ const HALVINGS: usize = 30;
 
 /// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over ticks are means
 /// of it.
-const LEAST: f64 = 1.0 / 64.0;
+const LEAST: f64 = 1.0 / 4096.0;
 
 /// Changes of jerk, and the middle.
 const PIECES: usize = 8;

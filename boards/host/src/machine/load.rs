@@ -451,6 +451,7 @@ mod tests {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
         let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
+            [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
             cir_radial_acc_limit = 1\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
@@ -488,6 +489,7 @@ mod tests {
             vector_unit: AccelerationUnit::MmS2,
             cir_radial_acc_limit: true,
             check_jerk_on_poly_path: 2,
+            ptp: true,
         };
         assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
         // What is left out has ISG's defaults.
