@@ -759,14 +759,16 @@ impl Limits {
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
-    /// v³κ² + 3vκ·a + j inside `budget` (their exact sum is a vector no longer than that).
+    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that). `share` is the part of the
+    /// path that lies in the arc's plane: of a helix κ = share²/r, and the first of them is (share·v)³/r².
     ///
     /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
     /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
     /// So an arc does not become slower where it is cut.
     fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         self.v = min(self.v, sqrt_f32(normal / curvature));
-        self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
+        let twist = curvature * curvature / share;
+        self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
         if let Law::Bowed { bend, j } = &mut self.law {
             lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
         }
@@ -776,7 +778,7 @@ impl Limits {
         for _ in 0..ARC_SPEEDS {
             let across = v * v * curvature;
             let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
-            let jerk = (1.0 - ARC_SLOPE_PART) * budget - across * v * curvature;
+            let jerk = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
             let a = min(min(self.a_up, self.a_down), min(along, jerk / (3.0 * v * curvature)));
             let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
             if time < best.0 {
