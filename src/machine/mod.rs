@@ -214,7 +214,7 @@ pub struct ChannelData {
     /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time,
     /// 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
-    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: #CONTOUR MODE [PTP] is allowed.
+    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is allowed.
     pub ptp: bool,
 }
 
