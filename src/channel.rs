@@ -59,6 +59,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             decoder: Decoder::new(Setup::new(machine, start), text),
             planning: Planning::new(machine, start, sender),
             cycle_us: machine.channel.cycle_us,
+            ptp: machine.channel.ptp,
             source: Source::Open,
             held: None,
             released: 0,
@@ -211,6 +212,8 @@ pub enum Error {
     Nc(NcError),
     /// A command that the language knows and this version does not do: its place and name.
     NotAvailable(Place, &'static str),
+    /// A function that the machine data do not enable: its place, and what it needs.
+    NotEnabled(Place, &'static str),
     /// A motion block without path or speed.
     Motion(Place, MotionError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
@@ -224,7 +227,10 @@ impl Error {
     pub fn place(&self) -> Place {
         match self {
             Self::Nc(e) => e.place,
-            Self::NotAvailable(place, _) | Self::Motion(place, _) | Self::PathAcceleration(place) => *place,
+            Self::NotAvailable(place, _)
+            | Self::NotEnabled(place, _)
+            | Self::Motion(place, _)
+            | Self::PathAcceleration(place) => *place,
             Self::Unplannable => Place::default(),
         }
     }
@@ -235,6 +241,7 @@ impl core::fmt::Display for Error {
         match self {
             Self::Nc(e) => e.fmt(f),
             Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
+            Self::NotEnabled(_, needs) => f.write_str(needs),
             Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
             Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
             Self::Motion(_, MotionError::Released) => {
@@ -283,6 +290,8 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     decoder: Decoder<T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
+    /// FCT_PTP of P-CHAN-00600.
+    ptp: bool,
     source: Source,
     /// A function that the ring of events did not take.
     held: Option<Held>,
@@ -393,6 +402,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                     let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
                     Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
                 })?;
+                if let Some(kind) = self.planning.remark() {
+                    return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
+                }
             }
             Command::Dwell(_, DwellTime::Seconds(time)) => {
                 // 2^-32 s to µs to ticks, up
@@ -444,6 +456,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 if let Some(name) = not_available(contour) {
                     return refuse(name);
                 }
+                if contour.method == Some(ContourMethod::Ptp) && !self.ptp {
+                    return Err(Error::NotEnabled(command.place(), PTP_NEEDS));
+                }
                 self.planning.contour(contour, head.in_motion);
             }
             Command::Spline(_, Spline::Off) => {}
@@ -471,16 +486,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     }
 }
 
+const PTP_NEEDS: &str = "#CONTOUR MODE [PTP] is not enabled; expected FCT_PTP in configuration.path_preparation.function (P-CHAN-00600)";
+
 /// What of contour mode this version does not have.
 fn not_available(contour: &Contour) -> Option<&'static str> {
-    match contour.method {
-        Some(ContourMethod::DistSoft) => return Some("#CONTOUR MODE [DIST_SOFT]"),
-        Some(ContourMethod::DistMaster) => return Some("#CONTOUR MODE [DIST_MASTER]"),
-        Some(ContourMethod::Ptp) => return Some("#CONTOUR MODE [PTP]"),
-        _ => {}
+    if contour.method == Some(ContourMethod::DistMaster) {
+        return Some("#CONTOUR MODE [DIST_MASTER]");
     }
-    let lengths = [contour.path_dist, contour.track_dist, contour.sym_dist];
-    let shares = [contour.acc_max, contour.acc_min, contour.ramp_time, contour.dist_weight];
-    let dynamic = lengths.iter().chain(&shares).any(Option::is_some) || contour.merge.is_some();
-    dynamic.then_some("a keyword of DIST_SOFT, DIST_MASTER or PTP in #CONTOUR MODE")
+    let weighted = contour.dist_weight.is_some_and(|weight| weight.to_bits() != 0);
+    (weighted || contour.sym_dist.is_some()).then_some("DIST_WEIGHT or SYM_DIST in #CONTOUR MODE")
 }

@@ -10,7 +10,7 @@ use crate::control::{Commands, Control};
 use crate::lookahead::{Dynamics, Lookahead, Pace, Permitted, max, min};
 use crate::machine::{MachineData, Synch};
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Contouring, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError};
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -241,6 +241,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.command(contour, in_motion);
     }
 
+    /// What is to be said about the curve that the last motion led to.
+    pub fn remark(&mut self) -> Option<NcWarningKind> {
+        self.contouring.remark()
+    }
+
     /// The block taken in last gets no curve at its end.
     pub fn keep_corner(&mut self) {
         self.contouring.cancel();
@@ -269,7 +274,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.push(element, limits, &data, data.number);
         } else {
             let (from, to) = (self.programmed, motion.target);
-            self.contouring.take(&Block { element: *element, from, to, form, data })?;
+            self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
             self.functions.settle(true, self.contouring.rounds());
         }
         self.programmed = motion.target;

@@ -6,6 +6,7 @@
 use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
+use glidepath::lookahead::Dynamics;
 use glidepath::machine::MachineData;
 use glidepath::nc::{self, Contour, ContourMethod, ContourSwitch, Place};
 use glidepath::path::contour::{Block, Contouring, Data, Form, Outgoing};
@@ -214,6 +215,7 @@ pub fn round<const AXES: usize>(
     machine: &MachineData<AXES>,
     contour: &Contour,
 ) -> Vec<Piece<AXES>> {
+    let dynamics = Dynamics::new(machine);
     let mut stage = Contouring::new(machine.main_axes(), 1);
     stage.command(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
     let mut out = Vec::new();
@@ -226,7 +228,7 @@ pub fn round<const AXES: usize>(
         }
     };
     for block in blocks {
-        stage.take(block).expect("a corner");
+        stage.take(block, &dynamics).expect("a corner");
         drain(&mut stage);
     }
     stage.release(false);
@@ -252,12 +254,15 @@ pub struct Seen {
     /// Something else than the tolerance limits the corner distance: half a block, a quarter of a turn, or blocks that come
     /// so near to each other behind the corner that only a smaller curve is even.
     pub limited: bool,
-    /// Largest difference between path speed and speed along the curve, relative.
+    /// Largest difference between path speed and speed along the curve, relative; where path is time, by which the curve is
+    /// faster.
     pub uneven: f64,
     /// Elements of the curve.
     pub elements: usize,
     /// No curve was made.
     pub sharp: bool,
+    /// Its path is time.
+    pub timed: bool,
 }
 
 /// Distance of a point from a programmed block.
@@ -282,6 +287,8 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
         seen.sharp = true;
         return Ok(seen);
     }
+
+    seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.timed.is_some()));
 
     // Joints: position to the bit, direction and curvature to the resolution.
     let mut at = blocks[0].from;
@@ -317,8 +324,12 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
     for (i, piece) in curve.iter().enumerate() {
         let (ends, noise) = piece.ends(false);
         for order in 0..2 {
-            let off =
-                if order == 0 { apart(&ends[0], &previous.0[0]) } else { distance(&ends[1], &previous.0[1]) };
+            // Over time a curve may be nearly at rest, where its direction is not known as well.
+            let off = if order == 0 && !seen.timed {
+                apart(&ends[0], &previous.0[0])
+            } else {
+                distance(&ends[order], &previous.0[order])
+            };
             // A millionth, or 10^-5 of the largest curvature, and what rounding makes of either side.
             let allowed = 2.0 * (noise[order] + previous.1[order]) + [1e-6, 1e-5 * f64::from(kappa)][order];
             if off > allowed {
@@ -404,7 +415,10 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
             let noise = 4.0 * ROUNDING / step;
             // A chord is shorter than its arc: (κh)²/24.
             let chord = (f64::from(kappa) * step).powi(2) / 24.0;
-            seen.uneven = seen.uneven.max(speed - 1.0 - noise).max(1.0 - speed - noise - chord);
+            seen.uneven = seen.uneven.max(speed - 1.0 - noise);
+            if !seen.timed {
+                seen.uneven = seen.uneven.max(1.0 - speed - noise - chord);
+            }
             q = next;
         }
     }

@@ -72,6 +72,22 @@ fn edges_of_three_axes() {
 }
 
 #[test]
+fn a_steep_helix_turns_as_fast_as_its_circle() {
+    // A turn of radius 1 mm while Z goes 20 mm: the path is three times as long as the circle.
+    for slope in 1..4 {
+        let mut machine = machines::even::<3>(4000);
+        machine.channel.slope_profile = slope;
+        // A slow third axis leaves the speed to the circle.
+        machines::accelerations(&mut machine.axes[2], 300, 300);
+        let mut program = Program::new("steep helix", 3);
+        for turn in 1..=12 {
+            program = program.arc(&[0.0, 0.0, 20.0 * f64::from(turn)], [1.0, 0.0], true, 20_000.0);
+        }
+        good::<3, 120>(&program, &machine);
+    }
+}
+
+#[test]
 fn path_distance_goes_round() {
     // 600 m of path: its distance, ±2^19 mm, passes its end.
     let mut program = Program::new("to and fro", 3);

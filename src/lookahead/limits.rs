@@ -43,6 +43,11 @@ const ARC_PART: f32 = 0.5;
 /// Speeds tried for an arc, and the step from one to the next.
 const ARC_SPEEDS: usize = 5;
 const ARC_SPEED_STEP: f32 = 0.8;
+/// Part of `a_max` and of `B` inside an element whose path is time.
+const TIMED_PART: f32 = 0.988;
+/// Jerks tried there, each by that factor less: down to a thousandth.
+const TIMED_STEPS: usize = 44;
+const TIMED_STEP: f32 = 0.85;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
@@ -310,6 +315,37 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, headroom)
     }
 
+    /// Speed, acceleration and jerk that a motion along the line `element` may have in both directions; `None` with a slope that
+    /// has no jerk.
+    pub fn along(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<[f32; 3]> {
+        let (limits, ..) = self.element(element, feed);
+        let Law::Bowed { j, .. } = limits.law else { return None };
+        let j = j.into_iter().fold(f32::MAX, min);
+        Some([limits.v, min(limits.a_up, limits.a_down), j])
+    }
+
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than
+    /// `of` a_max and of `B`.
+    pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
+        let [mut a, mut j] = [f32::MAX; 2];
+        for (axis, part) in self.axes.iter().zip(parts) {
+            let (set, part) = (axis.set(rapid), magnitude(*part));
+            if part > 0.0 {
+                a = min(a, min(set.least(), of[0] * axis.a_max) / part);
+                j = min(j, min(set.ramp_budget, of[1] * set.joint.budget) / part);
+            }
+        }
+        [a, j]
+    }
+
+    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.
+    pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
+        let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
+        axes.fold(f32::MAX, |j, (axis, part)| {
+            min(j, axis.set(rapid).curving_budget(check) / magnitude(*part))
+        })
+    }
+
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
     /// its largest, share the acceleration a_max and the jerk budget:
     ///
@@ -325,6 +361,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> Permitted {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        if let Some(speed) = bounds.timed {
+            return self.timed(bounds, speed, feed);
+        }
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         let mut v_reduced = f32::MAX;
@@ -387,6 +426,68 @@ impl<const AXES: usize> Dynamics<AXES> {
             best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
         }
         limits.lower_accelerations(best.2);
+        self.path.lower(&mut limits, rapid, true);
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
+    }
+
+    /// Limits of an element whose path is time. Nearly all of acceleration and jerk belongs to the curve as long as it is passed at
+    /// the highest speed V; a path acceleration needs 3·x''·v·a beside it.
+    ///
+    /// But acceleration is zero at both ends of a span, and between them it changes with the jerk j at most: from zero at a
+    /// speed of V at most, or to zero there. So v + a²/(2·j) ≤ V, which leaves room where there is acceleration: the only
+    /// question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
+    ///
+    /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
+    ///
+    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
+    /// e·(1 − e²) is at most 0.385.
+    fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
+        let rapid = feed.is_none();
+        let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let feed = self.programmed(feed);
+        limits.v = min(limits.v, feed * self.level);
+        let mut v_reduced = f32::MAX;
+        limits.law = self.law(f32::MAX);
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let mut jerk = f32::MAX;
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = axis.set(rapid);
+            if *slope > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / slope, true);
+                jerk = min(jerk, set.joint.budget / slope);
+                v_reduced = min(v_reduced, axis.v_reduced / slope);
+            }
+            if *bend > 0.0 {
+                limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / bend));
+            }
+            if *twist > 0.0 {
+                limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
+            }
+        }
+        let v = limits.v;
+        for _ in 0..TIMED_STEPS {
+            let root = sqrt_f32(2.0 * jerk * v);
+            let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {
+                let (a, left) = (bend * v * v, axis.set(rapid).joint.budget - slope * jerk);
+                let (along, across) = (slope * root, 3.0 * bend * v * root);
+                let third = twist * v * v * v;
+                let near = a + along <= axis.a_max || a * a + along * along * (1.0 / 7.0) <= axis.a_max * a;
+                let evenly = third + 0.385 * across <= left
+                    || third * third + across * across * (1.0 / 9.0) <= left * third;
+                near && evenly
+                    && max(along, 0.5625 * a + 0.5 * along) <= axis.a_max
+                    && 0.421_875 * third + 0.385 * across <= left
+            });
+            if keeps {
+                break;
+            }
+            jerk *= TIMED_STEP;
+        }
+        if let Law::Bowed { bend, j } = &mut limits.law {
+            lower(j, [jerk / bend.peak_jerk(); 4]);
+        }
         self.path.lower(&mut limits, rapid, true);
         let headroom = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, headroom)
@@ -705,14 +806,16 @@ impl Limits {
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
-    /// v³κ² + 3vκ·a + j inside `budget` (their exact sum is a vector no longer than that).
+    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that). `share` is the part of the
+    /// path that lies in the arc's plane: of a helix κ = share²/r, and the first of them is (share·v)³/r².
     ///
     /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
     /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
     /// So an arc does not become slower where it is cut.
     fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         self.v = min(self.v, sqrt_f32(normal / curvature));
-        self.v = min(self.v, cbrt_f32(ARC_PART * budget / (curvature * curvature)));
+        let twist = curvature * curvature / share;
+        self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
         if let Law::Bowed { bend, j } = &mut self.law {
             lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
         }
@@ -722,7 +825,7 @@ impl Limits {
         for _ in 0..ARC_SPEEDS {
             let across = v * v * curvature;
             let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
-            let jerk = (1.0 - ARC_SLOPE_PART) * budget - across * v * curvature;
+            let jerk = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
             let a = min(min(self.a_up, self.a_down), min(along, jerk / (3.0 * v * curvature)));
             let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
             if time < best.0 {

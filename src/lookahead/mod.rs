@@ -224,6 +224,8 @@ struct Last<const AXES: usize> {
     shared: bool,
     /// Acceleration may pass its ends.
     through: bool,
+    /// Its path is time.
+    timed: bool,
 }
 
 /// The ring.
@@ -366,6 +368,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut rises = 2.0;
         let mut shared = false;
         let mut anchor = true;
+        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
         let through = dynamics.slope() == SlopeType::Hsc;
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
@@ -387,6 +390,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             anchor = !(through
                 && last.through
+                && last.timed == timed
+                && (!timed || limits.v == before.limits.v)
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
         }
@@ -401,7 +406,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::FUNCTIONS, functions);

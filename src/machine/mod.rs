@@ -221,6 +221,8 @@ pub struct ChannelData {
     pub m_synch: SynchTable,
     /// P-CHAN-00027 `h_synch[n]`: the same of H functions.
     pub h_synch: SynchTable,
+    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is allowed.
+    pub ptp: bool,
 }
 
 impl ChannelData {
@@ -243,6 +245,7 @@ impl ChannelData {
             check_jerk_on_poly_path: 1,
             m_synch: SynchTable::NONE,
             h_synch: SynchTable::NONE,
+            ptp: false,
         }
     }
 }

@@ -158,6 +158,12 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
             2_000,
         )
     },
+    Parameter {
+        words: &["FCT_DEFAULT", "FCT_DEFAULT|FCT_PTP", "FCT_DEFAULT | FCT_PTP"],
+        set: |t, milli| t.ptp = milli != 0,
+        get: |t| t.ptp as i64 * 1000,
+        ..channel("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 2000)
+    },
 ];
 
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";

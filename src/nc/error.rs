@@ -307,6 +307,10 @@ pub enum NcWarningKind {
     EndInSubroutine,
     /// A comment without `)`: the line end closes it.
     UnclosedComment,
+    /// An arc deselects contour mode by PTP.
+    PtpArc,
+    /// DIST_SOFT beside an arc: a curve by its distance alone.
+    SoftArc,
 }
 
 impl NcWarning {
@@ -325,6 +329,10 @@ impl fmt::Display for NcWarning {
             NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
             NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
             NcWarningKind::UnclosedComment => "comment without ): it ends with its line",
+            NcWarningKind::PtpArc => "an arc deselects #CONTOUR MODE [PTP]",
+            NcWarningKind::SoftArc => {
+                "DIST_SOFT beside an arc: the curve keeps the corner distance, axes are not optimised"
+            }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

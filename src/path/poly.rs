@@ -33,6 +33,8 @@ pub struct Bounds<const AXES: usize> {
     pub twist: [f32; AXES],
     /// Speed along the curve per path speed: 1, and more by what the argument misses of the arc length.
     pub fastest: f32,
+    /// Path is time: the path speed, mm/tick, that it was made for.
+    pub timed: Option<f32>,
 }
 
 const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
@@ -89,7 +91,8 @@ pub fn poly<const AXES: usize>(
     let grow = power_of_two(62) / end_w as f64;
     let mut power = [[0; 4]; AXES];
     let mut downs = [0; AXES];
-    let mut bounds = Bounds { slope: [0.0; AXES], bend: [0.0; AXES], twist: [0.0; AXES], fastest };
+    let mut bounds =
+        Bounds { slope: [0.0; AXES], bend: [0.0; AXES], twist: [0.0; AXES], fastest, timed: None };
     for k in 0..AXES {
         let (Some(x0), Some(x1)) = (from.position.get(k), to.position.get(k)) else { return None };
         let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) else { return None };

@@ -6,14 +6,18 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 3] =
-    [("total.tick_max_3_axes", 400), ("case.contour.tick_max", 600), ("size.bytes_per_block_3_axes", 160)];
+const LIMITS: [(&str, u64); 4] = [
+    ("total.tick_max_3_axes", 400),
+    ("case.contour.tick_max", 600),
+    ("case.corners.tick_max", 600),
+    ("size.bytes_per_block_3_axes", 160),
+];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
 const GOALS: [(&str, u64); 2] = [("total.block_mean_3_axes", 6000), ("case.hsc.block_mean", 8000)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
-const CURVES: [&str; 1] = ["contour"];
+const CURVES: [&str; 2] = ["contour", "corners"];
 
 /// Programs with other slopes than TRAPEZ: their plans have figures of their own.
 const SLOPES: [&str; 3] = ["step", "sin2", "hsc"];

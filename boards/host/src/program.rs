@@ -207,9 +207,10 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
         Error::Nc(error) => refused(files, error),
         Error::Unplannable => Diagnostic::error(error.to_string()),
-        Error::NotAvailable(at, _) | Error::Motion(at, _) | Error::PathAcceleration(at) => {
-            explained(files, *at, &error.to_string(), String::new())
-        }
+        Error::NotAvailable(at, _)
+        | Error::NotEnabled(at, _)
+        | Error::Motion(at, _)
+        | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), String::new()),
     }
 }
 

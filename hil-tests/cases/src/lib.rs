@@ -40,7 +40,8 @@ pub const CASES_3: &[Case] = cases!(
     "step",
     "sin2",
     "hsc",
-    "contour"
+    "contour",
+    "corners"
 );
 
 /// Programs for [`AXES_4`].

@@ -243,7 +243,7 @@ impl Machine {
             // Across the path v²κ, its change along the path v³κ².
             let across = normal.min(ACROSS * a_max);
             limits.v = limits.v.min((across / curvature).sqrt());
-            limits.v = limits.v.min((ARC_TURN * jerk / (curvature * curvature)).cbrt());
+            limits.v = limits.v.min((ARC_TURN * jerk * share / (curvature * curvature)).cbrt());
             limits.j = limits.j.map(|j| j.min(mean * ARC_SLOPE * jerk / share));
             // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the less. The
             // speed that is best for the full circle, from rest to rest with constant acceleration.
@@ -253,7 +253,7 @@ impl Machine {
                 let v = limits.v * ARC_SPEED_STEP.powi(i);
                 let across = v * v * curvature;
                 let along = (a_max * a_max - across * across).max(0.0).sqrt() / share;
-                let left = (1.0 - ARC_SLOPE) * jerk - across * v * curvature;
+                let left = (1.0 - ARC_SLOPE) * jerk - across * v * curvature / share;
                 let a = slope.min(along).min(left / (3.0 * v * curvature));
                 let time = if length >= v * v / a { length / v + v / a } else { 2.0 * (length / a).sqrt() };
                 (time, v, a)

@@ -63,11 +63,16 @@ impl<const AXES: usize> Corner<'_, AXES> {
         Quintic::new(a, b, even_speed(self.main, a, b))
     }
 
+    /// The curve with these corner distances.
+    pub fn between(&self, [c1, c2]: [f32; 2]) -> Quintic<AXES> {
+        self.curve(&self.before.at(-c1), &self.behind.at(c2))
+    }
+
     /// How much of the tolerance a curve with these distances takes: 1 is all of it. And how far, mm, its elements may
     /// be beside it: they pass the place nearest to the corner, where the deviation mostly is largest. `along`: beside
     /// arcs it is looked for elsewhere too, which is a hundred times the work.
     fn use_of(&self, tolerance: &Tolerance, [c1, c2]: [f32; 2], along: bool) -> (f32, f32) {
-        let curve = self.curve(&self.before.at(-c1), &self.behind.at(c2));
+        let curve = self.between([c1, c2]);
         let (mut most, mut slack) = (0.0, f32::MAX);
         if let Some(path) = tolerance.path {
             let mut off = curve.distance(self.main, &[0.0; AXES], 0.5);

@@ -203,6 +203,16 @@ impl<const AXES: usize> Quintic<AXES> {
         out
     }
 
+    /// Third derivative.
+    pub fn third(&self, u: f32) -> [f32; AXES] {
+        let [.., p3, p4, p5] = &self.power;
+        let mut out = *p3;
+        for (x, (c4, c5)) in out.iter_mut().zip(p4.iter().zip(p5)) {
+            *x = 6.0 * *x + u * (24.0 * c4 + u * 60.0 * c5);
+        }
+        out
+    }
+
     /// The point at `u` with direction and curvature over arc length.
     pub fn site(&self, main: &Main, u: f32) -> Site<AXES> {
         let [offset, first, second] = self.at(u);

@@ -1,5 +1,6 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
-//! curvature, inside a tolerance (DEV), at given distances (DIST) or through a given point (POS).
+//! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
+//! their speed as they can (DIST_SOFT, PTP; DEV with HSC): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
@@ -16,16 +17,21 @@
 mod corner;
 mod curve;
 mod parameters;
+mod timed;
 
 pub use parameters::Parameters;
 
 use self::corner::{CONSTANT, Corner, Course, EVEN, turn};
-use self::curve::{Main, Side, size};
+use self::curve::{Main, Quintic, Side, plus, size};
+use self::timed::{Overlap, Rise, Timed};
 use super::poly::Knot;
 use super::{Element, PathError, arc, line};
-use crate::lookahead::{Curving, max};
+use crate::lookahead::{Curving, Dynamics, max, min};
 use crate::math::float::to_f32;
-use crate::nc::{Contour, ContourAction, ContourMethod, ContourSwitch, Place, Plane};
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::{
+    Contour, ContourAction, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane, SlopeType,
+};
 use crate::quantity::{Distance, Position};
 
 /// How a block was programmed, to make its rest anew.
@@ -102,7 +108,7 @@ pub struct Outgoing<const AXES: usize> {
 /// A curve in a corner on its way out: what goes with each half, and the functions due before it.
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
-    course: Course<AXES>,
+    course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
 }
@@ -122,6 +128,38 @@ pub struct Contouring<const AXES: usize> {
     bridge: Option<Outgoing<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
+    /// What is to be said about the curve that the last block led to.
+    remark: Option<NcWarningKind>,
+}
+
+/// The curve of a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Curve<const AXES: usize> {
+    /// Over its arc length.
+    Even(Course<AXES>),
+    /// Over time.
+    Timed(Timed<AXES>),
+}
+
+impl<const AXES: usize> Curve<AXES> {
+    /// Whether the next element belongs to the block before the corner.
+    fn is_before(&self) -> bool {
+        match self {
+            Self::Even(course) => course.is_before(),
+            Self::Timed(timed) => timed.is_before(),
+        }
+    }
+}
+
+impl<const AXES: usize> Iterator for Curve<AXES> {
+    type Item = Element<AXES>;
+
+    fn next(&mut self) -> Option<Element<AXES>> {
+        match self {
+            Self::Even(course) => course.next(),
+            Self::Timed(timed) => timed.next(),
+        }
+    }
 }
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
@@ -163,6 +201,7 @@ impl<const AXES: usize> Contouring<AXES> {
             bridge: None,
             course: None,
             held: None,
+            remark: None,
         }
     }
 
@@ -204,8 +243,13 @@ impl<const AXES: usize> Contouring<AXES> {
     /// # Errors
     /// The line in place of blocks left out is too long.
     #[inline(never)]
-    pub fn take(&mut self, block: &Block<AXES>) -> Result<(), PathError> {
-        let rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+    pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>) -> Result<(), PathError> {
+        let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+        if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
+            self.on = false;
+            rounds = false;
+            self.remark = Some(NcWarningKind::PtpArc);
+        }
         let mut next = Held {
             block: *block,
             length: block.element.shape.length.to_bits(),
@@ -241,10 +285,15 @@ impl<const AXES: usize> Contouring<AXES> {
             }
         }
         if let Some(held) = self.held.take() {
-            self.join(held, &mut next);
+            self.join(held, &mut next, dynamics);
         }
         self.held = Some(next);
         Ok(())
+    }
+
+    /// What is to be said about the curve that the last block led to, once.
+    pub fn remark(&mut self) -> Option<NcWarningKind> {
+        self.remark.take()
     }
 
     /// Lets go of the block held back; `stop` demands a standstill at its end.
@@ -272,10 +321,10 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// The block that is left of `held` goes out, with a curve to `next` if there is one.
-    fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>) {
+    fn join(&mut self, held: Held<AXES>, next: &mut Held<AXES>, dynamics: &Dynamics<AXES>) {
         let mut element = held.block.element;
         let data = held.block.data;
-        let mut cut = held.rule.and_then(|rule| self.corner(&held, next, &rule));
+        let mut cut = held.rule.and_then(|rule| self.corner(&held, next, &rule, dynamics));
         for _ in 0..SMALLER {
             let Some(reach) = &mut cut else { break };
             let rest = element.shape.length.to_bits() - reach.before;
@@ -292,11 +341,17 @@ impl<const AXES: usize> Contouring<AXES> {
             let Ok(renewed) = next.renewed(&begin, &self.main) else { break };
             let to = Knot { position: begin, end: renewed.entry };
             let curving = Curving { jerk: self.parameters.check_jerk, constant: self.parameters.const_vel };
-            let interim = reach.interim.as_ref();
             let even = if curving.constant { CONSTANT } else { EVEN };
-            if let Some(course) =
-                Course::new(&self.main, &held.block.to, &from, &to, interim, [even, reach.slack])
-            {
+            let (main, origin) = (&self.main, &held.block.to);
+            let course = match &reach.way {
+                Way::Timed(overlap) => Some(Curve::Timed(Timed::new(origin, *overlap, &from, &to)))
+                    .filter(|_| overlap.rise.v > 0.0),
+                Way::Even { interim, slack } => {
+                    let interim = interim.as_ref();
+                    Course::new(main, origin, &from, &to, interim, [even, *slack]).map(Curve::Even)
+                }
+            };
+            if let Some(course) = course {
                 let [first, second] = [data, next.block.data];
                 let due = match held.rule.map(|rule| rule.action) {
                     Some(ContourAction::Pre) => [second.number; 2],
@@ -324,13 +379,25 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// Whether and how far a curve reaches into both blocks.
-    fn corner(&self, held: &Held<AXES>, next: &Held<AXES>, rule: &Parameters) -> Option<Cut<AXES>> {
+    fn corner(
+        &mut self,
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        dynamics: &Dynamics<AXES>,
+    ) -> Option<Cut<AXES>> {
         let before = Side::new(&held.block.element, &held.block.element.exit);
         let behind = Side::new(&next.block.element, &next.block.element.entry);
         let turn = turn(&self.main, before.tangent(), behind.tangent())?;
         let position = rule.method == ContourMethod::Pos;
         if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
             return None;
+        }
+        let arc = held.block.form != Form::Line || next.block.form != Form::Line;
+        match rule.method {
+            ContourMethod::Ptp if arc => return None,
+            ContourMethod::DistSoft if arc => self.remark = Some(NcWarningKind::SoftArc),
+            _ => {}
         }
         // Largest distances: a share of the programmed length, a quarter of a turn.
         let mut most = [0.0; 2];
@@ -347,6 +414,12 @@ impl<const AXES: usize> Contouring<AXES> {
         let mut slack = f32::MAX;
         let mut distances = rule.distances(most);
         let corner = Corner { main: &self.main, before, behind };
+        if let Some(overlap) = self.overlap([held, next], &corner, rule, dynamics, min(most[0], most[1])) {
+            let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+            // What is left of a halved line may be some LSB less than its half.
+            let before = reach.min(held.block.element.shape.length.to_bits());
+            return Some(Cut { before, behind: reach.min(next.length / 2), way: Way::Timed(overlap) });
+        }
         let tolerance = rule.tolerance();
         if !position && (tolerance.path.is_some() || tolerance.track > 0.0) {
             let (part, room) = corner.reach(&tolerance, distances)?;
@@ -363,11 +436,12 @@ impl<const AXES: usize> Contouring<AXES> {
                 ((distances[i] * ONE_44) as i64).min(length / 2)
             }
         };
-        let mut cut =
-            Cut { before: bits(0, held.length), behind: bits(1, next.length), interim: None, slack };
+        let [reach_before, reach_behind] = [bits(0, held.length), bits(1, next.length)];
+        let mut interim = None;
+        let mut before = reach_before;
         let left = held.block.element.shape.length.to_bits();
-        if left - cut.before <= held.length >> SLIVER {
-            cut.before = left;
+        if left - before <= held.length >> SLIVER {
+            before = left;
         }
         if position {
             let mut point = [0.0; AXES];
@@ -377,19 +451,175 @@ impl<const AXES: usize> Contouring<AXES> {
                     *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
                 }
             }
-            cut.interim = Some(point);
+            interim = Some(point);
         }
-        Some(cut)
+        Some(Cut { before, behind: reach_behind, way: Way::Even { interim, slack } })
+    }
+
+    /// The curve over time between two lines, if that is what the method asks for or what is faster: the largest distance from the
+    /// corner is `most`.
+    fn overlap(
+        &self,
+        [held, next]: [&Held<AXES>; 2],
+        corner: &Corner<'_, AXES>,
+        rule: &Parameters,
+        dynamics: &Dynamics<AXES>,
+        most: f32,
+    ) -> Option<Overlap> {
+        let [first, second] = [&held.block, &next.block];
+        let soft = matches!(rule.method, ContourMethod::DistSoft | ContourMethod::DistMaster);
+        let quick = match rule.method {
+            ContourMethod::Dev => dynamics.slope() == SlopeType::Hsc && !self.parameters.const_vel,
+            ContourMethod::Ptp => true,
+            _ => soft,
+        };
+        let straight = first.form == Form::Line && second.form == Form::Line && first.to == second.from;
+        let rapid = first.data.feed.is_none();
+        if !quick || !straight || held.skipped.is_some() || rapid != second.data.feed.is_none() {
+            return None;
+        }
+        let [v1, a1, j1] = dynamics.along(&first.element, first.data.feed)?;
+        let [v2, a2, j2] = dynamics.along(&second.element, second.data.feed)?;
+        let v = min(v1, v2);
+        let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
+        let change = plus(t2, -1.0, t1);
+        // Both at once: every axis changes its speed evenly.
+        let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
+        let [a, j] = dynamics.together(&change, rapid, of);
+        if soft {
+            let mut distance = rule.distances([most; 2])[0];
+            if self.tracks(&change) {
+                distance = min(distance, rule.track_distance());
+            }
+            return Some(Overlap::whole(soft_rise(rule, distance, [v, a, j])?)).filter(Overlap::is_long);
+        }
+        // How far both may be from the corner when they are equally far from it.
+        let turn = f64::from(size(&self.main, &change));
+        let mut off = rule.deviation().map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
+        let track = rule.tolerance().track;
+        for (_, x) in change.iter().enumerate().filter(|(k, _)| !self.main.contains(&Some(*k))) {
+            if track > 0.0 && *x != 0.0 {
+                off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
+            }
+        }
+        let reach = f64::from(rule.ptp_distance());
+        let whole = Rise::within(most, v, a, j);
+        let way = if whole.half_way() <= off && whole.distance() <= reach {
+            // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
+            let most = f64::min(off / whole.half_way(), f64::from(most) / whole.distance());
+            let by = if rule.method == ContourMethod::Ptp || most < 1.0 { 1.0 } else { most };
+            Overlap::whole(whole.stretched(by))
+        } else {
+            let alone = [t1, t2].map(|t| dynamics.together(t, rapid, of));
+            let [_, j_sum] = dynamics.together(&plus(t1, 1.0, t2), rapid, of);
+            let brief = alone.iter().fold([min(a1, a2), min(min(j1, j2), j_sum)], |[a, j], alone| {
+                [min(a, alone[0]), min(j, alone[1])]
+            });
+            let overlap = |[a, j]: [f32; 2]| {
+                let rise = Rise::within(most, v, a, j);
+                let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
+                if by_off.time < by_reach.time { by_off } else { by_reach }
+            };
+            let way = overlap(brief);
+            if way.is_brief() { way } else { overlap([min(brief[0], a), min(brief[1], j)]) }
+        };
+        // Where the corner is not slower than the feed, the shorter curve over arc length is faster.
+        let room = min(most, rule.ptp_distance());
+        let part = corner.reach(&rule.tolerance(), [room; 2]).map_or(0.0, |(part, _)| part);
+        let c = room * part;
+        let curve = corner.between([c; 2]);
+        let length = curve.length(&self.main, 0.0, 1.0);
+        let through = self.speed(&curve, length, v, dynamics, rapid);
+        let limits = [v, min(a1, a2), min(j1, j2)];
+        let quick = part == 0.0 || (way.duration() as f32) < even_time([through, c, length], &way, limits);
+        Some(way).filter(|way| quick && way.is_long())
+    }
+
+    /// About the speed at which a curve over arc length is passed.
+    fn speed(
+        &self,
+        curve: &Quintic<AXES>,
+        length: f32,
+        v: f32,
+        dynamics: &Dynamics<AXES>,
+        rapid: bool,
+    ) -> f32 {
+        let mut through = v;
+        for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let [a, _] = dynamics.together(&curve.at(u)[2], rapid, [1.0; 2]);
+            let j = dynamics.across(&curve.third(u), rapid, self.parameters.check_jerk);
+            let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
+            through = min(through, slowest * length);
+        }
+        through
+    }
+
+    /// Whether other than main axes change their direction.
+    fn tracks(&self, change: &[f32; AXES]) -> bool {
+        change.iter().enumerate().any(|(k, x)| *x != 0.0 && !self.main.contains(&Some(k)))
     }
 }
 
-/// What a corner takes from its blocks, LSB 2^-44 mm, the point it is to go through, from the corner, and how far beside the
-/// curve its elements may be, mm.
+/// A jerk that is none, mm/tick³.
+const UNLIMITED: f32 = 1e6;
+
+/// Of a tolerance.
+const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
+
+/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
+/// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
+const PART: [f32; 2] = [0.93, 0.85];
+/// See [`PART`].
+const PART_PTP: [f32; 2] = [0.975, 0.96];
+
+/// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
+const NORMAL: f32 = 0.8;
+const TWISTED: f32 = 0.25;
+
+/// How long it takes to go through a corner at the speed `through` on a curve over arc length that begins and ends at the
+/// distance `c` and is so long, from where the curve over time begins to where it ends: with the speed, acceleration and jerk
+/// of the lines.
+fn even_time([through, c, length]: [f32; 3], way: &Overlap, [v, a, j]: [f32; 3]) -> f32 {
+    let reach = way.rise.distance() as f32;
+    let change = v - through;
+    let time = if change >= a * a / j { change / a + a / j } else { 2.0 * sqrt_f32(max(change, 0.0) / j) };
+    let ramps = 0.5 * (v + through) * time;
+    2.0 * (time + (reach - c - ramps) / v) + length / through
+}
+
+/// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
+/// speed if ACC_MAX is not enough.
+fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3]) -> Option<Rise> {
+    let [least, most] = rule.acc;
+    let ramp = max(rule.ramp_time, 1e-4) * a / j;
+    // D = v·T/2 with T = v/a' + ramp, or 2·√(v·ramp/a') if a' is not reached.
+    let mut part = v * v * v * ramp / (a * distance * distance);
+    let hold = distance - 0.5 * v * ramp;
+    if v > part * a * ramp && hold > 0.0 {
+        part = v * v / (2.0 * a * hold);
+    }
+    let part = min(max(part, least), most);
+    if part <= 0.0 || distance <= 0.0 {
+        return None;
+    }
+    let a = part * a;
+    Some(Rise::within(distance, v, a, min(a / ramp, j)))
+}
+
+/// What a corner takes from its blocks, LSB 2^-44 mm, and how.
 struct Cut<const AXES: usize> {
     before: i64,
     behind: i64,
-    interim: Option<[f32; AXES]>,
-    slack: f32,
+    way: Way<AXES>,
+}
+
+/// A curve that is to be made.
+enum Way<const AXES: usize> {
+    /// Over arc length: the point it is to go through, from the corner, and how far beside the curve its elements may
+    /// be, mm.
+    Even { interim: Option<[f32; AXES]>, slack: f32 },
+    /// Over time.
+    Timed(Overlap),
 }
 
 impl<const AXES: usize> Held<AXES> {

@@ -4,7 +4,7 @@ use super::{REVERSAL, TANGENTIAL};
 use crate::lookahead::min;
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
-use crate::nc::{Contour, ContourAction, ContourMethod};
+use crate::nc::{Contour, ContourAction, ContourMethod, Value};
 use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
@@ -32,6 +32,18 @@ pub struct Parameters {
     pub const_vel: bool,
     /// PRE_DIST and POST_DIST.
     pub dist: [f32; 2],
+    /// PATH_DIST and TRACK_DIST; negative: not monitored. TRACK_DIST follows PATH_DIST until it is set.
+    pub path_dist: f32,
+    /// See there.
+    pub track_dist: Option<f32>,
+    /// SYM_DIST, of DIST_MASTER.
+    pub sym_dist: f32,
+    /// ACC_MIN and ACC_MAX, parts of the axes' acceleration.
+    pub acc: [f32; 2],
+    /// RAMP_TIME, factor.
+    pub ramp_time: f32,
+    /// PTP: which of PATH_DEV and PATH_DIST was given since it was chosen.
+    pub given: [bool; 2],
     /// Interim point; where it is not given, the corner's coordinate.
     pub point: [Option<Position>; 3],
     /// Where functions between the blocks come out.
@@ -62,6 +74,12 @@ impl Parameters {
             max_angle: half_sine(Position::const_from_int(178)),
             const_vel: false,
             dist: [1.0; 2],
+            path_dist: 1.0,
+            track_dist: None,
+            sym_dist: 1.0,
+            acc: [0.5, 1.0],
+            ramp_time: 1.0,
+            given: [false; 2],
             point: [None; 3],
             action: ContourAction::Inter,
         }
@@ -75,8 +93,14 @@ impl Parameters {
             }
         };
         if let Some(method) = contour.method {
+            if method != self.method {
+                self.given = [false; 2];
+            }
             self.method = method;
         }
+        let [dev, dist] = &mut self.given;
+        *dev |= contour.path_dev.is_some();
+        *dist |= contour.path_dist.is_some();
         set(&mut self.path_dev, contour.path_dev);
         set(&mut self.track_dev, contour.track_dev);
         set(&mut self.relevant_path, contour.relevant_path);
@@ -97,6 +121,20 @@ impl Parameters {
         if let Some(action) = contour.action {
             self.action = action;
         }
+        set(&mut self.path_dist, contour.path_dist);
+        set(&mut self.sym_dist, contour.sym_dist);
+        if let Some(dist) = contour.track_dist {
+            self.track_dist = Some(to_f32(dist.to_bits()) * LSB_32);
+        }
+        let part = |own: &mut f32, percent: Option<Value>| {
+            if let Some(percent) = percent {
+                *own = to_f32(percent.to_bits()) * (LSB_32 * 0.01);
+            }
+        };
+        let [least, most] = &mut self.acc;
+        part(least, contour.acc_min);
+        part(most, contour.acc_max);
+        part(&mut self.ramp_time, contour.ramp_time);
         let [pre, post] = &mut self.dist;
         set(pre, contour.pre_dist);
         set(post, contour.post_dist);
@@ -111,7 +149,11 @@ impl Parameters {
     /// the largest angle.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
-        let tolerated = self.method != ContourMethod::Dev || self.path_dev > 0.0;
+        let tolerated = match self.method {
+            ContourMethod::Dev => self.path_dev > 0.0,
+            ContourMethod::Ptp => self.deviation().is_none_or(|dev| dev > 0.0),
+            _ => true,
+        };
         tolerated && !tangential && turn.cosine >= REVERSAL && (with_arc || turn.sine <= self.max_angle)
     }
 
@@ -122,13 +164,48 @@ impl Parameters {
         match self.method {
             ContourMethod::Dist if pre == post => [min(pre, least); 2],
             ContourMethod::Dist | ContourMethod::Pos => [min(pre, most[0]), min(post, most[1])],
-            _ => [least; 2],
+            ContourMethod::DistSoft => [min(monitored(self.path_dist), least); 2],
+            ContourMethod::DistMaster => [min(monitored(self.sym_dist), least); 2],
+            ContourMethod::Ptp => [min(self.ptp_distance(), least); 2],
+            ContourMethod::Dev => [least; 2],
+        }
+    }
+
+    /// PTP: PATH_DIST if it is given and monitored.
+    pub(super) fn ptp_distance(&self) -> f32 {
+        let counts = self.method == ContourMethod::Ptp && self.given[1];
+        if counts { monitored(self.path_dist) } else { f32::MAX }
+    }
+
+    /// The deviation that is to be kept: of PTP where PATH_DEV is given, or nothing is.
+    pub(super) fn deviation(&self) -> Option<f32> {
+        let kept = match self.method {
+            ContourMethod::Dev => true,
+            ContourMethod::Ptp => self.given[0] || !self.given[1],
+            _ => false,
+        };
+        kept.then_some(self.path_dev)
+    }
+
+    /// DIST_SOFT: the corner distance from which other axes may deviate.
+    pub(super) fn track_distance(&self) -> f32 {
+        match self.method {
+            ContourMethod::DistSoft => monitored(self.track_dist.unwrap_or(self.path_dist)),
+            _ => f32::MAX,
         }
     }
 
     /// What the curve has to keep.
     pub(super) fn tolerance(&self) -> Tolerance {
-        let path = if self.method == ContourMethod::Dev { Some(self.path_dev) } else { None };
-        Tolerance { path, track: self.track_dev }
+        let track = match self.method {
+            ContourMethod::Dev | ContourMethod::Dist => self.track_dev,
+            _ => 0.0,
+        };
+        Tolerance { path: self.deviation(), track }
     }
+}
+
+/// A distance, of which a negative one says that it is not monitored.
+fn monitored(dist: f32) -> f32 {
+    if dist < 0.0 { f32::MAX } else { dist }
 }

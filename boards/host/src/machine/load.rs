@@ -501,6 +501,7 @@ mod tests {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
         let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
+            [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
             cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
@@ -541,6 +542,7 @@ mod tests {
             // In the order of the file, which TOML tables have not.
             m_synch: machine.channel.m_synch,
             h_synch: SynchTable::NONE.with(7, Synch::MnsSns),
+            ptp: true,
         };
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
         assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);

@@ -1,0 +1,31 @@
+%corners
+N10 G00 X0 Y0 Z0
+#SLOPE [TYPE=HSC]
+(square: curves over time by deviation)
+#CONTOUR MODE ON [DEV PATH_DEV=0.1]
+N20 G01 X80 Y0 F20000
+N30 X80 Y80
+N40 X0 Y80
+N50 G260 X0 Y0
+(a slot with a long and a short side)
+#CONTOUR MODE ON [DEV PATH_DEV=0.5]
+N60 X60 F12000
+N70 Y5
+N80 X0 Z2
+N90 Y0 Z0
+N100 G260 X10 Y-3
+(calm corners, one beside an arc)
+#CONTOUR MODE ON [DIST_SOFT PATH_DIST=12]
+N110 X80 F9000
+N120 X90 Y50
+N130 G02 X110 Y50 I10 J0
+N140 G01 X110 Y0
+N150 G260 X0
+(acute and obtuse ones in a row of short lines)
+#CONTOUR MODE ON [DEV PATH_DEV=0.02]
+$FOR P1 = 1, 12, 1
+N160 XP1 Y[2*P1] F6000
+N170 X[P1+3] Y[2*P1+0.5]
+$ENDFOR
+N180 G260 X0 Y0
+M30
