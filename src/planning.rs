@@ -1,5 +1,6 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod flight;
+mod held;
 mod hold;
 
 use crate::channel::PlannedBlock;
@@ -16,6 +17,7 @@ use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable, speed_f32};
 use flight::Flights;
+use held::Held;
 use hold::Mode;
 
 /// Where the ring is handed on.
@@ -71,6 +73,8 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// End of the last block taken in.
     programmed: [Position; AXES],
     contouring: Contouring<AXES>,
+    /// Waits for the next one, only while contour mode is idle.
+    held: Option<Held<AXES>>,
     lookahead: Lookahead<AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
@@ -130,6 +134,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             dynamics: Dynamics::new(machine),
             programmed: start,
             contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
+            held: None,
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
@@ -168,11 +173,20 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(line) = path::straight(from, to, &self.main)? {
-                    self.append(&line.element(), Form::Line, motion, feed)?;
+                    let element = line.element();
+                    let limits = self.limits(&element, feed)?;
+                    let data = self.data(motion, feed);
+                    if self.contouring.is_idle() {
+                        self.hold_line(&line, &limits, motion, &data);
+                    } else {
+                        self.round(&element, Form::Line, motion, &data)?;
+                    }
+                    self.advance(motion);
                 } else if motion.exact_stop {
                     // At the end of the block before.
                     self.contouring.release(true);
-                    if !self.contouring.holds() {
+                    self.stop_held();
+                    if !self.contouring.holds() && self.held.is_none() {
                         self.lookahead.stop_here();
                     }
                 }
@@ -185,7 +199,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     }
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
-                self.append(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+                let limits = self.limits(&element, feed)?;
+                let data = self.data(motion, feed);
+                if self.contouring.is_idle() {
+                    self.pass_arc(&element, &limits, &data);
+                } else {
+                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, &data)?;
+                }
+                self.advance(motion);
             }
         }
         Ok(())
@@ -199,21 +220,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+        self.let_go();
         self.contouring.command(contour, in_motion);
     }
 
-    /// The block taken in last gets no curve at its end.
+    /// The block taken in last ends where it was programmed to. Only after [`Work::Hungry`].
     pub fn keep_corner(&mut self) {
+        self.let_go();
         self.contouring.cancel();
     }
 
-    fn append(
-        &mut self,
-        element: &Element<AXES>,
-        form: Form,
-        motion: &Motion<AXES>,
-        feed: Option<f32>,
-    ) -> Result<(), MotionError> {
+    /// Limits of a block.
+    #[inline(always)]
+    fn limits(&self, element: &Element<AXES>, feed: Option<f32>) -> Result<(Limits, Share), MotionError> {
         // A block without motion needs no feed: it does not come here.
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
@@ -222,35 +241,50 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if to_f32(element.shape.length.to_bits()) > limits.0.v * SLOWEST {
             return Err(MotionError::TooSlow);
         }
-        let data =
-            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
-        if self.contouring.is_idle() {
-            self.push(element, limits, &data);
-        } else {
-            let (from, to) = (self.programmed, motion.target);
-            self.contouring.take(&Block { element: *element, from, to, form, data })?;
-        }
-        self.programmed = motion.target;
-        self.taken = self.taken.wrapping_add(1);
+        Ok(limits)
+    }
+
+    fn data(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Data {
+        Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop }
+    }
+
+    /// Contour mode takes a block.
+    fn round(
+        &mut self,
+        element: &Element<AXES>,
+        form: Form,
+        motion: &Motion<AXES>,
+        data: &Data,
+    ) -> Result<(), MotionError> {
+        let (from, to) = (self.programmed, motion.target);
+        self.contouring.take(&Block { element: *element, from, to, form, data: *data })?;
         Ok(())
     }
 
-    /// Blocks that follow run with this slope, or with that of P-CHAN-00071.
+    /// A block has been taken in.
+    fn advance(&mut self, motion: &Motion<AXES>) {
+        self.programmed = motion.target;
+        self.taken = self.taken.wrapping_add(1);
+    }
+
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`Work::Hungry`].
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        self.let_go();
         self.dynamics.set_slope(slope);
     }
 
-    /// The dynamics, for weights and path limits of the blocks that follow.
+    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
+        self.let_go();
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: (Limits, Share), data: &Data) {
+    fn push(&mut self, element: &Element<AXES>, limits: (Limits, Share), data: &Data, long: bool) {
         // More than fits is made up for later.
         let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
         self.numbered = self.numbered.wrapping_add(ahead);
         let numbers = (ahead as u16, data.n);
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place);
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place, long);
         self.dynamics.settle();
         if data.stop {
             self.lookahead.stop_here();
@@ -264,14 +298,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
-        self.push(element, limits, data);
+        self.push(element, limits, data, false);
     }
 
-    /// Hands over what is to happen between the last block taken in and the next one.
+    /// Hands over what is to happen between the last block taken in and the next one. Only after [`Work::Hungry`].
     ///
     /// # Errors
     /// The function back, if the ring of events is full: [`Self::rest`], and again when it has room.
     pub fn output(&mut self, n: u32, function: Function) -> Result<(), Function> {
+        self.let_go();
         self.queue.events.push(Event { block: self.taken, n, function }).map_err(|e| e.function)
     }
 
@@ -405,6 +440,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.contouring.release(false);
             return Work::Working;
         }
+        if self.flush && self.held.is_some() {
+            self.let_go();
+            return Work::Working;
+        }
         if self.flush && self.lookahead.is_empty() {
             return self.come_to_rest();
         }
@@ -435,7 +474,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let planned = &mut self.planned;
         let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
         let begun = last.wrapping_add(1);
-        (planned.block, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        // A line that stands for several has the number of its last block.
+        let merged = number.wrapping_sub(self.begun) as i32 > 0;
+        planned.block = if merged { self.begun } else { number };
+        planned.blocks = begun.wrapping_sub(self.begun);
         self.begun = begun;
         (planned.n, planned.place, planned.length) = (first.n, first.place(), span.length);
         (planned.v_in, planned.v_out) = (span.v_in, span.v_out);

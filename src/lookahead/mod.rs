@@ -69,6 +69,8 @@ impl Marks {
     const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     const CHECKED: u8 = 16;
+    /// It stands for several blocks, and is longer than the way to a standstill.
+    const LONG: u8 = 32;
 
     #[inline(always)]
     const fn has(self, mark: u8) -> bool {
@@ -169,6 +171,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     open: bool,
     /// Transitions in the ring that are no anchors.
     through: usize,
+    /// Blocks in the ring that are long.
+    long: usize,
     /// Path length since the last anchor, LSB 2^-44 mm.
     span: i64,
     /// The last plan was one of single blocks.
@@ -178,6 +182,9 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     /// The first block's start was lowered while the plan was at work.
     stale: bool,
 }
+
+/// So many long blocks are a full ring: more than any speed needs.
+const LONG_BLOCKS: usize = 4;
 
 /// No speed yet.
 const UNPLANNED: Speed = Speed::from_bits(-1);
@@ -197,6 +204,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             pass: Pass::Done,
             open: false,
             through: 0,
+            long: 0,
             span: 0,
             blockwise: true,
             end: 0,
@@ -204,9 +212,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// Whether there is no room for another block.
+    /// Whether there is no room for another block, or what is there is long enough for any speed.
     pub fn is_full(&self) -> bool {
-        self.blocks.len() >= self.depth
+        self.blocks.len() >= self.depth || self.long >= LONG_BLOCKS
     }
 
     /// Whether there is no block.
@@ -220,12 +228,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = None;
         self.pass = Pass::Done;
         self.through = 0;
+        self.long = 0;
         self.span = 0;
     }
 
-    /// Blocks handed on after each pass.
+    /// Blocks handed on after a pass: a quarter of what is there.
     pub fn batch(&self) -> usize {
-        (self.depth / 4).max(1)
+        (self.blocks.len() / 4).max(1)
     }
 
     /// Demands a standstill before the next block.
@@ -233,7 +242,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = true;
     }
 
-    /// Appends a block. Only when not [`Self::is_full`].
+    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
+    /// standstill from its speed.
     pub fn push(
         &mut self,
         element: &Element<AXES>,
@@ -242,6 +252,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         dynamics: &Dynamics<AXES>,
         (ahead, n): (u16, u32),
         place: Place,
+        long: bool,
     ) {
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
@@ -281,6 +292,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::LONG, long);
+        self.long += usize::from(long);
         let [low, middle, high, _] = place.line.min((1 << 24) - 1).to_le_bytes();
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
@@ -372,8 +385,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
-        if self.blocks.pop_front().is_some_and(|block| !block.is(Marks::ANCHOR)) {
-            self.through -= 1;
+        if let Some(block) = self.blocks.pop_front() {
+            self.through -= usize::from(!block.is(Marks::ANCHOR));
+            self.long -= usize::from(block.is(Marks::LONG));
         }
         self.end = self.end.saturating_sub(1);
         if self.blocks.is_empty() {

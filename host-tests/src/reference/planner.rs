@@ -1,8 +1,8 @@
 //! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint.
 //!
 //! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
-//! then it is filled again. At the end of the program all that is left is handed on.
-use super::geometry::{Contour, Element};
+//! then it is filled again; long lines fill it sooner. At the end of the program all that is left is handed on.
+use super::geometry::{Contour, Element, Shape};
 use super::limits::{BlockLimits, Machine, path_length};
 use super::profile::{Change, Profile, largest, reach};
 use glidepath::channel::PlannedBlock;
@@ -17,6 +17,10 @@ pub struct Block {
     pub limits: BlockLimits,
     /// Highest speed at its start; zero after a stop.
     pub v_start: f64,
+    /// It stands for several, and is long enough.
+    pub long: bool,
+    /// It is a line: it goes into the ring when the next block is known.
+    pub waits: bool,
 }
 
 /// Blocks of a contour with their limits, joints included.
@@ -39,31 +43,45 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
                 limits.share();
             }
         }
-        blocks.push(Block { length: path_length(element), limits, v_start });
+        blocks.push(Block { length: path_length(element), limits, v_start, long: element.long, waits: element.shape == Shape::Line });
         before = Some(element);
     }
     blocks
 }
+
+/// Path length from the highest speed of a block to a standstill.
+pub fn to_standstill(limits: &BlockLimits) -> f64 {
+    Change::new(0.0, limits.v, limits.brake().reversed()).distance
+}
+
+/// So many long lines are a full ring.
+const LONG_BLOCKS: usize = 4;
 
 /// Time laws of all blocks from standstill to standstill.
 ///
 /// # Panics
 /// If a block cannot be travelled between the speeds that the passes found: then the passes are wrong.
 pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
-    let batch = (depth / 4).max(1);
     let mut profiles = Vec::with_capacity(blocks.len());
     let mut entries = vec![0.0; blocks.len() + 1];
-    for start in (0..blocks.len()).step_by(batch) {
-        let known = blocks.len().min(start + depth);
+    let mut start = 0;
+    while start < blocks.len() {
+        let mut known = start;
+        let mut long = 0;
+        while known < blocks.len() && known < start + depth && long < LONG_BLOCKS {
+            long += usize::from(blocks[known].long);
+            known += 1;
+        }
         let mut ring = blocks[start..known].to_vec();
         // A full ring is planned before the end of the program is known.
-        if start + depth <= blocks.len()
-            && let Some(last) = ring.last_mut()
-        {
+        let ends = known == blocks.len() && blocks[known - 1].waits;
+        let full = (known == start + depth || long == LONG_BLOCKS) && !ends;
+        if let (true, Some(last)) = (full, ring.last_mut()) {
             // Whatever comes next may need its part of the jerk.
             last.limits.share();
         }
         raise(&mut entries[start..=known], &ring);
+        let batch = if full { (ring.len() / 4).max(1) } else { ring.len() };
         for (i, block) in (start..).zip(&ring).take(batch) {
             let v_in = entries[i];
             let v_out = leave(block, v_in, entries[i + 1]);
@@ -73,6 +91,7 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
                 Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
             profiles.push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {block:?}")));
         }
+        start += batch;
     }
     profiles
 }
