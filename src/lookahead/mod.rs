@@ -6,8 +6,9 @@
 //! plan therefore always stops inside the ring. A higher end speed may lower what the first rule allows at the start;
 //! then the speed planned before stays, and the end speed gives way when the block is handed on.
 //!
-//! Where acceleration may pass a transition, the blocks on both sides belong to one *span*: one change of speed after
-//! the other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
+//! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both sides have the same
+//! limits, as it is in a circle of several arcs), the blocks on both sides belong to one *span*: one change of speed after the
+//! other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
 //! which transitions are anchors.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
@@ -69,7 +70,7 @@ impl Marks {
     const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     const CHECKED: u8 = 16;
-    /// It stands for several blocks, and is longer than the way to a standstill.
+    /// It stands for several blocks, and is twice as long as the way to a standstill.
     const LONG: u8 = 32;
 
     #[inline(always)]
@@ -155,8 +156,7 @@ struct Last<const AXES: usize> {
     rapid: bool,
     /// Its limits have left a transition its part.
     shared: bool,
-    /// Acceleration may pass its ends.
-    through: bool,
+    slope: SlopeType,
 }
 
 /// The ring.
@@ -183,8 +183,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     stale: bool,
 }
 
-/// So many long blocks are a full ring: more than any speed needs.
-const LONG_BLOCKS: usize = 4;
+/// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
+const LONG_BLOCKS: usize = 2;
 
 /// No speed yet.
 const UNPLANNED: Speed = Speed::from_bits(-1);
@@ -259,7 +259,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut shared = false;
         let mut anchor = true;
-        let through = dynamics.slope() == SlopeType::Hsc;
+        let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -267,7 +267,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
-            if v.is_some() || (brief && dynamics.slope() == SlopeType::Step) {
+            if v.is_some() || (brief && slope == SlopeType::Step) {
                 cap = min(cap, v.unwrap_or(cap));
                 limits.share(&share);
                 shared = true;
@@ -275,8 +275,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     before.limits.share(&last.share);
                 }
             }
+            let through = match slope {
+                SlopeType::Hsc => true,
+                // As if it were one block.
+                SlopeType::Trapez | SlopeType::Sin2 => {
+                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
+                        && limits.are(&before.limits)
+                }
+                // Acceleration is zero nowhere.
+                SlopeType::Step => false,
+            };
             anchor = !(through
-                && last.through
+                && last.slope == slope
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
         }
@@ -289,7 +299,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through });
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::LONG, long);

@@ -24,7 +24,7 @@ pub mod poly;
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
 pub(crate) use line::{Straight, straight};
-pub(crate) use merge::Stretch;
+pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::{Bounds, poly};
 
 use crate::math::root::sqrt_wide;

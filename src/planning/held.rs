@@ -1,11 +1,11 @@
 //! The block held back: as long as blocks go on in a straight line with the same feed, they become one ([`Stretch`]).
 //!
 //! Nothing is lost by it: what belongs to the point between two blocks (an exact stop, an event, other dynamics, contour mode)
-//! comes before the second one, and lets the first one go. A line grows until it is twice as long as the way to a standstill from
-//! its speed. So a long straight line is handed on while it is being read, and few pieces are a whole ring
-//! ([`crate::lookahead::Lookahead::is_full`]).
-use super::{Data, Limits, Motion, Planning, SLOWEST, Share, to_f32};
-use crate::path::{Element, Straight, Stretch};
+//! comes before the second one, and lets the first one go. A line grows until it is twice as long as the ways to its speed and
+//! from it, and until a knee at its end, of what its tolerance leaves open, is too small to be seen. So a long straight line is
+//! handed on while it is being read, and two pieces are a whole ring ([`crate::lookahead::Lookahead::is_full`]).
+use super::{Data, Limits, Motion, Planning, SLOWEST, Share, max, to_f32};
+use crate::path::{Element, Straight, Stretch, TOLERANCE_MM};
 
 /// Such a block.
 pub(super) struct Held<const AXES: usize> {
@@ -22,8 +22,8 @@ enum Curve<const AXES: usize> {
     Arc(Element<AXES>),
 }
 
-/// A line is long enough with so many ways to a standstill.
-const STOPS: f32 = 2.0;
+/// A line is long enough with so many ways to its speed and from it.
+const WAYS: f32 = 2.0;
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
@@ -77,7 +77,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if length > limits.0.v * SLOWEST {
             return false;
         }
-        let enough = STOPS * limits.0.brake().distance(0.0, limits.0.v)[0];
+        let Limits { v, .. } = limits.0;
+        let ways = max(limits.0.speed_up().distance(0.0, v)[0], limits.0.brake().distance(0.0, v)[0]);
+        let enough = max(WAYS * ways, v * self.dynamics.smoothing(TOLERANCE_MM, data.feed.is_none()));
         *held = Held { curve: Curve::Line(grown), limits, data: *data, long: length * LSB_44 >= enough };
         true
     }

@@ -2,14 +2,17 @@
 //! point left out. All points are kept and looked at, each time.
 use super::geometry::{Contour, Element, Shape};
 use super::limits::{Machine, path_length};
-use super::planner::to_standstill;
+use super::planner::ways;
 use crate::tolerance;
 
 /// Longest line that grows, mm.
 const LONGEST: f64 = 1024.0;
 
-/// So many ways to a standstill are long enough.
-const STOPS: f64 = 2.0;
+/// So many ways to the highest speed and from it are long enough.
+const WAYS: f64 = 2.0;
+
+/// Longest time after which a knee is expected not to show, ticks.
+const LONGEST_TIME: f64 = 1024.0;
 
 /// A block must not turn by more than that, and by no more than twice what the tolerance explains, times 1 + tangent.
 const TURN: f64 = 0.125;
@@ -25,7 +28,8 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
             points.push(last.to.clone());
             *last = line;
             let limits = machine.block(last);
-            last.long = path_length(last) >= STOPS * to_standstill(&limits);
+            let time = (tolerance::MERGED / machine.unseen_knee(last.feed.is_none())).min(LONGEST_TIME);
+            last.long = path_length(last) >= (WAYS * ways(&limits)).max(limits.v * time);
         } else {
             points.clear();
             elements.push(element.clone());
@@ -34,9 +38,10 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
     Contour { start: contour.start.clone(), elements }
 }
 
-/// Whether any two blocks of the contour may be one.
-pub fn merges(contour: &Contour) -> bool {
-    contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[]).is_some())
+/// How far the motion may be from the contour: further where any two blocks may be one.
+pub fn path_tolerance(contour: &Contour) -> f64 {
+    let merges = contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[]).is_some());
+    if merges { tolerance::MERGED_PATH } else { tolerance::PATH }
 }
 
 /// One line instead of two, if all `points` left out, and that between the two, permit it.
