@@ -32,7 +32,7 @@ const SLIGHT: f64 = 1.0 / 64.0;
 /// Part of the largest acceleration that may act across the path.
 const ACROSS: f64 = 0.8;
 /// Blocks that may pass within a tick.
-const BLOCKS_PER_TICK: f64 = 7.0;
+const BLOCKS_PER_TICK: f64 = 31.0;
 /// A knee below this is rounding of coordinates.
 const SMOOTH: f64 = 1.0 / 20_000.0;
 
