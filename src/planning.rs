@@ -284,7 +284,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
         self.numbered = self.numbered.wrapping_add(ahead);
         let numbers = (ahead as u16, data.n);
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, data.place, long);
+        let place = (data.place, long);
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, place);
         self.dynamics.settle();
         if data.stop {
             self.lookahead.stop_here();

@@ -74,7 +74,10 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         self.done += 1;
         self.distance = Distance::from_bits(distance);
 
-        let segment = self.queue.segments.pass(|segment| segment.is_behind(distance), |segment| segment.has_begun(distance));
+        let segment = self
+            .queue
+            .segments
+            .pass(|segment| segment.is_behind(distance), |segment| segment.has_begun(distance));
         if let Some(segment) = segment {
             let along = distance.wrapping_sub(segment.start.to_bits());
             segment.shape.at(along, &segment.base, &mut self.set_points);

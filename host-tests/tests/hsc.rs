@@ -77,7 +77,10 @@ fn a_circle_cut_into_arcs_takes_nearly_the_same_time_with_trapez_sin2_and_step()
         for arcs in [2, 7, 360] {
             let ticks = time(arcs);
             println!("slope {slope}: {arcs} arcs: {ticks} ticks, one arc {whole}");
-            assert!(ticks.abs_diff(whole) * 50 <= whole, "slope {slope}, {arcs} arcs: {ticks} ticks, one {whole}");
+            assert!(
+                ticks.abs_diff(whole) * 50 <= whole,
+                "slope {slope}, {arcs} arcs: {ticks} ticks, one {whole}"
+            );
         }
     }
 }

@@ -114,7 +114,8 @@ fn unlike(mut program: Program) -> Program {
 #[test]
 fn depth_of_look_ahead_costs_time_only() {
     let random = (900..904).map(|seed| program(seed, Mix::surface(3, 500)));
-    for program in random.chain([unlike(named::pieces(600, 0.2, 60_000.0)), named::wave(600, 0.3, 60_000.0)]) {
+    for program in random.chain([unlike(named::pieces(600, 0.2, 60_000.0)), named::wave(600, 0.3, 60_000.0)])
+    {
         let machine = |look_ahead| {
             let mut machine = machines::mill::<3>(1000);
             machine.channel.look_ahead = look_ahead;

@@ -45,7 +45,10 @@ fn pieces_take_as_long(slope: u8, absolute: usize, relative: f64) {
             let ticks = good(&cut(end, blocks, seed, 10_000.0), &machine).run.trace.ticks();
             let most = absolute + (whole as f64 * relative) as usize;
             println!("slope {slope}: {end:?} in {blocks}: {ticks} ticks, whole {whole}");
-            assert!(ticks.abs_diff(whole) <= most, "{end:?}, {blocks} pieces: {ticks} ticks, one piece {whole}");
+            assert!(
+                ticks.abs_diff(whole) <= most,
+                "{end:?}, {blocks} pieces: {ticks} ticks, one piece {whole}"
+            );
         }
     }
 }
@@ -77,7 +80,8 @@ fn a_rotary_axis_goes_along() {
 /// A program on three axes.
 fn motion(text: &str, slope: u8) -> Run {
     let machine = machines::with_slope(machines::examples::<3>(1000), slope);
-    run_text::<3, 120>(text, [Position::ZERO; 3], &machine, 1).unwrap_or_else(|fault| panic!("{text}: {fault}"))
+    run_text::<3, 120>(text, [Position::ZERO; 3], &machine, 1)
+        .unwrap_or_else(|fault| panic!("{text}: {fault}"))
 }
 
 /// STEP has a span for each line.
@@ -123,7 +127,8 @@ fn only_what_goes_on_alike_is_merged() {
 fn an_exact_stop_stays_where_it_is() {
     for slope in [0, 1, 2, 3] {
         let run = motion("G01 X10 F5000\nG60 X20\nX30\nX40\nG60 X40\nX50\nM30\n", slope);
-        let stands: Vec<i64> = run.blocks.iter().filter(|b| b.v_out.to_bits() == 0).map(|b| b.length.to_bits() >> 44).collect();
+        let stands: Vec<i64> =
+            run.blocks.iter().filter(|b| b.v_out.to_bits() == 0).map(|b| b.length.to_bits() >> 44).collect();
         assert_eq!(stands, [20, 20, 10], "slope {slope}");
     }
 }

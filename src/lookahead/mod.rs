@@ -251,8 +251,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         rapid: bool,
         dynamics: &Dynamics<AXES>,
         (ahead, n): (u16, u32),
-        place: Place,
-        long: bool,
+        (place, long): (Place, bool),
     ) {
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);

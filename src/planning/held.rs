@@ -54,8 +54,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &(Limits, Share), data: &Data) {
         self.let_go();
         if self.lookahead.is_full() {
-            self.held =
-                Some(Held { curve: Curve::Arc(*element), limits: *limits, data: *data, long: false });
+            self.held = Some(Held { curve: Curve::Arc(*element), limits: *limits, data: *data, long: false });
         } else {
             self.push(element, *limits, data, false);
         }

@@ -215,8 +215,9 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     fn leave(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
         let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
         // SAFETY: not beyond the last item of the ring.
-        let has_begun =
-            |number: u32, by: u32| last.wrapping_sub(number) >= by && begun(unsafe { &*self.ring.slot(number.wrapping_add(by)) });
+        let has_begun = |number: u32, by: u32| {
+            last.wrapping_sub(number) >= by && begun(unsafe { &*self.ring.slot(number.wrapping_add(by)) })
+        };
         if last != number {
             number = number.wrapping_add(1);
             if has_begun(number, 1) {

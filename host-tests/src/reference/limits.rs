@@ -307,7 +307,9 @@ impl Machine {
     pub fn turns_little(&self, before: &Element, after: &Element, a: f64) -> bool {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
-        axes.iter().zip(end.iter().zip(&begin)).all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
+        axes.iter()
+            .zip(end.iter().zip(&begin))
+            .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
     }
 
     /// Largest step of speed that never shows, mm/tick.

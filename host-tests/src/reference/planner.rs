@@ -53,7 +53,14 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
                 && limits.are(&last.limits)
                 && machine.turns_little(before, element, fastest);
         }
-        blocks.push(Block { length: path_length(element), limits, v_start, long: element.long, waits: element.shape == Shape::Line, through });
+        blocks.push(Block {
+            length: path_length(element),
+            limits,
+            v_start,
+            long: element.long,
+            waits: element.shape == Shape::Line,
+            through,
+        });
         before = Some(element);
     }
     blocks
