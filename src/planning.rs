@@ -2,6 +2,7 @@
 mod acknowledge;
 mod flight;
 mod functions;
+mod held;
 mod hold;
 mod pace;
 
@@ -20,6 +21,7 @@ use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable, speed_f32};
 use flight::Flights;
 use functions::Functions;
+use held::Held;
 use hold::Mode;
 
 /// Where the ring is handed on.
@@ -77,6 +79,8 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// End of the last block taken in.
     programmed: [Position; AXES],
     contouring: Contouring<AXES>,
+    /// Waits for the next one, only while contour mode is idle.
+    held: Option<Held<AXES>>,
     lookahead: Lookahead<AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
@@ -153,6 +157,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             dynamics: Dynamics::new(machine),
             programmed: start,
             contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
+            held: None,
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
@@ -207,11 +212,21 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(line) = path::straight(from, to, &self.main)? {
-                    self.append(&line.element(), Form::Line, motion, feed)?;
+                    let element = line.element();
+                    let limits = self.limits(&element, feed)?;
+                    let data = self.data(motion, feed);
+                    if self.contouring.is_idle() {
+                        self.functions.settle(true, false);
+                        self.hold_line(&line, &limits, motion, &data);
+                    } else {
+                        self.round(&element, Form::Line, motion, &data)?;
+                    }
+                    self.advance(motion);
                 } else if motion.exact_stop {
                     // At the end of the block before.
                     self.contouring.release(true);
-                    if !self.contouring.holds() {
+                    self.stop_held();
+                    if !self.contouring.holds() && self.held.is_none() {
                         self.lookahead.stop_here();
                     }
                 }
@@ -224,7 +239,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     }
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
-                self.append(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+                let limits = self.limits(&element, feed)?;
+                let data = self.data(motion, feed);
+                if self.contouring.is_idle() {
+                    self.functions.settle(true, false);
+                    self.pass_arc(&element, &limits, &data);
+                } else {
+                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, &data)?;
+                }
+                self.advance(motion);
             }
         }
         Ok(())
@@ -238,6 +261,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+        self.let_go();
         self.contouring.command(contour, in_motion);
     }
 
@@ -246,19 +270,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.remark()
     }
 
-    /// The block taken in last gets no curve at its end.
+    /// The block taken in last ends where it was programmed to. Only after [`Work::Hungry`].
     pub fn keep_corner(&mut self) {
+        self.let_go();
         self.contouring.cancel();
     }
 
+    /// Limits of a block.
     #[inline(always)]
-    fn append(
-        &mut self,
-        element: &Element<AXES>,
-        form: Form,
-        motion: &Motion<AXES>,
-        feed: Option<f32>,
-    ) -> Result<(), MotionError> {
+    fn limits(&self, element: &Element<AXES>, feed: Option<f32>) -> Result<Permitted, MotionError> {
         // A block without motion needs no feed: it does not come here.
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
@@ -267,38 +287,52 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if to_f32(element.shape.length.to_bits()) > limits.0.v * SLOWEST {
             return Err(MotionError::TooSlow);
         }
-        let data =
-            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
-        if self.contouring.is_idle() {
-            self.functions.settle(true, false);
-            self.push(element, limits, &data, data.number);
-        } else {
-            let (from, to) = (self.programmed, motion.target);
-            self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
-            self.functions.settle(true, self.contouring.rounds());
-        }
-        self.programmed = motion.target;
-        self.taken = self.taken.wrapping_add(1);
+        Ok(limits)
+    }
+
+    fn data(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Data {
+        Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop }
+    }
+
+    /// Contour mode takes a block.
+    fn round(
+        &mut self,
+        element: &Element<AXES>,
+        form: Form,
+        motion: &Motion<AXES>,
+        data: &Data,
+    ) -> Result<(), MotionError> {
+        let (from, to) = (self.programmed, motion.target);
+        self.contouring.take(&Block { element: *element, from, to, form, data: *data }, &self.dynamics)?;
+        self.functions.settle(true, self.contouring.rounds());
         Ok(())
     }
 
-    /// Blocks that follow run with this slope, or with that of P-CHAN-00071.
+    /// A block has been taken in.
+    fn advance(&mut self, motion: &Motion<AXES>) {
+        self.programmed = motion.target;
+        self.taken = self.taken.wrapping_add(1);
+    }
+
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`Work::Hungry`].
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        self.let_go();
         self.dynamics.set_slope(slope);
     }
 
-    /// The dynamics, for weights and path limits of the blocks that follow.
+    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
+        self.let_go();
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data, due: u32) {
+    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data, due: u32, long: bool) {
         // More than fits is made up for later.
-        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u8::MAX));
+        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
         self.numbered = self.numbered.wrapping_add(ahead);
-        let numbers = (ahead as u8, data.n);
+        let numbers = (ahead as u16, data.n);
         self.lookahead.before(self.functions.before(due));
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers);
+        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, long);
         self.dynamics.settle();
         if data.stop {
             self.lookahead.stop_here();
@@ -313,7 +347,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
-        self.push(element, limits, data, *due);
+        self.push(element, limits, data, *due, false);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
@@ -331,6 +365,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if synch == Synch::NoSynch {
             return Ok(());
         }
+        self.let_go();
         let room = self.queue.events.room();
         let taken =
             self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
@@ -471,6 +506,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.contouring.release(false);
             return Work::Working;
         }
+        if self.flush && self.held.is_some() {
+            self.let_go();
+            return Work::Working;
+        }
         if self.flush && self.lookahead.is_empty() {
             return self.come_to_rest();
         }
@@ -517,7 +556,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
         let begun = last.wrapping_add(1);
         let planned = &mut self.planned;
-        (planned.number, planned.blocks) = (number, begun.wrapping_sub(self.begun));
+        // A line that stands for several has the number of its last block.
+        let merged = number.wrapping_sub(self.begun) as i32 > 0;
+        planned.number = if merged { self.begun } else { number };
+        planned.blocks = begun.wrapping_sub(self.begun);
         planned.n = first.n;
         self.begun = begun;
         self.curves = span.blocks;

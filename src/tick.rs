@@ -10,11 +10,11 @@
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::control::Control;
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{Phase, Receiver, Segment, Slot, clock};
+use crate::queue::{MOST, Phase, Receiver, Segment, Slot, clock};
 use crate::technology::{Output, Technology};
 
 /// Most elements one tick may pass.
-pub const SKIP_PER_TICK: u32 = 8;
+pub const SKIP_PER_TICK: u32 = MOST;
 
 /// What the tick just did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +75,10 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         self.done += 1;
         self.distance = Distance::from_bits(distance);
 
-        let segment = self.queue.segments.pass(SKIP_PER_TICK, |segment| segment.is_behind(distance));
+        let segment = self
+            .queue
+            .segments
+            .pass(|segment| segment.is_behind(distance), |segment| segment.has_begun(distance));
         if let Some(segment) = segment {
             let along = distance.wrapping_sub(segment.start.to_bits());
             segment.shape.at(along, &segment.base, &mut self.set_points);
@@ -131,6 +134,12 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
 }
 
 impl<const AXES: usize> Segment<AXES> {
+    /// Whether the path distance has reached its start.
+    #[inline(always)]
+    fn has_begun(&self, distance: i64) -> bool {
+        distance.wrapping_sub(self.start.to_bits()) >= 0
+    }
+
     /// Whether the path distance has reached its end.
     #[inline(always)]
     fn is_behind(&self, distance: i64) -> bool {

@@ -232,6 +232,8 @@ impl Program {
                     feed: (block.kind != Kind::Rapid).then_some(block.feed),
                     stop: block.stop,
                     main: main.clone(),
+                    blocks: 1,
+                    long: false,
                 });
             } else if block.stop
                 && let Some(last) = elements.last_mut()

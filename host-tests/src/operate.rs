@@ -3,7 +3,7 @@ use crate::cases::random::Random;
 use crate::cases::{Program, set_point};
 use crate::check;
 use crate::properties::axis_limits;
-use crate::tolerance;
+use crate::reference::merge::path_tolerance;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Progress};
 use glidepath::control::Control;
@@ -159,7 +159,7 @@ pub fn judge<const AXES: usize>(
         return Ok(());
     }
     check::ends(&run.trace, &start, &program.end_points())?;
-    check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map(|_| ())
+    check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map(|_| ())
 }
 
 /// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.

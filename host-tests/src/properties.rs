@@ -2,7 +2,7 @@
 use crate::cases::{Program, set_point};
 use crate::check::{self, Course, Limits, Peaks};
 use crate::reference::geometry::{Contour, Shape};
-use crate::tolerance;
+use crate::reference::merge::path_tolerance;
 use crate::trace::{Run, run};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Speed;
@@ -86,7 +86,7 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     let peaks = check::limits(&run.trace, &limits).map_err(fault)?;
     // Rapid motion: no axis faster than its limit, so the path not faster than all of them together.
     let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
-    let course = check::path(&run.trace, &contour, tolerance::PATH, v_rapid).map_err(fault)?;
+    let course = check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map_err(fault)?;
     let planned: usize = run.blocks.iter().map(|span| span.blocks as usize).sum();
     if planned != contour.elements.len() {
         return Err(fault(format!("{planned} blocks planned, {} move", contour.elements.len())));

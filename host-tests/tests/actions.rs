@@ -275,7 +275,7 @@ fn at_a_rounded_corner_the_action_decides_where_it_stands() {
                 match action {
                     "PRE_ACTION" => {
                         assert_eq!(run.distances[row], main, "{text}");
-                        assert!(run.row(row)[1] == 0 && point[0] > 40.0 && point[0] < 50.0, "{point:?}");
+                        assert!(run.row(row)[1] == 0 && point[0] > 35.0 && point[0] < 50.0, "{point:?}");
                     }
                     "POST_ACTION" => {
                         let halves: Vec<i64> = curve.collect();
@@ -386,17 +386,19 @@ fn a_hold_at_any_tick_and_an_acknowledgement_at_any_other() {
         let whole = acknowledged(TRACK, &machine, Some(60));
         let (rows, length) = (whole.trace.len(), whole.distances.iter().max());
         assert_eq!(whole.outputs.len(), 7);
+        // In a curve over time a hold is gentle.
+        let long = if slope == 3 { 2500 } else { 700 };
         for tick in (0..rows - 2).step_by(3) {
             for (delay, polls) in [(60, 1000), (tick % 90, 1000), (tick % 70, 6)] {
-                let acts = [(tick, Act::Hold), (tick + 700, Act::Resume)];
+                let acts = [(tick, Act::Hold), (tick + long, Act::Resume)];
                 let run = run(TRACK, &Case { machine: &machine, delay: Some(delay), acts: &acts, polls });
                 let what = format!("hold at {tick}, acknowledged after {delay}, {polls} polls");
                 keeps_limits(&run, &machine, &what);
                 assert_eq!((run.end(), run.outputs.len()), (whole.end(), 7), "slope {slope}: {what}");
                 assert_eq!(run.distances.iter().max(), length, "slope {slope}: {what}");
                 // Nothing moves between the standstill and the end of the hold.
-                if tick + 700 < run.trace.len() {
-                    assert_eq!(run.row(tick + 699), run.row(tick + 600), "slope {slope}: {what}");
+                if tick + long < run.trace.len() {
+                    assert_eq!(run.row(tick + long - 1), run.row(tick + long - 100), "slope {slope}: {what}");
                 }
                 for (mine, other) in run.outputs.iter().zip(&whole.outputs) {
                     assert_eq!(mine.1.function, other.1.function, "slope {slope}: {what}");

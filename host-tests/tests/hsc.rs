@@ -65,6 +65,26 @@ fn a_circle_cut_into_arcs_takes_the_same_time() {
     }
 }
 
+#[test]
+fn a_circle_cut_into_arcs_takes_nearly_the_same_time_with_trapez_sin2_and_step() {
+    for slope in [1, 2, 0] {
+        let machine = machines::with_slope(machines::examples::<3>(1000), slope);
+        let time = |arcs: u32| {
+            let verdict = verify::<3, 120>(&circle(arcs), &machine).unwrap_or_else(|fault| panic!("{fault}"));
+            verdict.run.trace.ticks()
+        };
+        let whole = time(1);
+        for arcs in [2, 7, 360] {
+            let ticks = time(arcs);
+            println!("slope {slope}: {arcs} arcs: {ticks} ticks, one arc {whole}");
+            assert!(
+                ticks.abs_diff(whole) * 50 <= whole,
+                "slope {slope}, {arcs} arcs: {ticks} ticks, one {whole}"
+            );
+        }
+    }
+}
+
 fn random<const AXES: usize>(seeds: std::ops::Range<u64>, cycle_us: u32) {
     for seed in seeds {
         let machines = [machines::even(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)];

@@ -119,10 +119,19 @@ fn a_contour_is_never_left_out_between_ticks() {
     }
 }
 
+/// Blocks of two feeds by turns, which are not merged.
+fn unlike(mut program: Program) -> Program {
+    for block in program.moves.iter_mut().step_by(2) {
+        block.feed *= 0.999;
+    }
+    program
+}
+
 #[test]
 fn depth_of_look_ahead_costs_time_only() {
     let random = (900..904).map(|seed| program(seed, Mix::surface(3, 500)));
-    for program in random.chain([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)]) {
+    for program in random.chain([unlike(named::pieces(600, 0.2, 60_000.0)), named::wave(600, 0.3, 60_000.0)])
+    {
         let machine = |look_ahead| {
             let mut machine = machines::mill::<3>(1000);
             machine.channel.look_ahead = look_ahead;

@@ -5,6 +5,7 @@ use host_tests::cases::{Program, edges, machines, named, set_point};
 use host_tests::properties::axis_limits;
 use host_tests::reference::geometry::Contour;
 use host_tests::reference::limits::Machine;
+use host_tests::reference::merge::merged;
 use host_tests::reference::motion::Motion;
 use host_tests::reference::planner::{blocks, plan};
 use host_tests::reference::profile::Profile;
@@ -12,8 +13,8 @@ use host_tests::trace::{run, sampled};
 use host_tests::{check, tolerance};
 
 fn reference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (Contour, Vec<Profile>) {
-    let contour = program.contour_as_decoded(machine);
     let axes = Machine::new(&machine.axes, &machine.channel);
+    let contour = merged(&program.contour_as_decoded(machine), &axes);
     let profiles = plan(&blocks(&contour, &axes), machine.channel.look_ahead as usize);
     (contour, profiles)
 }
@@ -26,6 +27,7 @@ fn permitted<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) 
     let trace = sampled(&contour, cycle, |t| motion.at(t / cycle));
     check::limits(&trace, &axis_limits(machine, &contour))?;
     check::path(&trace, &contour, tolerance::PATH, 3000.0)?;
+    check::path(&trace, &program.contour(machine), tolerance::MERGED_PATH, 3000.0)?;
     let start: Vec<i64> = program.start.iter().map(|&nm| set_point(nm)).collect();
     let stops: Vec<_> = program.end_points();
     check::ends(&trace, &start, &stops)

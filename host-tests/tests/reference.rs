@@ -3,6 +3,7 @@ use glidepath::machine::MachineData;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named};
 use host_tests::reference::limits::Machine;
+use host_tests::reference::merge::merged;
 use host_tests::reference::motion::Motion;
 use host_tests::reference::planner::{blocks, laws};
 use host_tests::tolerance;
@@ -11,9 +12,9 @@ use host_tests::trace::run;
 /// Largest difference, mm or degrees; the same beyond what the ramps of the plan leave open; duration, s.
 fn difference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> (f64, f64, f64) {
     let run = run::<AXES, 120>(program, machine).unwrap();
-    let contour = program.contour_as_decoded(machine);
     let axes = Machine::new(&machine.axes, &machine.channel);
-    let laws = laws(&blocks(&contour, &axes), &run.blocks);
+    let contour = merged(&program.contour_as_decoded(machine), &axes);
+    let laws = laws(&blocks(&contour, &axes), &contour, &run.blocks);
     let motion = Motion::new(&contour, &laws, 1.0);
     let ramps = laws.iter().flat_map(|law| [law.rise.distance, law.fall.distance]);
     let open = ramps.fold(0.0, f64::max) * tolerance::RAMP;

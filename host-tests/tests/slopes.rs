@@ -5,6 +5,7 @@ use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, set_point};
 use host_tests::check;
 use host_tests::properties::{axis_limits, verify};
+use host_tests::reference::merge::path_tolerance;
 use host_tests::tolerance;
 use host_tests::trace::{run, run_in_bursts, run_text};
 
@@ -106,7 +107,7 @@ fn slopes_change_within_a_program() {
             let run = run_text::<3, 120>(&text, from, &machine, 1).unwrap_or_else(|e| fault(e));
             check::ends(&run.trace, &start, &program.end_points()).unwrap_or_else(|e| fault(e));
             check::limits(&run.trace, &limits).unwrap_or_else(|e| fault(e));
-            check::path(&run.trace, &contour, tolerance::PATH, 350.0).unwrap_or_else(|e| fault(e));
+            check::path(&run.trace, &contour, path_tolerance(&contour), 350.0).unwrap_or_else(|e| fault(e));
         }
     }
 }

@@ -54,6 +54,11 @@ const NORMAL_PART: f32 = 0.8;
 /// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks, or
 /// acceleration passes the knee (HSC).
 const KNEE_PART: f32 = 0.25;
+/// Longest time for [`Dynamics::smoothing`], ticks.
+const LONGEST_SMOOTHING: f32 = 1024.0;
+/// Part of what a transition may show that passes for none, and what it takes of the largest acceleration.
+const SLIGHT: f32 = 1.0 / 64.0;
+const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
 /// Ramps of that many ticks are not.
 const LONG_RAMP: f32 = 4.0;
 /// Element lengths per tick, so that a tick never has to pass more elements than it may.
@@ -66,6 +71,9 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const NO_LIMIT: f32 = 1e20;
 /// STEP: a step below this part of what a knee may take is rounding of coordinates.
 const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
+/// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
+const ALIKE: f32 = 1.0 / 262_144.0;
+const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
 /// Two change-over speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
@@ -556,6 +564,25 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
+    /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where
+    /// it should be: the knee is at most `off` over its length. Where that takes long, it shows.
+    pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
+        let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
+        min(off / (SMOOTH * least), LONGEST_SMOOTHING)
+    }
+
+    /// Whether a transition is tangential but for rounding of coordinates: at the speed `fastest` each axis shows far less than
+    /// what a transition may.
+    pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
+        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
+        self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
+            let Joint { budget, knee, .. } = axis.set(rapid).joint;
+            let step = fastest * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let part = TRANSITION_PART * budget;
+            step <= SLIGHT * min(part, knee) && fastest * fastest * magnitude(c1 - c0) <= SLIGHT * part
+        })
+    }
+
     /// The slope of the elements that follow.
     pub fn slope(&self) -> SlopeType {
         self.slope
@@ -648,7 +675,7 @@ impl Axis {
                     bend: if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX },
                 },
                 ramp_budget: min(ramp_budget, budget),
-                a_shared: f32::MAX,
+                a_shared: (1.0 - SLIGHT_KNEE) * a_max,
             };
             if stepped {
                 // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
@@ -700,6 +727,20 @@ impl Limits {
             self.v = feed * headroom.raised(level);
         }
         headroom
+    }
+
+    /// Whether they are the others but for rounding.
+    pub(super) fn are(&self, other: &Self) -> bool {
+        let near = |a: f32, b: f32, part: f32| magnitude(a - b) <= a * part;
+        let laws = match (&self.law, &other.law) {
+            (Law::Bowed { j, .. }, Law::Bowed { j: others, .. }) => {
+                j.iter().zip(others).all(|(a, b)| near(*a, *b, ALIKE))
+            }
+            _ => false,
+        };
+        laws && near(self.v, other.v, ALIKE_SPEED)
+            && near(self.a_up, other.a_up, ALIKE)
+            && near(self.a_down, other.a_down, ALIKE)
     }
 
     /// Becomes what both permit; of the speeds the higher one.

@@ -6,8 +6,9 @@
 //! plan therefore always stops inside the ring. A higher end speed may lower what the first rule allows at the start;
 //! then the speed planned before stays, and the end speed gives way when the block is handed on.
 //!
-//! Where acceleration may pass a transition, the blocks on both sides belong to one *span*: one change of speed after
-//! the other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
+//! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both sides have the same
+//! limits, as it is in a circle of several arcs), the blocks on both sides belong to one *span*: one change of speed after the
+//! other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
 //! which transitions are anchors.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
@@ -51,15 +52,15 @@ pub struct Block<const AXES: usize> {
     pub n: u32,
     /// How its speed follows the override.
     headroom: Headroom,
-    /// How far the transition at its start lets `cap` rise: LSB 2^-15, at most twice.
-    rises: u16,
     /// Motion blocks from the one before it to its own: none where a motion block goes on.
-    pub ahead: u8,
+    pub ahead: u16,
+    /// How far the transition at its start lets `cap` rise: LSB 2^-7, at most twice.
+    rises: u8,
     marks: Marks,
 }
 
 /// 1 in [`Block::rises`].
-const ONE: f32 = 32_768.0;
+const ONE: f32 = 128.0;
 /// A speed that was lowered by this stays below its limit, whatever rounding.
 const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 
@@ -82,6 +83,8 @@ impl Marks {
     const FUNCTIONS: u8 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
     const GATE: u8 = 64;
+    /// It stands for several blocks, and is twice as long as the way to a standstill.
+    const LONG: u8 = 128;
 
     #[inline(always)]
     const fn has(self, mark: u8) -> bool {
@@ -222,8 +225,7 @@ struct Last<const AXES: usize> {
     rapid: bool,
     /// Its limits have left a transition its part.
     shared: bool,
-    /// Acceleration may pass its ends.
-    through: bool,
+    slope: SlopeType,
     /// Its path is time.
     timed: bool,
 }
@@ -246,6 +248,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     open: bool,
     /// Transitions in the ring that are no anchors.
     through: usize,
+    /// Blocks in the ring that are long.
+    long: usize,
     /// Path length since the last anchor, LSB 2^-44 mm.
     span: i64,
     /// The last plan was one of single blocks.
@@ -257,6 +261,9 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     /// Speeds are those of the programmed feed, so many times.
     level: f32,
 }
+
+/// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
+const LONG_BLOCKS: usize = 2;
 
 /// No speed yet.
 const UNPLANNED: Speed = Speed::from_bits(-1);
@@ -279,6 +286,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             pass: Pass::Done,
             open: false,
             through: 0,
+            long: 0,
             span: 0,
             blockwise: true,
             end: 0,
@@ -305,7 +313,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 // From the highest speed that the transition permits, of which no more than the double is known.
                 let highest = block.cap * (f32::from(block.rises) * (1.0 / ONE));
                 block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
-                block.rises = (min(highest / block.cap, 2.0) * ONE) as u16;
+                block.rises = (min(highest / block.cap, 2.0) * ONE) as u8;
             }
             last = block.limits.v;
         }
@@ -317,9 +325,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// Whether there is no room for another block.
+    /// Whether there is no room for another block, or what is there is long enough for any speed.
     pub fn is_full(&self) -> bool {
-        self.blocks.len() >= self.depth
+        self.blocks.len() >= self.depth || self.long >= LONG_BLOCKS
     }
 
     /// Whether there is no block.
@@ -335,12 +343,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         (self.until, self.free) = (usize::MAX, None);
         self.pass = Pass::Done;
         self.through = 0;
+        self.long = 0;
         self.span = 0;
     }
 
-    /// Blocks handed on after each pass.
+    /// Blocks handed on after a pass: a quarter of what is there.
     pub fn batch(&self) -> usize {
-        (self.depth / 4).max(1)
+        (self.blocks.len() / 4).max(1)
     }
 
     /// Demands a standstill before the next block.
@@ -353,14 +362,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.before = before;
     }
 
-    /// Appends a block. Only when not [`Self::is_full`].
+    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
+    /// standstill from its speed.
     pub fn push(
         &mut self,
         element: &Element<AXES>,
         (mut limits, share, headroom): Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        (ahead, n): (u8, u32),
+        (ahead, n): (u16, u32),
+        long: bool,
     ) {
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
@@ -369,7 +380,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut shared = false;
         let mut anchor = true;
         let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
-        let through = dynamics.slope() == SlopeType::Hsc;
+        let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
@@ -377,7 +388,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
-            if v.is_some() || (brief && dynamics.slope() == SlopeType::Step) {
+            if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);
                     rises = min(rises, v / cap);
@@ -388,8 +399,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     before.limits.share(&last.share);
                 }
             }
+            let through = match slope {
+                SlopeType::Hsc => true,
+                // As if it were one block.
+                SlopeType::Trapez | SlopeType::Sin2 => {
+                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
+                        && limits.are(&before.limits)
+                }
+                // Acceleration is zero nowhere.
+                SlopeType::Step => false,
+            };
             anchor = !(through
-                && last.through
+                && last.slope == slope
                 && last.timed == timed
                 && (!timed || limits.v == before.limits.v)
                 && self.span + distance < LONGEST_SPAN
@@ -406,11 +427,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, through, timed });
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::FUNCTIONS, functions);
         marks.set(Marks::GATE, gate);
+        marks.set(Marks::LONG, long);
+        self.long += usize::from(long);
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             shape: element.shape.linear(),
@@ -421,7 +444,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             v_old: UNPLANNED,
             n,
             headroom,
-            rises: (rises * ONE) as u16,
+            rises: (rises * ONE) as u8,
             ahead,
             marks,
         });
@@ -548,8 +571,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
-        if self.blocks.pop_front().is_some_and(|block| !block.is(Marks::ANCHOR)) {
-            self.through -= 1;
+        if let Some(block) = self.blocks.pop_front() {
+            self.through -= usize::from(!block.is(Marks::ANCHOR));
+            self.long -= usize::from(block.is(Marks::LONG));
         }
         self.end = self.end.saturating_sub(1);
         if self.until != usize::MAX {

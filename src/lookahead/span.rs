@@ -9,7 +9,7 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter, and not before it could stand still.
-use super::{Block, Limits, Lookahead, Marks, Share};
+use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::path::Shape;
 use crate::quantity::Speed;
@@ -271,7 +271,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return self.start_forward();
             }
             // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
-            let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).max(block.v_old);
+            // A flat span goes on as the plan before had it: faster, the anchors that gave way would be needed again.
+            let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
+                block.v_old
+            } else {
+                pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).max(block.v_old)
+            };
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {

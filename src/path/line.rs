@@ -7,9 +7,10 @@ use crate::quantity::{Distance, Position};
 /// A line, without the room for what only curves have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Straight<const AXES: usize> {
-    length: Distance,
+    pub(super) length: Distance,
     gain: [i64; AXES],
-    tangent: [i64; AXES],
+    /// LSB 2^-40.
+    pub(super) tangent: [i64; AXES],
     shift: u8,
 }
 
@@ -56,6 +57,11 @@ pub(crate) fn straight<const AXES: usize>(
 }
 
 impl<const AXES: usize> Straight<AXES> {
+    /// Path length.
+    pub(crate) fn length(&self) -> Distance {
+        self.length
+    }
+
     /// The element. Inline: what only curves have is not even copied.
     #[inline(always)]
     pub(crate) fn element(&self) -> Element<AXES> {

@@ -18,11 +18,13 @@
 mod arc;
 pub mod contour;
 mod line;
+mod merge;
 pub mod poly;
 
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
-pub(crate) use line::straight;
+pub(crate) use line::{Straight, straight};
+pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::{Bounds, poly};
 
 use crate::math::root::sqrt_wide;

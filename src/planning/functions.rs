@@ -97,6 +97,11 @@ impl Functions {
         }
     }
 
+    /// Whether one is still to be given its place or its gate.
+    pub fn are_open(&self) -> bool {
+        self.entries.iter().any(|entry| entry.at.is_none() || !entry.gated)
+    }
+
     /// The motion that they were programmed with is refused.
     pub fn drop_unsettled(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| entry.unsettled) {

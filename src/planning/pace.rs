@@ -20,6 +20,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if level > self.lookahead.level() || self.lookahead.is_empty() {
             self.lookahead.set_level(level);
             self.dynamics.set_level(level);
+            self.renew_held();
             for flight in self.flights.from(0).filter(|flight| flight.span.level < level) {
                 flight.span.raise(level);
             }

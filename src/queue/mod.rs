@@ -4,15 +4,16 @@ pub mod clock;
 mod ring;
 
 pub use clock::Clock;
-pub use ring::{Consumer, Producer, Ring, Slot};
+pub use ring::{Consumer, MOST, Producer, Ring, Slot};
 
 use crate::control::{Control, Ticket};
 use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 
-/// Elements handed over.
-pub const SEGMENTS: usize = 32;
+/// Elements handed over. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
+/// channel, and that of a law in the planner.
+pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
 pub const PHASES: usize = 64;
 

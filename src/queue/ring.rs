@@ -193,10 +193,10 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         self.ring.taken.store(number, Ordering::Release);
     }
 
-    /// Gives items back from the oldest on as long as they are `over` and others follow, at most `most` of them;
-    /// the oldest one then.
+    /// Gives items back up to the last one that has `begun`, at most [`MOST`] of them; that one then. Items begin in their
+    /// order; the oldest has begun, and if it is `over`, so has the next.
     #[inline(always)]
-    pub fn pass(&mut self, most: u32, over: impl Fn(&T) -> bool) -> Option<&T> {
+    pub fn pass(&mut self, over: impl Fn(&T) -> bool, begun: impl Fn(&T) -> bool) -> Option<&T> {
         let mut number = self.ring.taken.load(Ordering::Relaxed);
         if self.ring.put.load(Ordering::Acquire) == number {
             return None;
@@ -204,26 +204,37 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         // SAFETY: the oldest item of the ring, which is not empty; `leave` leaves at least one.
         let slot = |number: u32| unsafe { &*self.ring.slot(number) };
         if over(slot(number)) {
-            number = self.leave(number, most, over);
+            number = self.leave(number, begun);
         }
         Some(slot(number))
     }
 
-    /// The oldest item, which has this number, is over: the number of the oldest one then.
+    /// The oldest item, which has this number, is over: the number of the last one that has begun. Seldom more than the next,
+    /// so that one is asked for alone; the others in strides, each half of the one before.
     #[inline(always)]
-    fn leave(&self, mut number: u32, most: u32, over: impl Fn(&T) -> bool) -> u32 {
+    fn leave(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
         let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
-        for _ in 0..most {
-            if number == last {
-                break;
-            }
+        // SAFETY: not beyond the last item of the ring.
+        let has_begun = |number: u32, by: u32| {
+            last.wrapping_sub(number) >= by && begun(unsafe { &*self.ring.slot(number.wrapping_add(by)) })
+        };
+        if last != number {
             number = number.wrapping_add(1);
-            // SAFETY: not beyond the last item of the ring.
-            if !over(unsafe { &*self.ring.slot(number) }) {
-                break;
+            if has_begun(number, 1) {
+                for stride in STRIDES {
+                    if has_begun(number, stride) {
+                        number = number.wrapping_add(stride);
+                    }
+                }
             }
+            self.ring.taken.store(number, Ordering::Release);
         }
-        self.ring.taken.store(number, Ordering::Release);
         number
     }
 }
+
+/// Strides over items that have begun.
+const STRIDES: [u32; 5] = [16, 8, 4, 2, 1];
+
+/// Most items that [`Consumer::pass`] gives back: one, and all strides.
+pub const MOST: u32 = 32;

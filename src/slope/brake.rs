@@ -12,7 +12,7 @@
 //!
 //! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at the end of
 //! the span too, and slows down at most as hard. So it keeps the limits of every block of the span. (A linear ramp of SIN2 may
-//! slow down later than the sine it replaces; but there a span is one block, with one limit, and only slowing down has begun.)
+//! slow down later than the sine it replaces; but there all blocks of a span have one limit, and only slowing down has begun.)
 use super::area;
 use super::bend::Bend;
 use super::profile::{Change, Form, Profile, speed_bits, speed_f32};

@@ -34,6 +34,7 @@ pub const CASES_3: &[Case] = cases!(
     "chords",
     "subroutine",
     "short_blocks",
+    "micro",
     "cam",
     "rapid_and_feed",
     "dwell",

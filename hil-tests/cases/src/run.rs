@@ -77,7 +77,7 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
             match result.map_err(Failure::Program)? {
                 Progress::Waiting => break,
                 Progress::Done => done = true,
-                Progress::Planned => outcome.blocks += 1,
+                Progress::Planned => outcome.blocks += planner.planned().blocks,
                 Progress::Working | Progress::Replanned | Progress::Warning(_) => {}
             }
         }

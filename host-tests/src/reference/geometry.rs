@@ -38,6 +38,10 @@ pub struct Element {
     pub stop: bool,
     /// Main axes.
     pub main: Vec<usize>,
+    /// Motion blocks it stands for.
+    pub blocks: usize,
+    /// It stands for several, and is long enough.
+    pub long: bool,
 }
 
 impl Element {

@@ -15,6 +15,8 @@ use glidepath::machine::{AxisData, ChannelData};
 
 /// Part of B for a joint that is not smooth; the slope beside it gets as much.
 const JOINT: f64 = 0.4;
+/// Part of B for an acceleration along the path that turns at a joint.
+const TURN: f64 = 0.05;
 /// Parts of B inside an arc: for the slope, for v³κ².
 const ARC_SLOPE: f64 = 0.25;
 const ARC_TURN: f64 = 0.5;
@@ -25,10 +27,12 @@ const ARC_SPEED_STEP: f64 = 0.8;
 /// beside it.
 const KNEE: f64 = 0.25;
 const LONG_RAMP: f64 = 4.0;
+/// A joint that shows less than this part of what it may is none to acceleration.
+const SLIGHT: f64 = 1.0 / 64.0;
 /// Part of the largest acceleration that may act across the path.
 const ACROSS: f64 = 0.8;
 /// Blocks that may pass within a tick.
-const BLOCKS_PER_TICK: f64 = 7.0;
+const BLOCKS_PER_TICK: f64 = 31.0;
 /// A knee below this is rounding of coordinates.
 const SMOOTH: f64 = 1.0 / 20_000.0;
 
@@ -82,6 +86,27 @@ impl BlockLimits {
             self.j = self.j.map(|j| j.min(self.j_beside));
         }
         self.lower(self.a_beside);
+    }
+
+    /// Whether they are the others but for rounding.
+    pub fn are(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64, part: f64| (a - b).abs() <= a * part;
+        let alike = |a: f64, b: f64| near(a, b, 2f64.powi(-18));
+        near(self.v, other.v, 2f64.powi(-22))
+            && alike(self.a_up, other.a_up)
+            && alike(self.a_down, other.a_down)
+            && self.j.iter().zip(&other.j).all(|(a, b)| alike(*a, *b))
+    }
+
+    /// What both permit; of the speeds the higher one.
+    pub fn with(&self, other: &Self) -> Self {
+        Self {
+            v: self.v.max(other.v),
+            a_up: self.a_up.min(other.a_up),
+            a_down: self.a_down.min(other.a_down),
+            j: std::array::from_fn(|k| self.j[k].min(other.j[k])),
+            ..*self
+        }
     }
 
     fn lower(&mut self, a: f64) {
@@ -155,7 +180,7 @@ impl AxisLimits {
             change_over: f64::from(change_over.min(axis.vb_max)) * 1e-3 * cycle * keep,
             jerk: shared.into_iter().fold(f64::INFINITY, f64::min),
             knee: (a_up.min(a_down) * weight).min(KNEE * a_max),
-            a_beside: if shortest < LONG_RAMP { (1.0 - KNEE) * a_max } else { f64::INFINITY },
+            a_beside: (1.0 - if shortest < LONG_RAMP { KNEE } else { KNEE * SLIGHT }) * a_max,
             a_max,
         };
         if slope == 0 {
@@ -264,6 +289,32 @@ impl Machine {
             }
         }
         limits
+    }
+
+    /// Whether a joint is none but for rounding, passed at the speed `fastest`.
+    pub fn slight(&self, before: &Element, after: &Element, fastest: f64) -> bool {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
+        axes.iter().enumerate().all(|(k, axis)| {
+            let knee = fastest * (begin.tangent[k] - end.tangent[k]).abs();
+            let bend = fastest * fastest * (begin.curvature[k] - end.curvature[k]).abs();
+            let part = JOINT * axis.jerk;
+            knee <= SLIGHT * part.min(axis.knee) && bend <= SLIGHT * part
+        })
+    }
+
+    /// Whether the acceleration `a` along the path may turn with it at a joint.
+    pub fn turns_little(&self, before: &Element, after: &Element, a: f64) -> bool {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
+        axes.iter()
+            .zip(end.iter().zip(&begin))
+            .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
+    }
+
+    /// Largest step of speed that never shows, mm/tick.
+    pub fn unseen_knee(&self, rapid: bool) -> f64 {
+        SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
     }
 
     /// Highest speed of a joint that neither neighbour passes faster than `fastest`; `None` if it is smooth.

@@ -6,6 +6,8 @@ pub mod profile;
 
 pub mod limits;
 
+pub mod merge;
+
 pub mod planner;
 
 pub mod motion;

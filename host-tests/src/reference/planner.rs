@@ -1,8 +1,9 @@
-//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint.
+//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless both sides are
+//! alike: then the blocks have one law.
 //!
 //! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
-//! then it is filled again. At the end of the program all that is left is handed on.
-use super::geometry::{Contour, Element};
+//! then it is filled again; long lines fill it sooner. At the end of the program all that is left is handed on.
+use super::geometry::{Contour, Element, Shape};
 use super::limits::{BlockLimits, Machine, path_length};
 use super::profile::{Change, Profile, largest, reach};
 use glidepath::channel::PlannedBlock;
@@ -17,6 +18,12 @@ pub struct Block {
     pub limits: BlockLimits,
     /// Highest speed at its start; zero after a stop.
     pub v_start: f64,
+    /// It stands for several, and is long enough.
+    pub long: bool,
+    /// It is a line: it goes into the ring when the next block is known.
+    pub waits: bool,
+    /// Acceleration may pass its start.
+    pub through: bool,
 }
 
 /// Blocks of a contour with their limits, joints included.
@@ -26,10 +33,12 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     for element in &contour.elements {
         let mut limits = machine.block(element);
         let mut v_start = 0.0;
+        let mut through = false;
         if let (Some(before), Some(last)) = (before, blocks.last_mut())
             && !before.stop
         {
-            v_start = last.limits.v.min(limits.v);
+            let cap = last.limits.v.min(limits.v);
+            v_start = cap;
             let joint = machine.joint(before, element, v_start);
             // With STEP, blocks that may pass within a tick count as joints.
             let within = last.length < last.limits.v || path_length(element) < limits.v;
@@ -38,55 +47,152 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
                 last.limits.share();
                 limits.share();
             }
+            let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
+            through = limits.slope != 0
+                && joint.is_none_or(|v| v >= cap && machine.slight(before, element, cap))
+                && limits.are(&last.limits)
+                && machine.turns_little(before, element, fastest);
         }
-        blocks.push(Block { length: path_length(element), limits, v_start });
+        blocks.push(Block {
+            length: path_length(element),
+            limits,
+            v_start,
+            long: element.long,
+            waits: element.shape == Shape::Line,
+            through,
+        });
         before = Some(element);
     }
     blocks
 }
 
-/// Time laws of all blocks from standstill to standstill.
+/// Path length from rest to the highest speed of a block, or from there to rest: the longer one.
+pub fn ways(limits: &BlockLimits) -> f64 {
+    let way = |slope| Change::new(0.0, limits.v, slope).distance;
+    way(limits.accelerate()).max(way(limits.brake().reversed()))
+}
+
+/// So many long lines are a full ring.
+const LONG_BLOCKS: usize = 2;
+
+/// Several blocks with one law.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// Numbers of its first block and of the one behind it.
+    first: usize,
+    behind: usize,
+    whole: Block,
+}
+
+/// The ring as spans: a new one at every anchor.
+fn spans(blocks: &[Block], start: usize, anchors: &[bool]) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    for (number, block) in (start..).zip(blocks) {
+        match spans.last_mut() {
+            Some(span) if !anchors[number] => {
+                span.behind += 1;
+                span.whole.length += block.length;
+                span.whole.limits = span.whole.limits.with(&block.limits);
+            }
+            _ => spans.push(Span { first: number, behind: number + 1, whole: *block }),
+        }
+    }
+    spans
+}
+
+/// Time laws of all spans from standstill to standstill.
 ///
 /// # Panics
 /// If a block cannot be travelled between the speeds that the passes found: then the passes are wrong.
 pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
-    let batch = (depth / 4).max(1);
     let mut profiles = Vec::with_capacity(blocks.len());
     let mut entries = vec![0.0; blocks.len() + 1];
-    for start in (0..blocks.len()).step_by(batch) {
-        let known = blocks.len().min(start + depth);
+    let mut anchors: Vec<bool> = blocks.iter().map(|block| !block.through).collect();
+    let mut start = 0;
+    while start < blocks.len() {
+        let mut known = start;
+        let mut long = 0;
+        while known < blocks.len() && known < start + depth && long < LONG_BLOCKS {
+            long += usize::from(blocks[known].long);
+            known += 1;
+        }
         let mut ring = blocks[start..known].to_vec();
+        anchors[start] = true;
         // A full ring is planned before the end of the program is known.
-        if start + depth <= blocks.len()
-            && let Some(last) = ring.last_mut()
-        {
+        let ends = known == blocks.len() && blocks[known - 1].waits;
+        let full = (known == start + depth || long == LONG_BLOCKS) && !ends;
+        if let (true, Some(last)) = (full, ring.last_mut()) {
             // Whatever comes next may need its part of the jerk.
             last.limits.share();
         }
-        raise(&mut entries[start..=known], &ring);
-        for (i, block) in (start..).zip(&ring).take(batch) {
-            let v_in = entries[i];
-            let v_out = leave(block, v_in, entries[i + 1]);
-            entries[i + 1] = v_out;
-            let Block { length, limits, .. } = block;
+        let batch = if full { start + (ring.len() / 4).max(1) } else { known };
+        let parts = loop {
+            let parts = spans(&ring, start, &anchors);
+            let mut raised = entries.clone();
+            raise(&mut raised, &parts);
+            let Some(cut) = full.then(|| cut(&parts, &ring, &raised, batch)).flatten() else {
+                entries = raised;
+                break parts;
+            };
+            anchors[cut] = true;
+        };
+        let leaves = |span: &&Span| span.first < batch;
+        for span in parts.iter().take_while(leaves) {
+            let v_in = entries[span.first];
+            let v_out = leave(&span.whole, v_in, entries[span.behind]);
+            entries[span.behind] = v_out;
+            let Block { length, limits, .. } = &span.whole;
             let profile =
                 Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake());
-            profiles.push(profile.unwrap_or_else(|| panic!("block {i}: {v_in} to {v_out} in {block:?}")));
+            profiles.push(profile.unwrap_or_else(|| panic!("{v_in} to {v_out} in {span:?}")));
+            start = span.behind;
         }
     }
     profiles
 }
 
-/// Raises the speeds at the starts of blocks as far as the motion can still come to a standstill at the end of the last.
+/// Where a span that would leave is to be cut, if its end may yet be passed faster: where its slowing down begins, or behind
+/// those blocks that leave in any case.
+fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<usize> {
+    let start = parts[0].first;
+    let mut v_in = entries[start];
+    let mut firm = true;
+    for span in parts {
+        let next = ring.get(span.behind - start);
+        firm &= next.is_some_and(|next| entries[span.behind] >= next.v_start * (1.0 - 1e-7));
+        let v_out = leave(&span.whole, v_in, entries[span.behind]);
+        if !firm && span.first < batch && span.behind - span.first > 1 {
+            let Block { length, limits, .. } = &span.whole;
+            let law = Profile::fastest(*length, v_in, v_out, limits.v, limits.accelerate(), limits.brake())?;
+            let brakes_at = length - law.fall.distance;
+            let mut place = None;
+            let mut at = 0.0;
+            for number in span.first..span.behind {
+                let may = number > span.first && number >= batch;
+                if may && (place.is_none() || at <= brakes_at) {
+                    place = Some(number);
+                }
+                at += ring[number - start].length;
+            }
+            if place.is_some() {
+                return place;
+            }
+        }
+        v_in = v_out;
+    }
+    None
+}
+
+/// Raises the speeds at the starts of spans as far as the motion can still come to a standstill at the end of the last.
 /// The first one is decided.
 ///
 /// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
 /// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to v/3. So a
 /// speed that was possible with a lower one behind it may not follow from the higher one. It stays possible.
-fn raise(entries: &mut [f64], blocks: &[Block]) {
-    for (i, block) in blocks.iter().enumerate().skip(1).rev() {
-        let highest = reach(block.length, entries[i + 1], block.v_start, block.limits.brake().reversed());
-        entries[i] = highest.max(entries[i]);
+fn raise(entries: &mut [f64], parts: &[Span]) {
+    for Span { first, behind, whole } in parts.iter().skip(1).rev() {
+        let highest = reach(whole.length, entries[*behind], whole.v_start, whole.limits.brake().reversed());
+        entries[*first] = highest.max(entries[*first]);
     }
 }
 
@@ -103,15 +209,23 @@ fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
 
 /// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the duration at
 /// the highest speed.
-pub fn laws(blocks: &[Block], planned: &[PlannedBlock]) -> Vec<Profile> {
-    let law = |(block, planned): (&Block, &PlannedBlock)| {
+pub fn laws(blocks: &[Block], contour: &Contour, planned: &[PlannedBlock]) -> Vec<Profile> {
+    let mut next = 0;
+    let law = |planned: &PlannedBlock| {
         let speed = |v: Speed| v.to_bits() as f64 / 2f64.powi(58);
+        let mut limits = blocks[next].limits;
+        let mut left = planned.blocks as usize;
+        while left > 0 {
+            limits = limits.with(&blocks[next].limits);
+            left -= contour.elements[next].blocks;
+            next += 1;
+        }
         let (v_in, v_peak, v_out) = (speed(planned.v_in), speed(planned.v_peak), speed(planned.v_out));
-        let rise = Change::new(v_in, v_peak, block.limits.accelerate());
-        let fall = Change::new(v_out, v_peak, block.limits.brake().reversed());
+        let rise = Change::new(v_in, v_peak, limits.accelerate());
+        let fall = Change::new(v_out, v_peak, limits.brake().reversed());
         let time = planned.time.to_bits() as f64 / 2f64.powi(36);
         let length = planned.length.to_bits() as f64 / 2f64.powi(44);
         Profile { v_in, v_peak, v_out, length, cruise: time - rise.time() - fall.time(), rise, fall }
     };
-    blocks.iter().zip(planned).map(law).collect()
+    planned.iter().map(law).collect()
 }

@@ -1,0 +1,78 @@
+//! Lines that go on in the same direction with the same feed count as one, as long as the one is within a tolerance of every
+//! point left out. All points are kept and looked at, each time.
+use super::geometry::{Contour, Element, Shape};
+use super::limits::{Machine, path_length};
+use super::planner::ways;
+use crate::tolerance;
+
+/// Longest line that grows, mm.
+const LONGEST: f64 = 1024.0;
+
+/// So many ways to the highest speed and from it are long enough.
+const WAYS: f64 = 2.0;
+
+/// Longest time after which a knee is expected not to show, ticks.
+const LONGEST_TIME: f64 = 1024.0;
+
+/// A block must not turn by more than that, and by no more than twice what the tolerance explains, times 1 + tangent.
+const TURN: f64 = 0.125;
+
+/// The contour with lines merged.
+pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
+    let mut elements: Vec<Element> = Vec::new();
+    let mut points: Vec<Vec<f64>> = Vec::new();
+    for element in &contour.elements {
+        if let Some(last) = elements.last_mut()
+            && let Some(line) = joined(last, element, &points)
+        {
+            points.push(last.to.clone());
+            *last = line;
+            let limits = machine.block(last);
+            let time = (tolerance::MERGED / machine.unseen_knee(last.feed.is_none())).min(LONGEST_TIME);
+            last.long = path_length(last) >= (WAYS * ways(&limits)).max(limits.v * time);
+        } else {
+            points.clear();
+            elements.push(element.clone());
+        }
+    }
+    Contour { start: contour.start.clone(), elements }
+}
+
+/// How far the motion may be from the contour: further where any two blocks may be one.
+pub fn path_tolerance(contour: &Contour) -> f64 {
+    let merges = contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[]).is_some());
+    if merges { tolerance::MERGED_PATH } else { tolerance::PATH }
+}
+
+/// One line instead of two, if all `points` left out, and that between the two, permit it.
+fn joined(last: &Element, next: &Element, points: &[Vec<f64>]) -> Option<Element> {
+    let lines = last.shape == Shape::Line && next.shape == Shape::Line;
+    if !lines || last.stop || last.long || last.feed != next.feed {
+        return None;
+    }
+    let tangent = |e: &Element| -> Vec<f64> {
+        let length = path_length(e);
+        (0..e.from.len()).map(|k| e.travel(k) / length).collect()
+    };
+    let line = Element { from: last.from.clone(), blocks: last.blocks + next.blocks, ..next.clone() };
+    let (whole, [s, l]) = (path_length(&line), [last, next].map(path_length));
+    let bound = 2.0 * tolerance::MERGED * (s + l) / (s * l);
+    let here = tangent(last);
+    let turns = here.iter().zip(tangent(next)).any(|(a, b)| (a - b).abs() > bound * (1.0 + a.abs()));
+    if turns || bound >= TURN || whole <= s || whole > LONGEST {
+        return None;
+    }
+    let direction = tangent(&line);
+    let mut part = line.clone();
+    let mut near = |point: &Vec<f64>| {
+        // As long a line from the start as that to the point.
+        part.to.clone_from(point);
+        let to = path_length(&part);
+        (0..point.len()).all(|k| {
+            let main = line.main.contains(&k);
+            let wide = if main { 1.0 } else { 1.0 + ((point[k] - line.from[k]) / to).abs() };
+            (line.from[k] + direction[k] * to - point[k]).abs() <= wide * tolerance::MERGED
+        })
+    };
+    (near(&last.to) && points.iter().all(near)).then_some(line)
+}

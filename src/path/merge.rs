@@ -1,0 +1,100 @@
+//! Blocks that go on in a straight line become one: a line cut into pieces is as fast as the whole line, and the look-ahead
+//! sees as far.
+//!
+//! A line from the start `P0` of the first block to the end `Pn` of the last stands for all of them if every point left out
+//! is within a tolerance of it. Which lines are, is known without the points. Every `Pi` was an end before it was left out:
+//! `Pi = P0 + Ti·si`, with the path length `si` and the tangent `Ti` of the line to it. At the path distance `si` the line with
+//! the tangent `T` is `|T − Ti|·si` away from it, axis by axis. So each point left out permits the tangents within
+//! `tolerance/si` of `Ti`, all of them together an interval for each axis, and that is all that is kept.
+//!
+//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance: where it stands beside a point of the
+//! path is not known better than that point.
+//!
+//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on every main axis, so
+//! that nothing goes back.
+use super::line::{Straight, straight};
+use crate::math::float::{to_bits, to_f32};
+use crate::quantity::Position;
+
+/// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on three. Points of a
+/// straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by up to 1.37 nm, mostly by less than
+/// half of that.
+const TOLERANCE: i64 = 4900;
+
+/// The same in mm, with the rounding of what is made of it.
+pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 - 1.0 / 1_048_576.0);
+
+/// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the tolerance.
+const LONGEST: i64 = 1 << 54;
+
+/// Half the largest change of the tangent on a main axis, and by how much more it may change than the points left out may say.
+const TURN: f32 = 0.125;
+const LOOSE: f32 = 2.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A line that may still grow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch<const AXES: usize> {
+    start: [Position; AXES],
+    line: Straight<AXES>,
+    /// Permitted tangents, LSB 2^-40.
+    low: [i64; AXES],
+    high: [i64; AXES],
+}
+
+impl<const AXES: usize> Stretch<AXES> {
+    /// A block alone.
+    #[inline(always)]
+    pub(crate) fn new(start: &[Position; AXES], line: &Straight<AXES>) -> Self {
+        Self { start: *start, line: *line, low: [i64::MIN; AXES], high: [i64::MAX; AXES] }
+    }
+
+    /// The line.
+    pub(crate) fn line(&self) -> &Straight<AXES> {
+        &self.line
+    }
+
+    /// Whether the block `next` could be part of it: only then [`Self::with`] is worth its work.
+    #[inline(always)]
+    pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
+        // `next` goes from the end of this one to that of the line of both, whose tangent is within tolerance/s of the one here:
+        // over a length l of its own it may be off by the tolerance, over s likewise.
+        let [s, l] = [self.line.length, next.length].map(|length| to_f32(length.to_bits()) * LSB_44);
+        let most = LOOSE * TOLERANCE_MM * (s + l);
+        // Both sides times s·l.
+        let scale = s * l * (1.0 / (1u64 << 40) as f32);
+        let bound = if most < TURN * s * l { most } else { return false };
+        self.line.tangent.iter().zip(&next.tangent).all(|(here, there)| {
+            let turn = there.wrapping_sub(*here);
+            to_f32(turn.wrapping_abs()) * scale <= bound * wide(*here)
+        })
+    }
+
+    /// The line to `target`, the end of `next`, if it may stand for all blocks. Only if it [`Self::goes_on`].
+    #[inline(never)]
+    pub(crate) fn with(&self, target: &[Position; AXES], main: &[Option<usize>; 3]) -> Option<Self> {
+        let line = straight(&self.start, target, main).ok()??;
+        if line.length <= self.line.length || line.length.to_bits() > LONGEST {
+            return None;
+        }
+        let mut grown = Self { line, ..*self };
+        let room = TOLERANCE_MM / (to_f32(self.line.length.to_bits()) * LSB_44);
+        let bounds = grown.low.iter_mut().zip(&mut grown.high);
+        let tangents = self.line.tangent.iter().zip(&line.tangent);
+        for (k, ((low, high), (old, new))) in bounds.zip(tangents).enumerate() {
+            let room = to_bits::<40>(if main.contains(&Some(k)) { room } else { room * wide(*old) });
+            (*low, *high) = ((*low).max(old.wrapping_sub(room)), (*high).min(old.wrapping_add(room)));
+            if *new < *low || *new > *high {
+                return None;
+            }
+        }
+        Some(grown)
+    }
+}
+
+/// 1 + |t| of a tangent.
+#[inline(always)]
+fn wide(tangent: i64) -> f32 {
+    1.0 + to_f32(tangent.wrapping_abs()) * (1.0 / (1u64 << 40) as f32)
+}
