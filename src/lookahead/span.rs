@@ -8,7 +8,7 @@
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
-//! begin, or behind the first quarter, and not before it could stand still.
+//! begin, or behind the first quarter.
 use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::path::Shape;
@@ -155,11 +155,6 @@ impl Law {
     /// Where the slowing down begins.
     fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
-    }
-
-    /// Where it could stand still.
-    fn stops_by(&self) -> f32 {
-        self.down.distance(0.0, self.v_in)[0]
     }
 
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
@@ -452,11 +447,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 if block.cap < slowest && !pass.law.keeps(block.cap, start, start) {
                     pass.worst = Some((pass.block, pass.block, block.cap));
                 }
-                let law = &pass.law;
-                if pass.block >= batch
-                    && (pass.cut == 0 || start <= law.brakes_at())
-                    && start >= law.stops_by()
-                {
+                if pass.block >= batch && (pass.cut == 0 || start <= pass.law.brakes_at()) {
                     pass.cut = pass.block;
                 }
             }
