@@ -282,7 +282,7 @@ fn at_a_rounded_corner_the_action_decides_where_it_stands() {
                         let behind: i64 = halves[..halves.len() - 1].iter().sum();
                         assert_eq!(run.distances[row], half + behind, "{text}");
                         assert!(
-                            run.row(row)[0] == 50 << 32 && point[1] > 0.0 && point[1] < 10.0,
+                            run.row(row)[0] == 50 << 32 && point[1] > 0.0 && point[1] < 15.0,
                             "{point:?}"
                         );
                     }

@@ -472,13 +472,13 @@ fn a_warning_in_a_loop_is_told_once() {
 #[test]
 fn a_called_file_is_not_overwritten_and_is_named() {
     let directory = directory("called-kept");
-    let called = file(&directory, "sub.nc", b"N30 G01 X3 F600\nN40 X4\n");
-    let program = file(&directory, "main.nc", b"N10 G00 X1\nL sub\nN50 G01 X5\nM30\n");
+    let called = file(&directory, "sub.nc", b"N30 G01 Y3 F600\nN40 X4\n");
+    let program = file(&directory, "main.nc", b"N10 G00 X1\nL sub\nN50 G01 Y5\nM30\n");
     for option in ["--trace", "--summary", "--contour"] {
         let text = refusal(&["run", &program, option, &called]);
         assert!(text.contains("reads or writes it already"), "{text}");
     }
-    assert_eq!(fs::read(&called).expect("it is still there"), b"N30 G01 X3 F600\nN40 X4\n");
+    assert_eq!(fs::read(&called).expect("it is still there"), b"N30 G01 Y3 F600\nN40 X4\n");
 
     let summary = directory.join("s.json").to_str().expect("plain characters").to_owned();
     let output = glidepath(&["run", &program, "--summary", &summary]);
