@@ -126,6 +126,29 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     queue: Sender<'a, AXES>,
 }
 
+/// The way into the look-ahead.
+struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
+    lookahead: &'a mut Lookahead<AXES, BLOCKS>,
+    functions: &'a mut Functions,
+    dynamics: &'a mut Dynamics<AXES>,
+    numbered: &'a mut u32,
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
+    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, data: &Data, due: u32, long: bool) {
+        // More than fits is made up for later.
+        let ahead = data.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
+        *self.numbered = self.numbered.wrapping_add(ahead);
+        let numbers = (ahead as u16, data.n);
+        self.lookahead.before(self.functions.before(due));
+        self.lookahead.push(element, limits, data.feed.is_none(), self.dynamics, numbers, long);
+        self.dynamics.settle();
+        if data.stop {
+            self.lookahead.stop_here();
+        }
+    }
+}
+
 /// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
@@ -326,17 +349,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data, due: u32, long: bool) {
-        // More than fits is made up for later.
-        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
-        self.numbered = self.numbered.wrapping_add(ahead);
-        let numbers = (ahead as u16, data.n);
-        self.lookahead.before(self.functions.before(due));
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, long);
-        self.dynamics.settle();
-        if data.stop {
-            self.lookahead.stop_here();
-        }
+    /// The way into the look-ahead, and what is held back before it.
+    #[inline(always)]
+    fn entrance(&mut self) -> (Entrance<'_, AXES, BLOCKS>, &Option<Held<AXES>>) {
+        let Self { lookahead, functions, dynamics, numbered, held, .. } = self;
+        (Entrance { lookahead, functions, dynamics, numbered }, held)
     }
 
     /// Takes over an element from contour mode.
@@ -347,7 +364,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
-        self.push(element, limits, data, *due, false);
+        self.entrance().0.push(element, &limits, data, *due, false);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

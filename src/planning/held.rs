@@ -58,7 +58,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.lookahead.is_full() {
             self.held = Some(Held { curve: Curve::Arc(*element), limits: *limits, data: *data, long: false });
         } else {
-            self.push(element, *limits, data, data.number, false);
+            self.entrance().0.push(element, limits, data, data.number, false);
         }
     }
 
@@ -87,13 +87,23 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// What is held back goes into the look-ahead, which has room.
     pub(super) fn let_go(&mut self) {
-        let Some(held) = self.held.take() else { return };
-        match &held.curve {
-            Curve::Line(stretch) => {
-                self.push(&stretch.line().element(), held.limits, &held.data, held.data.number, held.long);
-            }
-            Curve::Arc(element) => self.push(element, held.limits, &held.data, held.data.number, false),
+        if self.held.is_some() {
+            self.pass_on();
         }
+    }
+
+    /// Read in its place: it is large.
+    #[inline(never)]
+    fn pass_on(&mut self) {
+        let (mut entrance, held) = self.entrance();
+        let Some(Held { curve, limits, data, long }) = held else { return };
+        match curve {
+            Curve::Line(stretch) => {
+                entrance.push(&stretch.line().element(), limits, data, data.number, *long);
+            }
+            Curve::Arc(element) => entrance.push(element, limits, data, data.number, false),
+        }
+        self.held = None;
     }
 
     /// What is held back gets the limits of now.
