@@ -80,7 +80,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     programmed: [Position; AXES],
     contouring: Contouring<AXES>,
     /// Waits for the next one, only while contour mode is idle.
-    held: Option<Held<AXES>>,
+    held: Held<AXES>,
     lookahead: Lookahead<AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
@@ -126,6 +126,42 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     queue: Sender<'a, AXES>,
 }
 
+/// What goes with a block into the look-ahead.
+#[derive(Clone, Copy, Debug)]
+struct Pass {
+    /// Feed, mm/min; rapid without.
+    feed: Option<f32>,
+    /// Programmed N number.
+    n: u32,
+    /// Motion blocks before it.
+    number: u32,
+    /// It ends in an exact stop.
+    stop: bool,
+}
+
+/// The way into the look-ahead.
+struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
+    lookahead: &'a mut Lookahead<AXES, BLOCKS>,
+    functions: &'a mut Functions,
+    dynamics: &'a mut Dynamics<AXES>,
+    numbered: &'a mut u32,
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
+    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
+        // More than fits is made up for later.
+        let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
+        *self.numbered = self.numbered.wrapping_add(ahead);
+        let numbers = (ahead as u16, pass.n);
+        self.lookahead.before(self.functions.before(due));
+        self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, numbers, long);
+        self.dynamics.settle();
+        if pass.stop {
+            self.lookahead.stop_here();
+        }
+    }
+}
+
 /// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
@@ -157,7 +193,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             dynamics: Dynamics::new(machine),
             programmed: start,
             contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
-            held: None,
+            held: Held::none(),
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,
             flush: false,
@@ -212,14 +248,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(line) = path::straight(from, to, &self.main)? {
-                    let element = line.element();
-                    let limits = self.limits(&element, feed)?;
-                    let data = self.data(motion, feed);
-                    if self.contouring.is_idle() {
+                    let pass = self.pass(motion, feed)?;
+                    if !self.contouring.is_idle() {
+                        let element = line.element();
+                        self.limits(self.dynamics.element(&element, feed), line.length())?;
+                        self.round(&element, Form::Line, motion, feed)?;
+                    } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
-                        self.hold_line(&line, &limits, motion, &data);
                     } else {
-                        self.round(&element, Form::Line, motion, &data)?;
+                        let limits = self.dynamics.line(line.tangent(), line.length(), feed);
+                        let limits = self.limits(limits, line.length())?;
+                        self.functions.settle(true, false);
+                        self.hold_line(&line, &limits, pass);
                     }
                     self.advance(motion);
                 } else if motion.exact_stop {
@@ -239,13 +279,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     }
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
-                let limits = self.limits(&element, feed)?;
-                let data = self.data(motion, feed);
+                let pass = self.pass(motion, feed)?;
+                let limits = self.limits(self.dynamics.element(&element, feed), element.shape.length)?;
                 if self.contouring.is_idle() {
                     self.functions.settle(true, false);
-                    self.pass_arc(&element, &limits, &data);
+                    self.pass_arc(&element, &limits, pass);
                 } else {
-                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, &data)?;
+                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
                 }
                 self.advance(motion);
             }
@@ -276,22 +316,20 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.cancel();
     }
 
-    /// Limits of a block.
+    /// The limits of a block of that length, unless it would take too long.
     #[inline(always)]
-    fn limits(&self, element: &Element<AXES>, feed: Option<f32>) -> Result<Permitted, MotionError> {
+    fn limits(&self, limits: Permitted, length: Distance) -> Result<Permitted, MotionError> {
+        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(limits) }
+    }
+
+    /// What goes with a block.
+    #[inline(always)]
+    fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
         // A block without motion needs no feed: it does not come here.
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
         }
-        let limits = self.dynamics.element(element, feed);
-        if to_f32(element.shape.length.to_bits()) > limits.0.v * SLOWEST {
-            return Err(MotionError::TooSlow);
-        }
-        Ok(limits)
-    }
-
-    fn data(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Data {
-        Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop }
+        Ok(Pass { feed, n: motion.n, number: self.taken, stop: motion.exact_stop })
     }
 
     /// Contour mode takes a block.
@@ -300,10 +338,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         element: &Element<AXES>,
         form: Form,
         motion: &Motion<AXES>,
-        data: &Data,
+        feed: Option<f32>,
     ) -> Result<(), MotionError> {
         let (from, to) = (self.programmed, motion.target);
-        self.contouring.take(&Block { element: *element, from, to, form, data: *data }, &self.dynamics)?;
+        let data =
+            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
+        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
         self.functions.settle(true, self.contouring.rounds());
         Ok(())
     }
@@ -326,17 +366,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &mut self.dynamics
     }
 
-    fn push(&mut self, element: &Element<AXES>, limits: Permitted, data: &Data, due: u32, long: bool) {
-        // More than fits is made up for later.
-        let ahead = data.number.wrapping_sub(self.numbered).min(u32::from(u16::MAX));
-        self.numbered = self.numbered.wrapping_add(ahead);
-        let numbers = (ahead as u16, data.n);
-        self.lookahead.before(self.functions.before(due));
-        self.lookahead.push(element, limits, data.feed.is_none(), &self.dynamics, numbers, long);
-        self.dynamics.settle();
-        if data.stop {
-            self.lookahead.stop_here();
-        }
+    /// The way into the look-ahead, and what is held back before it.
+    #[inline(always)]
+    fn entrance(&mut self) -> (Entrance<'_, AXES, BLOCKS>, &Held<AXES>) {
+        let Self { lookahead, functions, dynamics, numbered, held, .. } = self;
+        (Entrance { lookahead, functions, dynamics, numbered }, held)
     }
 
     /// Takes over an element from contour mode.
@@ -347,7 +381,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
-        self.push(element, limits, data, *due, false);
+        let Data { feed, n, number, stop, .. } = *data;
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, false);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
@@ -506,7 +541,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.contouring.release(false);
             return Work::Working;
         }
-        if self.flush && self.held.is_some() {
+        if self.flush && !self.held.is_none() {
             self.let_go();
             return Work::Working;
         }

@@ -23,8 +23,8 @@ use crate::machine::{AxisData, ChannelData, MachineData, Stages};
 use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
-use crate::path::{Bounds, Element, End};
-use crate::quantity::Speed;
+use crate::path::{Bounds, Circle, Element, End};
+use crate::quantity::{Distance, Speed};
 use crate::slope::bend::Bend;
 use crate::slope::profile::speed_f32;
 use crate::slope::ramp::{Bowed, Ramp, Stepped};
@@ -271,15 +271,35 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
+        match &element.circle {
+            None => self.line(&element.entry.tangent, element.shape.length, feed),
+            circle => self.permitted(&element.entry.tangent, element.shape.length, circle, feed),
+        }
+    }
+
+    /// The same for a straight line: its direction (LSB 2^-40) and its length.
+    #[inline(never)]
+    pub(crate) fn line(&self, tangent: &[i64; AXES], length: Distance, feed: Option<f32>) -> Permitted {
+        self.permitted(tangent, length, &None, feed)
+    }
+
+    #[inline(always)]
+    fn permitted(
+        &self,
+        tangent: &[i64; AXES],
+        length: Distance,
+        circle: &Option<Circle>,
+        feed: Option<f32>,
+    ) -> Permitted {
         let rapid = feed.is_none();
-        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        let length = to_f32(length.to_bits()) * LSB_44;
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         let mut v_reduced = f32::MAX;
-        let turns = |k: usize| element.circle.filter(|circle| circle.plane.contains(&k));
+        let turns = |k: usize| circle.filter(|circle| circle.plane.contains(&k));
         let shares = || {
             let shares =
-                self.axes.iter().zip(&element.entry.tangent).enumerate().map(|(k, (axis, tangent))| {
+                self.axes.iter().zip(tangent).enumerate().map(|(k, (axis, tangent))| {
                     let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
                     (k, axis.set(rapid), turns(k).map_or_else(along, |circle| circle.share))
                 });
@@ -302,7 +322,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         let feed = self.programmed(feed);
-        if let Some(circle) = element.circle {
+        if let Some(circle) = circle {
             let curvature = circle.share * circle.share / circle.radius;
             let mut normal = f32::MAX;
             let mut a_max = f32::MAX;
@@ -318,7 +338,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             limits.v = min(limits.v, feed * self.level);
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
-        self.path.lower(&mut limits, rapid, element.circle.is_some());
+        self.path.lower(&mut limits, rapid, circle.is_some());
         let headroom = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, headroom)
     }

@@ -367,12 +367,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn push(
         &mut self,
         element: &Element<AXES>,
-        (mut limits, share, headroom): Permitted,
+        permitted: &Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
         (ahead, n): (u16, u32),
         long: bool,
     ) {
+        let (mut limits, share, headroom) = *permitted;
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let mut cap = 0.0;

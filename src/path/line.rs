@@ -57,6 +57,15 @@ pub(crate) fn straight<const AXES: usize>(
 }
 
 impl<const AXES: usize> Straight<AXES> {
+    /// No line.
+    pub(crate) const BLANK: Self =
+        Self { length: Distance::ZERO, gain: [0; AXES], tangent: [0; AXES], shift: 0 };
+
+    /// Its direction, LSB 2^-40.
+    pub(crate) fn tangent(&self) -> &[i64; AXES] {
+        &self.tangent
+    }
+
     /// Path length.
     pub(crate) fn length(&self) -> Distance {
         self.length

@@ -44,10 +44,19 @@ pub(crate) struct Stretch<const AXES: usize> {
 }
 
 impl<const AXES: usize> Stretch<AXES> {
-    /// A block alone.
+    /// None.
+    pub(crate) const BLANK: Self = Self {
+        start: [Position::ZERO; AXES],
+        line: Straight::BLANK,
+        low: [i64::MIN; AXES],
+        high: [i64::MAX; AXES],
+    };
+
+    /// Becomes a block alone.
     #[inline(always)]
-    pub(crate) fn new(start: &[Position; AXES], line: &Straight<AXES>) -> Self {
-        Self { start: *start, line: *line, low: [i64::MIN; AXES], high: [i64::MAX; AXES] }
+    pub(crate) fn begin(&mut self, start: &[Position; AXES], line: &Straight<AXES>) {
+        (self.start, self.line) = (*start, *line);
+        (self.low, self.high) = ([i64::MIN; AXES], [i64::MAX; AXES]);
     }
 
     /// The line.

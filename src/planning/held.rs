@@ -4,17 +4,42 @@
 //! comes before the second one, and lets the first one go. A line grows until it is twice as long as the ways to its speed and
 //! from it, and until a knee at its end, of what its tolerance leaves open, is too small to be seen. So a long straight line is
 //! handed on while it is being read, and two pieces are a whole ring ([`crate::lookahead::Lookahead::is_full`]).
-use super::{Data, Motion, Permitted, Planning, SLOWEST, max, to_f32};
-use crate::lookahead::Limits;
+use super::{Pass, Permitted, Planning, SLOWEST, max, to_f32};
+use crate::lookahead::{Headroom, Limits, Share};
 use crate::path::{Element, Straight, Stretch, TOLERANCE_MM};
+use crate::quantity::Position;
 
-/// Such a block.
+/// Such a block, or none. Written and read in its place: it is large.
 pub(super) struct Held<const AXES: usize> {
-    curve: Curve<AXES>,
-    limits: Permitted,
-    data: Data,
+    /// There is one.
+    is_held: bool,
     /// It stands for several, and is long enough.
     long: bool,
+    curve: Curve<AXES>,
+    limits: Permitted,
+    pass: Pass,
+}
+
+impl<const AXES: usize> Held<AXES> {
+    pub const fn none() -> Self {
+        Self {
+            is_held: false,
+            long: false,
+            curve: Curve::Line(Stretch::BLANK),
+            limits: (Limits::WIDEST, Share { j: 0.0, a: 0.0 }, Headroom::NONE),
+            pass: Pass { feed: None, n: 0, number: 0, stop: false },
+        }
+    }
+
+    /// Whether there is none.
+    pub const fn is_none(&self) -> bool {
+        !self.is_held
+    }
+
+    /// Forgets it.
+    pub const fn clear(&mut self) {
+        self.is_held = false;
+    }
 }
 
 enum Curve<const AXES: usize> {
@@ -29,86 +54,99 @@ const WAYS: f32 = 2.0;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Holds a line back; what was held back before goes on, unless both are one.
-    pub(super) fn hold_line(
-        &mut self,
-        line: &Straight<AXES>,
-        limits: &Permitted,
-        motion: &Motion<AXES>,
-        data: &Data,
-    ) {
-        if let Some(held) = &self.held
-            && let Curve::Line(stretch) = &held.curve
-            && held.data.feed == data.feed
-            && !held.data.stop
-            && !self.functions.are_open()
-            && stretch.goes_on(line)
-            && self.lengthen(motion, data)
-        {
-            return;
-        }
+    /// Holds a line back; what was held back before goes on.
+    #[inline(always)]
+    pub(super) fn hold_line(&mut self, line: &Straight<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
-        let stretch = Stretch::new(&self.programmed, line);
-        self.held = Some(Held { curve: Curve::Line(stretch), limits: *limits, data: *data, long: false });
+        let held = &mut self.held;
+        if let Curve::Line(stretch) = &mut held.curve {
+            stretch.begin(&self.programmed, line);
+        } else {
+            let mut stretch = Stretch::BLANK;
+            stretch.begin(&self.programmed, line);
+            held.curve = Curve::Line(stretch);
+        }
+        (held.is_held, held.long, held.limits, held.pass) = (true, false, *limits, pass);
     }
 
     /// An arc goes on behind what was held back.
-    pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, data: &Data) {
+    pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
         if self.lookahead.is_full() {
-            self.held = Some(Held { curve: Curve::Arc(*element), limits: *limits, data: *data, long: false });
+            self.held = Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
-            self.push(element, *limits, data, data.number, false);
+            self.entrance().0.push(element, limits, &pass, pass.number, false);
         }
     }
 
-    /// The line held back becomes one with the block behind it; `false` if it does not.
-    #[inline(never)]
-    fn lengthen(&mut self, motion: &Motion<AXES>, data: &Data) -> bool {
-        let Some(held) = &mut self.held else { return false };
+    /// The line held back becomes one with this one behind it; `false` if it does not.
+    #[inline(always)]
+    pub(super) fn join_held(&mut self, line: &Straight<AXES>, target: &[Position; AXES], pass: &Pass) -> bool {
+        let held = &self.held;
         let Curve::Line(stretch) = &held.curve else { return false };
+        held.is_held
+            && !held.long
+            && held.pass.feed == pass.feed
+            && !held.pass.stop
+            && stretch.goes_on(line)
+            && !self.functions.are_open()
+            && self.lengthen(target, pass)
+    }
+
+    #[inline(never)]
+    fn lengthen(&mut self, target: &[Position; AXES], pass: &Pass) -> bool {
+        let held = &mut self.held;
+        let Curve::Line(stretch) = &mut held.curve else { return false };
         // What the look-ahead counts in a block.
-        let counts = data.number.wrapping_sub(self.numbered) < u32::from(u16::MAX);
-        if held.long || !counts {
+        if pass.number.wrapping_sub(self.numbered) >= u32::from(u16::MAX) {
             return false;
         }
-        let Some(grown) = stretch.with(&motion.target, &self.main) else { return false };
-        let limits = self.dynamics.element(&grown.line().element(), data.feed);
+        let Some(grown) = stretch.with(target, &self.main) else { return false };
+        let limits = self.dynamics.line(grown.line().tangent(), grown.line().length(), pass.feed);
         let length = to_f32(grown.line().length().to_bits());
         if length > limits.0.v * SLOWEST {
             return false;
         }
         let Limits { v, .. } = limits.0;
         let ways = max(limits.0.speed_up().distance(0.0, v)[0], limits.0.brake().distance(0.0, v)[0]);
-        let enough = max(WAYS * ways, v * self.dynamics.smoothing(TOLERANCE_MM, data.feed.is_none()));
-        *held = Held { curve: Curve::Line(grown), limits, data: *data, long: length * LSB_44 >= enough };
+        let enough = max(WAYS * ways, v * self.dynamics.smoothing(TOLERANCE_MM, pass.feed.is_none()));
+        *stretch = grown;
+        (held.limits, held.pass, held.long) = (limits, *pass, length * LSB_44 >= enough);
         true
     }
 
     /// What is held back goes into the look-ahead, which has room.
+    #[inline(always)]
     pub(super) fn let_go(&mut self) {
-        let Some(held) = self.held.take() else { return };
-        match &held.curve {
-            Curve::Line(stretch) => {
-                self.push(&stretch.line().element(), held.limits, &held.data, held.data.number, held.long);
-            }
-            Curve::Arc(element) => self.push(element, held.limits, &held.data, held.data.number, false),
+        if self.held.is_held {
+            self.pass_on();
         }
+    }
+
+    #[inline(never)]
+    fn pass_on(&mut self) {
+        let (mut entrance, held) = self.entrance();
+        let Held { curve, limits, pass, long, .. } = held;
+        match curve {
+            Curve::Line(stretch) => {
+                entrance.push(&stretch.line().element(), limits, pass, pass.number, *long);
+            }
+            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, false),
+        }
+        self.held.clear();
     }
 
     /// What is held back gets the limits of now.
     pub(super) fn renew_held(&mut self) {
-        let Some(held) = &mut self.held else { return };
+        let held = &mut self.held;
         held.limits = match &held.curve {
-            Curve::Line(stretch) => self.dynamics.element(&stretch.line().element(), held.data.feed),
-            Curve::Arc(element) => self.dynamics.element(element, held.data.feed),
+            Curve::Line(stretch) => self.dynamics.element(&stretch.line().element(), held.pass.feed),
+            Curve::Arc(element) => self.dynamics.element(element, held.pass.feed),
         };
     }
 
     /// The block held back ends in a standstill.
     pub(super) fn stop_held(&mut self) {
-        if let Some(held) = &mut self.held {
-            held.data.stop = true;
-        }
+        self.held.pass.stop = true;
     }
 }

@@ -480,7 +480,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.programmed = self.position;
         self.taken = self.begun;
         self.contouring.clear();
-        self.held = None;
+        self.held.clear();
         self.lookahead.clear();
         self.stage = super::Stage::Filling;
         self.flush = false;

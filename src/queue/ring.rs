@@ -209,8 +209,8 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         Some(slot(number))
     }
 
-    /// The oldest item, which has this number, is over: the number of the last one that has begun. Seldom more than the next,
-    /// so that one is asked for alone; the others in strides, each half of the one before.
+    /// The oldest item, which has this number, is over: the number of the last one that has begun. Seldom more than the next
+    /// two, so those are asked for alone; the others in strides, each about half of the one before.
     #[inline(always)]
     fn leave(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
         let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
@@ -221,9 +221,12 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         if last != number {
             number = number.wrapping_add(1);
             if has_begun(number, 1) {
-                for stride in STRIDES {
-                    if has_begun(number, stride) {
-                        number = number.wrapping_add(stride);
+                number = number.wrapping_add(1);
+                if has_begun(number, 1) {
+                    for stride in STRIDES {
+                        if has_begun(number, stride) {
+                            number = number.wrapping_add(stride);
+                        }
                     }
                 }
             }
@@ -234,7 +237,7 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
 }
 
 /// Strides over items that have begun.
-const STRIDES: [u32; 5] = [16, 8, 4, 2, 1];
+const STRIDES: [u32; 5] = [15, 8, 4, 2, 1];
 
-/// Most items that [`Consumer::pass`] gives back: one, and all strides.
+/// Most items that [`Consumer::pass`] gives back: two, and all strides.
 pub const MOST: u32 = 32;
