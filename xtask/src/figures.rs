@@ -6,15 +6,16 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 4] = [
+const LIMITS: [(&str, u64); 5] = [
     ("total.tick_max_3_axes", 400),
     ("case.contour.tick_max", 600),
     ("case.corners.tick_max", 600),
+    ("case.hsc.block_mean", 8000),
     ("size.bytes_per_block_3_axes", 160),
 ];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-const GOALS: [(&str, u64); 2] = [("total.block_mean_3_axes", 6000), ("case.hsc.block_mean", 8000)];
+const GOALS: [(&str, u64); 1] = [("total.block_mean_3_axes", 6000)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 2] = ["contour", "corners"];
