@@ -251,13 +251,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     let pass = self.pass(motion, feed)?;
                     if !self.contouring.is_idle() {
                         let element = line.element();
-                        self.limits(self.dynamics.element(&element, feed), line.length())?;
+                        Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
                         self.round(&element, Form::Line, motion, feed)?;
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
                         let limits = self.dynamics.line(line.tangent(), line.length(), feed);
-                        let limits = self.limits(limits, line.length())?;
+                        Self::in_time(&limits, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);
                     }
@@ -280,7 +280,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
                 let pass = self.pass(motion, feed)?;
-                let limits = self.limits(self.dynamics.element(&element, feed), element.shape.length)?;
+                let limits = self.dynamics.element(&element, feed);
+                Self::in_time(&limits, element.shape.length)?;
                 if self.contouring.is_idle() {
                     self.functions.settle(true, false);
                     self.pass_arc(&element, &limits, pass);
@@ -316,10 +317,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.cancel();
     }
 
-    /// The limits of a block of that length, unless it would take too long.
+    /// A block of that length does not take too long.
     #[inline(always)]
-    fn limits(&self, limits: Permitted, length: Distance) -> Result<Permitted, MotionError> {
-        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(limits) }
+    fn in_time(limits: &Permitted, length: Distance) -> Result<(), MotionError> {
+        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.
