@@ -148,7 +148,14 @@ struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
-    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
+    #[inline(never)]
+    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
+        self.push_here(element, limits, pass, due, false);
+    }
+
+    /// The same, inline: of a line only what lines have is made.
+    #[inline(always)]
+    fn push_here(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
         // More than fits is made up for later.
         let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
         *self.numbered = self.numbered.wrapping_add(ahead);
@@ -383,7 +390,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = *data;
-        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, false);
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

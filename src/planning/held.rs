@@ -76,7 +76,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
-            self.entrance().0.push(element, limits, &pass, pass.number, false);
+            self.entrance().0.push(element, limits, &pass, pass.number);
         }
     }
 
@@ -135,9 +135,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Held { curve, limits, pass, long, .. } = held;
         match curve {
             Curve::Line(stretch) => {
-                entrance.push(&stretch.line().element(), limits, pass, pass.number, *long);
+                entrance.push_here(&stretch.line().element(), limits, pass, pass.number, *long);
             }
-            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, false),
+            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number),
         }
         self.held.clear();
     }
