@@ -148,7 +148,14 @@ struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
-    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
+    #[inline(never)]
+    fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
+        self.push_here(element, limits, pass, due, false);
+    }
+
+    /// The same, inline: of a line only what lines have is made.
+    #[inline(always)]
+    fn push_here(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
         // More than fits is made up for later.
         let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
         *self.numbered = self.numbered.wrapping_add(ahead);
@@ -251,13 +258,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     let pass = self.pass(motion, feed)?;
                     if !self.contouring.is_idle() {
                         let element = line.element();
-                        self.limits(self.dynamics.element(&element, feed), line.length())?;
+                        Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
                         self.round(&element, Form::Line, motion, feed)?;
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
                         let limits = self.dynamics.line(line.tangent(), line.length(), feed);
-                        let limits = self.limits(limits, line.length())?;
+                        Self::in_time(&limits, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);
                     }
@@ -280,7 +287,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 };
                 let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
                 let pass = self.pass(motion, feed)?;
-                let limits = self.limits(self.dynamics.element(&element, feed), element.shape.length)?;
+                let limits = self.dynamics.element(&element, feed);
+                Self::in_time(&limits, element.shape.length)?;
                 if self.contouring.is_idle() {
                     self.functions.settle(true, false);
                     self.pass_arc(&element, &limits, pass);
@@ -316,10 +324,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.contouring.cancel();
     }
 
-    /// The limits of a block of that length, unless it would take too long.
+    /// A block of that length does not take too long.
     #[inline(always)]
-    fn limits(&self, limits: Permitted, length: Distance) -> Result<Permitted, MotionError> {
-        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(limits) }
+    fn in_time(limits: &Permitted, length: Distance) -> Result<(), MotionError> {
+        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.
@@ -382,7 +390,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = *data;
-        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, false);
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

@@ -298,11 +298,10 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v_reduced = f32::MAX;
         let turns = |k: usize| circle.filter(|circle| circle.plane.contains(&k));
         let shares = || {
-            let shares =
-                self.axes.iter().zip(tangent).enumerate().map(|(k, (axis, tangent))| {
-                    let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
-                    (k, axis.set(rapid), turns(k).map_or_else(along, |circle| circle.share))
-                });
+            let shares = self.axes.iter().zip(tangent).enumerate().map(|(k, (axis, tangent))| {
+                let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
+                (k, axis.set(rapid), turns(k).map_or_else(along, |circle| circle.share))
+            });
             shares.filter(|(_, _, share)| *share > 0.0)
         };
         let mut change_over = f32::MAX;
@@ -542,9 +541,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v = f32::MAX;
         let mut tangential = true;
         let mut square = f32::MAX;
-        for (k, axis) in self.axes.iter().enumerate() {
-            let (Some(t0), Some(t1)) = (from.tangent.get(k), to.tangent.get(k)) else { continue };
-            let (Some(c0), Some(c1)) = (from.curvature.get(k), to.curvature.get(k)) else { continue };
+        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
+        for (k, (axis, ((t0, t1), (c0, c1)))) in self.axes.iter().zip(ends).enumerate() {
             if t0 == t1 && c0 == c1 {
                 continue;
             }

@@ -364,6 +364,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
+    #[inline(always)]
     pub fn push(
         &mut self,
         element: &Element<AXES>,

@@ -205,12 +205,34 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The same with spans of several blocks.
     #[inline(never)]
     fn spans(&mut self) -> bool {
-        self.pass = match self.pass {
-            Pass::Backward(pass) => self.backward(pass),
-            Pass::Forward(pass) => self.forward(pass),
-            Pass::Inside(pass) => self.inside(pass),
-            pass => pass,
+        // What goes on is put back alone: of all that a pass may be it is the smaller part.
+        let next = match self.pass {
+            Pass::Backward(mut pass) => {
+                let next = self.backward(&mut pass);
+                if next.is_none() {
+                    self.pass = Pass::Backward(pass);
+                }
+                next
+            }
+            Pass::Forward(mut pass) => {
+                let next = self.forward(&mut pass);
+                if next.is_none() {
+                    self.pass = Pass::Forward(pass);
+                }
+                next
+            }
+            Pass::Inside(mut pass) => {
+                let next = self.inside(&mut pass);
+                if next.is_none() {
+                    self.pass = Pass::Inside(pass);
+                }
+                next
+            }
+            _ => None,
         };
+        if let Some(next) = next {
+            self.pass = next;
+        }
         matches!(self.pass, Pass::Done)
     }
 
@@ -246,13 +268,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         false
     }
 
-    fn backward(&mut self, mut pass: Backward) -> Pass {
+    /// Another one, or none if this one goes on.
+    fn backward(&mut self, pass: &mut Backward) -> Option<Pass> {
         for _ in 0..STEPS {
-            let Some(left) = pass.left.checked_sub(1) else { return self.start_forward() };
+            let Some(left) = pass.left.checked_sub(1) else { return Some(self.start_forward()) };
             pass.left = left;
             let last = self.open && left + 1 == self.blocks.len();
             let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
-            let Some(block) = self.blocks.get_mut(left) else { return self.start_forward() };
+            let Some(block) = self.blocks.get_mut(left) else { return Some(self.start_forward()) };
             pass.span.add(block, share);
             if left > 0 && !block.is(Marks::ANCHOR) {
                 continue;
@@ -262,8 +285,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             // The first block's start is already decided.
             if left == 0 {
-                self.raise_first_span(&pass);
-                return self.start_forward();
+                self.raise_first_span(pass);
+                return Some(self.start_forward());
             }
             // What was possible stays possible, see `blocks`; new anchors behind it may have to give way.
             // A flat span goes on as the plan before had it: faster, the anchors that gave way would be needed again.
@@ -275,13 +298,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
-                return self.start_forward();
+                return Some(self.start_forward());
             }
             block.v_in = v;
             pass.v_out = v;
             pass.span = Span::default();
         }
-        Pass::Backward(pass)
+        None
     }
 
     /// The first block's start may rise: to what its end permits.
@@ -311,11 +334,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true })
     }
 
-    fn forward(&mut self, mut pass: Forward) -> Pass {
+    /// The same.
+    fn forward(&mut self, pass: &mut Forward) -> Option<Pass> {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
-                None => return self.complete(),
+                None => return Some(self.complete()),
             };
             if let Some(block) = self.blocks.get(pass.next)
                 && (pass.next == pass.from || !block.is(Marks::ANCHOR))
@@ -336,9 +360,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 (pass.from, pass.span) = (pass.next, Span::default());
                 continue;
             }
-            return self.span(pass);
+            return Some(self.span(*pass));
         }
-        Pass::Forward(pass)
+        None
     }
 
     /// Plans a span that has changed.
@@ -431,14 +455,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         Pass::Forward(pass)
     }
 
-    fn inside(&mut self, mut pass: Inside) -> Pass {
+    fn inside(&mut self, pass: &mut Inside) -> Option<Pass> {
         let Forward { from, next: to, .. } = pass.forward;
         let batch = self.batch();
         for _ in 0..STEPS {
             if pass.block >= to {
-                return self.inside_done(pass);
+                return Some(self.inside_done(pass));
             }
-            let Some(block) = self.blocks.get(pass.block) else { return self.complete() };
+            let Some(block) = self.blocks.get(pass.block) else { return Some(self.complete()) };
             let start = to_f32(pass.at) * LSB_44;
             pass.at += block.shape.length.to_bits();
             let end = to_f32(pass.at) * LSB_44;
@@ -463,17 +487,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             pass.block += 1;
         }
-        Pass::Inside(pass)
+        None
     }
 
-    fn inside_done(&mut self, pass: Inside) -> Pass {
+    fn inside_done(&mut self, pass: &Inside) -> Pass {
         let Forward { from, next: to, firm, v_in, .. } = pass.forward;
         let flat = self.blocks.get(from).is_some_and(|block| block.is(Marks::FLAT));
         if let Some((first, behind, v)) = pass.worst {
             if flat {
                 return self.slow_down(&pass.forward);
             }
-            let [enters, leaves] = self.too_fast(&pass, first, behind, v);
+            let [enters, leaves] = self.too_fast(pass, first, behind, v);
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
                 if needed && from < block && block < to {
                     self.set_anchor(block);

@@ -80,16 +80,20 @@ impl<const AXES: usize> Stretch<AXES> {
         })
     }
 
-    /// The line to `target`, the end of `next`, if it may stand for all blocks. Only if it [`Self::goes_on`].
-    #[inline(never)]
-    pub(crate) fn with(&self, target: &[Position; AXES], main: &[Option<usize>; 3]) -> Option<Self> {
+    /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or begin anew. Only if it
+    /// [`Self::goes_on`].
+    #[inline(always)]
+    pub(crate) fn with(
+        &mut self,
+        target: &[Position; AXES],
+        main: &[Option<usize>; 3],
+    ) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, main).ok()??;
         if line.length <= self.line.length || line.length.to_bits() > LONGEST {
             return None;
         }
-        let mut grown = Self { line, ..*self };
         let room = TOLERANCE_MM / (to_f32(self.line.length.to_bits()) * LSB_44);
-        let bounds = grown.low.iter_mut().zip(&mut grown.high);
+        let bounds = self.low.iter_mut().zip(&mut self.high);
         let tangents = self.line.tangent.iter().zip(&line.tangent);
         for (k, ((low, high), (old, new))) in bounds.zip(tangents).enumerate() {
             let room = to_bits::<40>(if main.contains(&Some(k)) { room } else { room * wide(*old) });
@@ -98,7 +102,13 @@ impl<const AXES: usize> Stretch<AXES> {
                 return None;
             }
         }
-        Some(grown)
+        Some(line)
+    }
+
+    /// Stands for all blocks.
+    #[inline(always)]
+    pub(crate) fn become_line(&mut self, line: &Straight<AXES>) {
+        self.line = *line;
     }
 }
 

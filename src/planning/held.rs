@@ -73,15 +73,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
         if self.lookahead.is_full() {
-            self.held = Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
+            self.held =
+                Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
-            self.entrance().0.push(element, limits, &pass, pass.number, false);
+            self.entrance().0.push(element, limits, &pass, pass.number);
         }
     }
 
     /// The line held back becomes one with this one behind it; `false` if it does not.
     #[inline(always)]
-    pub(super) fn join_held(&mut self, line: &Straight<AXES>, target: &[Position; AXES], pass: &Pass) -> bool {
+    pub(super) fn join_held(
+        &mut self,
+        line: &Straight<AXES>,
+        target: &[Position; AXES],
+        pass: &Pass,
+    ) -> bool {
         let held = &self.held;
         let Curve::Line(stretch) = &held.curve else { return false };
         held.is_held
@@ -102,15 +108,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         let Some(grown) = stretch.with(target, &self.main) else { return false };
-        let limits = self.dynamics.line(grown.line().tangent(), grown.line().length(), pass.feed);
-        let length = to_f32(grown.line().length().to_bits());
+        let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
+        let length = to_f32(grown.length().to_bits());
         if length > limits.0.v * SLOWEST {
             return false;
         }
         let Limits { v, .. } = limits.0;
         let ways = max(limits.0.speed_up().distance(0.0, v)[0], limits.0.brake().distance(0.0, v)[0]);
         let enough = max(WAYS * ways, v * self.dynamics.smoothing(TOLERANCE_MM, pass.feed.is_none()));
-        *stretch = grown;
+        stretch.become_line(&grown);
         (held.limits, held.pass, held.long) = (limits, *pass, length * LSB_44 >= enough);
         true
     }
@@ -129,9 +135,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Held { curve, limits, pass, long, .. } = held;
         match curve {
             Curve::Line(stretch) => {
-                entrance.push(&stretch.line().element(), limits, pass, pass.number, *long);
+                entrance.push_here(&stretch.line().element(), limits, pass, pass.number, *long);
             }
-            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, false),
+            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number),
         }
         self.held.clear();
     }
