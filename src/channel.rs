@@ -306,6 +306,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// The program is refused; what was planned before stays valid and comes to a standstill. Further calls go on
     /// with planning that rest and end in [`Progress::Done`].
     pub fn poll(&mut self) -> Result<Progress, Error> {
+        // After an abort there is nothing to hold.
+        if self.source == Source::Ended && self.planning.is_idle() {
+            return Ok(Progress::Done);
+        }
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
             Ok(Work::Waiting) => return Ok(Progress::Waiting),

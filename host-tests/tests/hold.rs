@@ -155,6 +155,11 @@ fn a_dwell_runs_on_in_a_hold_and_is_never_shorter() {
         let stood = *run.holds.first().unwrap_or_else(|| panic!("hold at {tick}: no standstill"));
         assert!(run.trace.row(stood).eq(run.trace.row(tick + 599)), "hold at {tick}");
         assert!(held >= rest, "hold at {tick}: {held}");
+        // What is behind the dwell waits.
+        let stays = |tick: usize| whole.trace.row(tick).next() == Some(3 << 32);
+        if stays(tick) && stays((tick + 8).min(whole.trace.len() - 1)) {
+            assert_eq!(run.trace.row(tick + 599).next(), Some(3 << 32), "hold at {tick}");
+        }
     }
 }
 

@@ -223,7 +223,9 @@ fn a_late_planner_stops_the_set_points_and_loses_nothing() {
     let axis = AxisData::new(AxisName::new("X").expect("a letter"), AxisKind::Linear);
     let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
     let machine = MachineData { axes: [axis], channel };
-    let text: String = (1..=400).map(|i| format!("G01 X{}.{} F6000\n", i / 2, 5 * (i % 2))).collect();
+    // Blocks of one feed would become one.
+    let text: String =
+        (1..=400).map(|i| format!("G01 X{}.{} F{}\n", i / 2, 5 * (i % 2), 6000 + i % 2)).collect();
     let mut memory = Channel::<1, 120>::new();
     let (mut planner, mut interpolator): (Planner<'_, &[u8], 1, 120>, _) =
         memory.split(&machine, [Position::ZERO], text.as_bytes()).expect("in range");

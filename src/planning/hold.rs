@@ -126,6 +126,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.mode.standing && self.queue.clock.now() == self.end
     }
 
+    /// Whether there is nothing that moves or may move.
+    pub fn is_idle(&self) -> bool {
+        self.flights.len() == 0 && self.curves == 0 && self.lookahead.is_empty() && self.rest == 0
+    }
+
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
@@ -250,8 +255,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.emitter.resume_at(flight.next);
             self.speed = flight.enters;
         }
-        // So short a slowing down that it has no tick leaves it to the rest.
-        if self.end == at && self.laid == k && !self.mode.halting {
+        if brake.is_none() && self.mode.stopping && self.speed == Speed::ZERO {
+            // It stands before the span, and has no law to stand still by.
+            (self.owed, self.stops) = (0, true);
+        } else if self.end == at && self.laid == k && !self.mode.halting {
+            // So short a slowing down that it has no tick leaves it to the rest.
             laid = self.lay();
             if laid.is_ok() {
                 self.hand_out();

@@ -111,8 +111,9 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Goes on `time` before a tick.
+    /// Goes on `time` before a tick; what is left of the block at hand is dropped.
     pub fn resume_at(&mut self, time: u64) {
+        (self.part, self.count) = (0, 0);
         self.next = time;
     }
 

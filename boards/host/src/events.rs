@@ -178,7 +178,7 @@ impl<'a> Schedule<'a> {
         let later = |what: fn(What) -> bool| self.events[self.next..].iter().any(|event| what(event.what));
         let resumed = !commands.hold || later(|what| what == What::Resume);
         let fed = commands.feed > 0 || later(|what| matches!(what, What::Override(1..)));
-        later(|what| what == What::Abort) || (resumed && fed)
+        commands.abort || later(|what| what == What::Abort) || (resumed && fed)
     }
 
     /// Whether an event acknowledges this function, now or before.

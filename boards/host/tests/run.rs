@@ -496,7 +496,11 @@ fn a_hold_without_end_is_an_error_without_files() {
 #[test]
 fn an_abort_ends_at_rest_on_the_path() {
     let program = cut_line("aborted");
-    for (name, text) in [("abort", "0.3 abort\n"), ("hold-abort", "0.3 feedhold\n1.5 abort\n")] {
+    for (name, text) in [
+        ("abort", "0.3 abort\n"),
+        ("hold-abort", "0.3 feedhold\n1.5 abort\n"),
+        ("zero-abort", "0.3 override 0\n1.5 abort\n"),
+    ] {
         let run = run_with(name, &program, None, &["--events", &events(name, text)]);
         let rows = &run.trace.rows;
         let last = &rows[rows.len() - 1];
