@@ -13,13 +13,15 @@
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
+mod dynamics;
 mod limits;
 mod pace;
 mod span;
 mod vector;
 mod weights;
 
-pub use limits::{Curving, Dynamics, Law, Limits, Permitted, Share};
+pub use dynamics::{Curving, Dynamics, Permitted};
+pub use limits::{Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub use pace::{Headroom, Pace};
 pub use vector::TooLow;

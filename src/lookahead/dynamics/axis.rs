@@ -1,0 +1,148 @@
+//! What one axis permits, converted from machine data to ticks.
+use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT};
+use crate::lookahead::limits::{Ramps, TRANSITION_PART, max, min};
+use crate::machine::{AxisData, ChannelData, Stages};
+use crate::nc::SlopeType;
+
+/// What a slight transition takes of the largest acceleration.
+const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
+/// Ramps of that many ticks are not.
+const LONG_RAMP: f32 = 4.0;
+
+/// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Set {
+    pub v: f32,
+    pub a_up: f32,
+    pub a_down: f32,
+    /// STEP: the same above the change-over speed, and that.
+    pub upper: [f32; 2],
+    pub change_over: f32,
+    /// The others: mean jerks.
+    pub j: Ramps,
+    pub joint: Joint,
+    /// The least a / ramp time, at most `B`.
+    pub ramp_budget: f32,
+    /// Acceleration left to the slope beside a knee.
+    pub a_shared: f32,
+}
+
+/// What an axis permits at a transition.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    /// `B`.
+    pub budget: f32,
+    /// Speed step permitted at a knee (P-AXIS-00013).
+    pub knee: f32,
+    /// Acceleration step permitted at a tangential transition (P-AXIS-00154), where P-CHAN-00009 asks for it.
+    pub bend: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    pub(super) feed: Set,
+    pub(super) rapid: Set,
+    pub(super) a_max: f32,
+    /// P-AXIS-00214; none where that is 0.
+    pub(super) v_reduced: f32,
+}
+
+impl Joint {
+    pub(super) fn restricted(&self, other: &Self) -> Self {
+        Self {
+            budget: min(self.budget, other.budget),
+            knee: min(self.knee, other.knee),
+            bend: min(self.bend, other.bend),
+        }
+    }
+}
+
+impl Set {
+    /// The jerk that a curve in a corner may cause.
+    pub(super) fn curving_budget(&self, check: u8) -> f32 {
+        match check {
+            0 => f32::MAX,
+            1 => self.joint.budget,
+            _ => self.ramp_budget,
+        }
+    }
+
+    /// Smallest acceleration.
+    pub(super) fn least(&self) -> f32 {
+        min(min(self.a_up, self.a_down), min(self.upper[0], self.upper[1]))
+    }
+}
+
+impl Axis {
+    /// Feed or rapid.
+    #[inline(always)]
+    pub(super) fn set(&self, rapid: bool) -> &Set {
+        if rapid { &self.rapid } else { &self.feed }
+    }
+
+    pub(super) fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
+        let cycle_s = channel.cycle_us as f32 * 1e-6;
+        let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
+        let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
+        let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
+        let geometric = ticks(data.tr_geom);
+        let a_max = accel(data.a_max);
+        let stepped = slope == SlopeType::Step;
+        let set = |v: u32, a: [u32; 2], tr: [u32; 4], stages: Stages| {
+            let [a_up, a_down] = if stepped { [stages.a[0], stages.d[0]] } else { a }.map(accel);
+            let upper = [stages.a[1], stages.d[1]].map(accel);
+            // HSC has one ramp time: the longest.
+            let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
+            let tr = tr.map(ticks);
+            let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
+            let mut j = [0.0; 4];
+            let mut budget = f32::MAX;
+            let mut ramp_budget = f32::MAX;
+            let [mut shortest, mut longest] = [f32::MAX, 0.0];
+            for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
+                *j = over(tr, k) * JERK_MARGIN;
+                budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
+                ramp_budget = min(ramp_budget, *j);
+                longest = max(longest, tr);
+                shortest = min(shortest, tr);
+            }
+            let a = min(a_up, a_down);
+            // Of `a`, in 0.1 %; 0: cycle time / ramp time.
+            let part = |weight: u32| a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
+            let mut set = Set {
+                v: speed(v),
+                a_up,
+                a_down,
+                upper,
+                change_over: speed(stages.change_over),
+                j,
+                joint: Joint {
+                    budget,
+                    knee: min(part(data.a_trans_weight), KNEE_PART * a_max),
+                    bend: if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX },
+                },
+                ramp_budget: min(ramp_budget, budget),
+                a_shared: (1.0 - SLIGHT_KNEE) * a_max,
+            };
+            if stepped {
+                // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
+                let knee = min(set.least(), KNEE_PART * a_max);
+                set.joint = Joint { budget: knee / TRANSITION_PART, knee, bend: f32::MAX };
+            } else {
+                set.upper = [f32::MAX; 2];
+            }
+            if stepped || shortest < LONG_RAMP || slope == SlopeType::Hsc {
+                set.a_shared = (1.0 - KNEE_PART) * a_max;
+            }
+            set
+        };
+        let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
+        let (a_feed, a_rapid) = ([data.a_beschl, data.a_brems], [data.a_grenz; 2]);
+        Self {
+            feed: set(data.vb_max, a_feed, tr, data.stages(false)),
+            rapid: set(data.vb_eilgang, a_rapid, [data.tr_grenz; 4], data.stages(true)),
+            a_max,
+            v_reduced: if data.vb_max_red == 0 { f32::MAX } else { speed(data.vb_max_red) },
+        }
+    }
+}

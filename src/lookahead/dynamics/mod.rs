@@ -1,0 +1,265 @@
+//! Permitted path speed, acceleration and jerk of one element and of one transition, from those of the axes.
+//!
+//! Everything here is per tick and in `f32`; three margins make up for its rounding and for that of the integers
+//! behind it, so that the limits of the axes hold exactly:
+//!
+//! | of | factor | covers |
+//! |---|---|---|
+//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
+//! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
+//!
+//! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
+//! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
+//! `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows at most the larger one of `B` and
+//! π/2 · a / ramp time.
+//!
+//! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
+//! the slope, which does not vanish there. A quarter of `a_max` is left to knees: beside them and beside blocks that may pass
+//! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
+
+mod axis;
+mod polynomial;
+mod transition;
+
+pub(super) use axis::Set;
+pub use polynomial::Curving;
+
+use super::limits::{Law, Limits, Share, magnitude, min};
+use super::pace::Headroom;
+use super::vector::{PathLimits, TooLow};
+use super::weights::Weights;
+use crate::machine::MachineData;
+use crate::math::float::{size_f32, to_f32};
+use crate::nc::{SlopeType, VectorLimit, Weight};
+use crate::path::{Circle, Element};
+use crate::quantity::Distance;
+use crate::slope::bend::Bend;
+use crate::tick::SKIP_PER_TICK;
+use axis::{Axis, Joint};
+
+/// Factor on speeds and accelerations.
+pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
+/// Factor on jerks.
+const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
+/// Part of the largest acceleration that may act across the path.
+const NORMAL_PART: f32 = 0.8;
+/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
+/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks, or
+/// acceleration passes the knee (HSC).
+const KNEE_PART: f32 = 0.25;
+/// Part of what a transition may show that passes for none.
+const SLIGHT: f32 = 1.0 / 64.0;
+/// Element lengths per tick, so that a tick never has to pass more elements than it may.
+const SKIP: f32 = (SKIP_PER_TICK - 1) as f32;
+
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A jerk that is none, mm/tick³.
+const NO_LIMIT: f32 = 1e20;
+
+/// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them.
+pub struct Dynamics<const AXES: usize> {
+    axes: [Axis; AXES],
+    /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the weights.
+    before: Option<[[Joint; 2]; AXES]>,
+    machine: MachineData<AXES>,
+    weights: Weights<AXES>,
+    path: PathLimits,
+    /// mm/tick of 1 mm/min.
+    feed_unit: f32,
+    slope: SlopeType,
+    /// Elements are to be good for so many times their feed.
+    level: f32,
+    /// An axis has a reduced speed.
+    reduces: bool,
+}
+
+/// What an element permits: along the path, beside a transition, with an override.
+pub type Permitted = (Limits, Share, Headroom);
+
+impl<const AXES: usize> Dynamics<AXES> {
+    /// Converts the machine data.
+    pub fn new(machine: &MachineData<AXES>) -> Self {
+        let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
+        let slope = SlopeType::of_profile(machine.channel.slope_profile);
+        Self {
+            axes: machine.axes.map(|axis| Axis::new(&axis, &machine.channel, slope)),
+            before: None,
+            machine: *machine,
+            weights: Weights::new(),
+            path: PathLimits::new(&machine.channel),
+            feed_unit: cycle_s / 60.0,
+            slope,
+            level: 1.0,
+            reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
+        }
+    }
+
+    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both sides.
+    pub fn weigh(&mut self, weight: &Weight<AXES>) {
+        self.weights.set(weight);
+        self.change();
+    }
+
+    /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
+    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
+        if slope != self.slope {
+            self.slope = slope;
+            self.change();
+        }
+    }
+
+    /// The axes anew, for the elements that follow.
+    fn change(&mut self) {
+        if self.before.is_none() {
+            self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
+        }
+        let channel = &self.machine.channel;
+        for (k, (axis, data)) in self.axes.iter_mut().zip(&self.machine.axes).enumerate() {
+            *axis = Axis::new(&self.weights.apply(k, data, channel), channel, self.slope);
+        }
+    }
+
+    /// Sets limits along the path in the elements that follow.
+    ///
+    /// # Errors
+    /// An acceleration is too low.
+    pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
+        self.path.set(command)
+    }
+
+    /// An element with the weights of now has been taken in.
+    pub fn settle(&mut self) {
+        self.before = None;
+    }
+
+    /// The law of the slope before any axis restricts it.
+    fn law(&self, change_over: f32) -> Law {
+        match self.slope {
+            SlopeType::Step => Law::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
+            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, j: [f32::MAX; 4] },
+            SlopeType::Trapez | SlopeType::Hsc => Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
+        }
+    }
+
+    /// Elements that follow are to be good for `level` times their feed, 1…2.
+    pub fn set_level(&mut self, level: f32) {
+        self.level = level;
+    }
+
+    /// Path speed of a feed (mm/min); without one there is no limit.
+    fn programmed(&self, feed: Option<f32>) -> f32 {
+        feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
+    }
+
+    /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
+    pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
+        match &element.circle {
+            None => self.line(&element.entry.tangent, element.shape.length, feed),
+            circle => self.permitted(&element.entry.tangent, element.shape.length, circle, feed),
+        }
+    }
+
+    /// The same for a straight line: its direction (LSB 2^-40) and its length.
+    #[inline(never)]
+    pub(crate) fn line(&self, tangent: &[i64; AXES], length: Distance, feed: Option<f32>) -> Permitted {
+        self.permitted(tangent, length, &None, feed)
+    }
+
+    #[inline(always)]
+    fn permitted(
+        &self,
+        tangent: &[i64; AXES],
+        length: Distance,
+        circle: &Option<Circle>,
+        feed: Option<f32>,
+    ) -> Permitted {
+        let rapid = feed.is_none();
+        let length = to_f32(length.to_bits()) * LSB_44;
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut v_reduced = f32::MAX;
+        let turns = |k: usize| circle.filter(|circle| circle.plane.contains(&k));
+        let shares = || {
+            let shares = self.axes.iter().zip(tangent).enumerate().map(|(k, (axis, tangent))| {
+                let along = || size_f32(tangent.unsigned_abs()) * LSB_40;
+                (k, axis.set(rapid), turns(k).map_or_else(along, |circle| circle.share))
+            });
+            shares.filter(|(_, _, share)| *share > 0.0)
+        };
+        let mut change_over = f32::MAX;
+        if self.slope == SlopeType::Step {
+            for (_, set, share) in shares() {
+                change_over = min(change_over, set.change_over / share);
+            }
+        }
+        limits.law = self.law(change_over);
+        for (k, set, share) in shares() {
+            let scale = 1.0 / share;
+            limits.restrict(&mut share_left, set, scale, turns(k).is_some());
+        }
+        if self.reduces {
+            for (k, _, share) in shares() {
+                v_reduced = min(v_reduced, self.axes.get(k).map_or(f32::MAX, |axis| axis.v_reduced) / share);
+            }
+        }
+        let feed = self.programmed(feed);
+        if let Some(circle) = circle {
+            let curvature = circle.share * circle.share / circle.radius;
+            let mut normal = f32::MAX;
+            let mut a_max = f32::MAX;
+            let mut budget = f32::MAX;
+            for axis in circle.plane.into_iter().filter_map(|k| self.axes.get(k)) {
+                let set = axis.set(rapid);
+                normal = min(normal, set.least());
+                let stepped = self.slope == SlopeType::Step;
+                a_max = min(a_max, if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max });
+                budget = min(budget, if stepped { NO_LIMIT } else { set.joint.budget });
+            }
+            let normal = min(normal, NORMAL_PART * a_max);
+            limits.v = min(limits.v, feed * self.level);
+            limits.bend(curvature, normal, a_max, budget, circle.share);
+        }
+        self.path.lower(&mut limits, rapid, circle.is_some());
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
+    }
+
+    /// Speed, acceleration and jerk that a motion along the line `element` may have in both directions; `None` with a slope that
+    /// has no jerk.
+    pub fn along(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<[f32; 3]> {
+        let (limits, ..) = self.element(element, feed);
+        let Law::Bowed { j, .. } = limits.law else { return None };
+        let j = j.into_iter().fold(f32::MAX, min);
+        Some([limits.v, min(limits.a_up, limits.a_down), j])
+    }
+
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than
+    /// `of` a_max and of `B`.
+    pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
+        let [mut a, mut j] = [f32::MAX; 2];
+        for (axis, part) in self.axes.iter().zip(parts) {
+            let (set, part) = (axis.set(rapid), magnitude(*part));
+            if part > 0.0 {
+                a = min(a, min(set.least(), of[0] * axis.a_max) / part);
+                j = min(j, min(set.ramp_budget, of[1] * set.joint.budget) / part);
+            }
+        }
+        [a, j]
+    }
+
+    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.
+    pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
+        let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
+        axes.fold(f32::MAX, |j, (axis, part)| {
+            min(j, axis.set(rapid).curving_budget(check) / magnitude(*part))
+        })
+    }
+
+    /// The slope of the elements that follow.
+    pub fn slope(&self) -> SlopeType {
+        self.slope
+    }
+}

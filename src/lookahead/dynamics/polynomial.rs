@@ -1,0 +1,177 @@
+//! Limits of polynomials: over their length, and over time.
+use super::axis::{Axis, Set};
+use super::{Dynamics, KNEE_PART, LSB_44, NORMAL_PART, Permitted, SKIP};
+use crate::lookahead::limits::{
+    ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
+};
+use crate::math::float::to_f32;
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::SlopeType;
+use crate::path::{Bounds, Element};
+
+/// Part of `a_max` and of `B` inside an element whose path is time.
+const TIMED_PART: f32 = 0.988;
+/// Jerks tried there, each by that factor less: down to a thousandth.
+const TIMED_STEPS: usize = 44;
+const TIMED_STEP: f32 = 0.85;
+
+/// What limits a curve that replaces a corner, beside the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curving {
+    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
+    pub jerk: u8,
+    /// CONST_VEL: its speed does not change.
+    pub constant: bool,
+}
+
+/// Largest change of the speed's square inside an element where the speed is to stay, relative.
+const CONSTANT: f32 = 1.0 / 8192.0;
+
+impl<const AXES: usize> Dynamics<AXES> {
+    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
+    /// its largest, share the acceleration a_max and the jerk budget:
+    ///
+    /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
+    ///
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    pub fn polynomial(
+        &self,
+        element: &Element<AXES>,
+        bounds: &Bounds<AXES>,
+        feed: Option<f32>,
+        curving: Curving,
+    ) -> Permitted {
+        let rapid = feed.is_none();
+        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        if let Some(speed) = bounds.timed {
+            return self.timed(bounds, speed, feed);
+        }
+        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut v_reduced = f32::MAX;
+        let feed = self.programmed(feed) / bounds.fastest;
+        limits.v = min(limits.v, feed * self.level);
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let stepped = self.slope == SlopeType::Step;
+        let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
+        let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
+        let mut change_over = f32::MAX;
+        if stepped {
+            for (axis, slope) in self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0) {
+                change_over = min(change_over, axis.set(rapid).change_over / slope);
+            }
+        }
+        limits.law = self.law(change_over);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = axis.set(rapid);
+            if *slope > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / slope, true);
+                v_reduced = min(v_reduced, axis.v_reduced / slope);
+            }
+            if *bend > 0.0 {
+                let normal = min(set.least(), NORMAL_PART * a_max(axis));
+                limits.v = min(limits.v, sqrt_f32(normal / bend));
+            }
+            let budget = budget_of(set);
+            if budget < f32::MAX {
+                if *twist > 0.0 {
+                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                }
+                if let (true, Law::Bowed { bend, j }) = (*slope > 0.0, &mut limits.law) {
+                    lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
+                }
+            }
+        }
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = limits.v;
+        for _ in 0..ARC_SPEEDS {
+            let mut a = min(limits.a_up, limits.a_down);
+            for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+                if *slope > 0.0 {
+                    a = min(a, max(a_max(axis) - bend * v * v, 0.0) / slope);
+                }
+                let budget = budget_of(axis.set(rapid));
+                if *bend > 0.0 && budget < f32::MAX {
+                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    a = min(a, left / (3.0 * v * bend));
+                }
+            }
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        limits.v = best.1;
+        if curving.constant {
+            // Over its length the square of the speed changes by 2·a·length.
+            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+        }
+        limits.lower_accelerations(best.2);
+        self.path.lower(&mut limits, rapid, true);
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
+    }
+
+    /// Limits of an element whose path is time. Nearly all of acceleration and jerk belongs to the curve as long as it is passed at
+    /// the highest speed V; a path acceleration needs 3·x''·v·a beside it.
+    ///
+    /// But acceleration is zero at both ends of a span, and between them it changes with the jerk j at most: from zero at a
+    /// speed of V at most, or to zero there. So v + a²/(2·j) ≤ V, which leaves room where there is acceleration: the only
+    /// question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
+    ///
+    /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
+    ///
+    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
+    /// e·(1 − e²) is at most 0.385.
+    fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
+        let rapid = feed.is_none();
+        let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let feed = self.programmed(feed);
+        limits.v = min(limits.v, feed * self.level);
+        let mut v_reduced = f32::MAX;
+        limits.law = self.law(f32::MAX);
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let mut jerk = f32::MAX;
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+            let set = axis.set(rapid);
+            if *slope > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / slope, true);
+                jerk = min(jerk, set.joint.budget / slope);
+                v_reduced = min(v_reduced, axis.v_reduced / slope);
+            }
+            if *bend > 0.0 {
+                limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / bend));
+            }
+            if *twist > 0.0 {
+                limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
+            }
+        }
+        let v = limits.v;
+        for _ in 0..TIMED_STEPS {
+            let root = sqrt_f32(2.0 * jerk * v);
+            let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {
+                let (a, left) = (bend * v * v, axis.set(rapid).joint.budget - slope * jerk);
+                let (along, across) = (slope * root, 3.0 * bend * v * root);
+                let third = twist * v * v * v;
+                let near = a + along <= axis.a_max || a * a + along * along * (1.0 / 7.0) <= axis.a_max * a;
+                let evenly = third + 0.385 * across <= left
+                    || third * third + across * across * (1.0 / 9.0) <= left * third;
+                near && evenly
+                    && max(along, 0.5625 * a + 0.5 * along) <= axis.a_max
+                    && 0.421_875 * third + 0.385 * across <= left
+            });
+            if keeps {
+                break;
+            }
+            jerk *= TIMED_STEP;
+        }
+        if let Law::Bowed { bend, j } = &mut limits.law {
+            lower(j, [jerk / bend.peak_jerk(); 4]);
+        }
+        self.path.lower(&mut limits, rapid, true);
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
+    }
+}

@@ -1,0 +1,111 @@
+//! Speed of a transition from one element to the next.
+use super::axis::Joint;
+use super::{Dynamics, LSB_40, MARGIN, SLIGHT};
+use crate::lookahead::limits::{TRANSITION_PART, magnitude, max, min};
+use crate::math::float::size_f32;
+use crate::math::root::sqrt_f32;
+use crate::nc::SlopeType;
+use crate::path::End;
+
+/// Longest time for [`Dynamics::smoothing`], ticks.
+const LONGEST_SMOOTHING: f32 = 1024.0;
+/// STEP: a step below this part of what a knee may take is rounding of coordinates.
+const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
+/// Part of `B` for an acceleration that turns with the path at a transition.
+const TURN_PART: f32 = 0.05;
+
+/// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it, and
+/// all of the budget is left to the slope.
+const SMOOTH: f32 = 1.0 / 20_000.0;
+
+impl<const AXES: usize> Dynamics<AXES> {
+    /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
+    /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
+    /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
+    ///
+    /// With P-CHAN-00009 the step of acceleration at a tangential transition is at most the part of the axis'
+    /// acceleration that P-AXIS-00154 gives. Without it, and where it gives more, the jerk budget alone decides: unlike
+    /// ISG's kernel, which then takes no notice of the jerk, limits of jerk hold here in any case.
+    ///
+    /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
+    /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
+    pub fn transition(
+        &self,
+        from: &End<AXES>,
+        to: &End<AXES>,
+        rapid: bool,
+        shorter: f32,
+        fastest: f32,
+    ) -> Option<f32> {
+        let mut v = f32::MAX;
+        let mut tangential = true;
+        let mut square = f32::MAX;
+        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
+        for (k, (axis, ((t0, t1), (c0, c1)))) in self.axes.iter().zip(ends).enumerate() {
+            if t0 == t1 && c0 == c1 {
+                continue;
+            }
+            let mut joint = if rapid { &axis.rapid.joint } else { &axis.feed.joint };
+            let both;
+            if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
+                both = joint.restricted(if rapid { rapid_before } else { feed_before });
+                joint = &both;
+            }
+            let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let bend = magnitude(c1 - c0);
+            let stepped = self.slope == SlopeType::Step;
+            let unseen = if stepped { STEP_SMOOTH } else { SMOOTH } * joint.budget;
+            let knee = if fastest * knee <= unseen { 0.0 } else { knee };
+            let bend = if stepped || fastest * fastest * bend <= unseen { 0.0 } else { bend };
+            let part = TRANSITION_PART * joint.budget;
+            if knee > 0.0 {
+                tangential = false;
+                let part = if bend > 0.0 { 0.5 * part } else { part };
+                let alone = min(part, joint.knee) / knee;
+                if 3.0 * alone > shorter {
+                    let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
+                    v = min(v, min(alone, max(shorter * (1.0 / 3.0), close)));
+                } else {
+                    v = min(v, alone);
+                }
+            }
+            if bend > 0.0 {
+                let part = if knee > 0.0 { 0.5 * part } else { part };
+                v = min(v, sqrt_f32(part / bend));
+                square = min(square, joint.bend / bend);
+            }
+        }
+        if tangential && square < f32::MAX {
+            v = min(v, sqrt_f32(square));
+        }
+        if v == f32::MAX { None } else { Some(v * MARGIN) }
+    }
+
+    /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where
+    /// it should be: the knee is at most `off` over its length. Where that takes long, it shows.
+    pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
+        let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
+        min(off / (SMOOTH * least), LONGEST_SMOOTHING)
+    }
+
+    /// Whether a transition is tangential but for rounding of coordinates: at the speed `fastest` each axis shows far less than
+    /// what a transition may.
+    pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
+        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
+        self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
+            let Joint { budget, knee, .. } = axis.set(rapid).joint;
+            let step = fastest * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let part = TRANSITION_PART * budget;
+            step <= SLIGHT * min(part, knee) && fastest * fastest * magnitude(c1 - c0) <= SLIGHT * part
+        })
+    }
+
+    /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of every
+    /// axis' acceleration stays inside its part of the jerk budget.
+    pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
+        self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
+            let set = if rapid { &axis.rapid } else { &axis.feed };
+            a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.joint.budget
+        })
+    }
+}
