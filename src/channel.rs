@@ -169,7 +169,8 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
-    /// The queue is full, or the motion stands still for a feed hold or an acknowledgement: call again after some ticks.
+    /// The queue is full, the program text has nothing yet, or the motion stands still for a feed hold or an acknowledgement: call
+    /// again after some ticks.
     Waiting,
     /// A motion block was planned for good: [`Planner::planned`].
     Planned,
@@ -177,6 +178,9 @@ pub enum Progress {
     Replanned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
+    /// The program text comes late: the motion comes to a standstill at the end of what there is, and goes on when there is more.
+    /// Said once for each standstill.
+    Starved,
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
     /// calling as long as it moves.
     Done,
@@ -315,7 +319,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Waiting) => return Ok(Progress::Waiting),
             Ok(Work::Planned) => return Ok(Progress::Planned),
             Ok(Work::Replanned) => return Ok(Progress::Replanned),
-            Ok(Work::Hungry) => {}
+            Ok(Work::Hungry | Work::Starved) => {}
             Ok(Work::Aborted) => {
                 self.source = Source::Ended;
                 self.held = None;
@@ -377,6 +381,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Step::Working) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
             Ok(Step::Command(command)) => self.execute(command),
+            Ok(Step::Late) => Ok(match self.planning.go_without() {
+                Work::Waiting => Progress::Waiting,
+                Work::Starved => Progress::Starved,
+                _ => Progress::Working,
+            }),
             Ok(Step::End) => {
                 self.end();
                 Ok(Progress::Working)

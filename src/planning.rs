@@ -4,6 +4,7 @@ mod flight;
 mod functions;
 mod held;
 mod hold;
+mod late;
 mod pace;
 
 use crate::channel::PlannedBlock;
@@ -48,6 +49,8 @@ pub enum Work {
     Replanned,
     /// Nothing is left to do but to take in the next block.
     Hungry,
+    /// It comes to a standstill where the last block ends: there is no other yet.
+    Starved,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
     Aborted,
 }

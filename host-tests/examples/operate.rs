@@ -1,8 +1,8 @@
-//! Random programs on random machines while an operator holds, goes on, aborts and turns the override at random ticks, before the judge, as
-//! many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`.
+//! Random programs on random machines while an operator holds, goes on, aborts and turns the override and the program text comes late, all at
+//! random ticks, before the judge, as many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`.
 use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, Random, program};
-use host_tests::operate::{POLLS, TOO_LONG, judge, operate, random_acts, with_overrides};
+use host_tests::operate::{POLLS, TOO_LONG, judge, operate, random_acts, with_overrides, with_starvation};
 
 fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse().expect("a seed"));
@@ -20,6 +20,7 @@ fn main() {
         }
         let holds = if random.once_in(2) { random_acts(&mut random, 3000) } else { Vec::new() };
         let acts = if random.once_in(4) { holds } else { with_overrides(&mut random, 3000, holds) };
+        let acts = if random.once_in(3) { with_starvation(&mut random, 3000, acts) } else { acts };
         let polls = POLLS[(random.bits() % 3) as usize];
         let run = operate::<3, 120>(&program, &machine, &acts, polls);
         let verdict = run.and_then(|run| judge(&program, &machine, &run));

@@ -8,8 +8,10 @@ use crate::trace::Trace;
 use glidepath::channel::{Channel, Progress};
 use glidepath::control::Control;
 use glidepath::machine::MachineData;
+use glidepath::nc::{Text, TextError};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
+use std::cell::Cell;
 
 /// What an operator does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,10 @@ pub enum Act {
     Override(u16),
     /// Reduced speed.
     Reduced(bool),
+    /// No program text for so many ticks.
+    Starve(usize),
+    /// From now on the text arrives with so many bytes a tick.
+    Slow(usize),
 }
 
 impl Act {
@@ -35,6 +41,7 @@ impl Act {
             Self::Abort => control.abort(),
             Self::Override(feed) => control.set_override(feed),
             Self::Reduced(on) => control.set_reduced(on),
+            Self::Starve(_) | Self::Slow(_) => {}
         }
     }
 }
@@ -52,6 +59,38 @@ pub struct Operated {
     pub aborted: bool,
     /// The highest override, at least 1.
     pub over: f64,
+    /// Ticks before which it was said that program text comes late.
+    pub starved: Vec<usize>,
+}
+
+/// A program text that arrives as it is told to.
+struct Wire<'a> {
+    text: &'a [u8],
+    /// Nothing can be read now.
+    closed: Cell<bool>,
+    /// So much has arrived, and so much of it was read.
+    arrived: Cell<usize>,
+    read: Cell<usize>,
+}
+
+impl<'a> Wire<'a> {
+    fn new(text: &'a str) -> Self {
+        let text = text.as_bytes();
+        Self { text, closed: Cell::new(false), arrived: Cell::new(text.len()), read: Cell::new(0) }
+    }
+}
+
+impl Text for &Wire<'_> {
+    fn read(&mut self, _: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+        let arrived = self.arrived.get().min(self.text.len());
+        let mut there = self.text.get(offset as usize..arrived).unwrap_or(&[]);
+        if self.closed.get() || (there.is_empty() && arrived < self.text.len()) {
+            return Err(TextError::NotYet);
+        }
+        let count = there.read(0, 0, buffer)?;
+        self.read.set(self.read.get().max(offset as usize + count));
+        Ok(count)
+    }
 }
 
 /// Most ticks of a run, and most of rest between two commands.
@@ -91,9 +130,10 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     acts: &[(usize, Act)],
     polls: usize,
 ) -> Result<Operated, String> {
+    let wire = Wire::new(text);
+    let (mut late_until, mut rate) = (0, text.len());
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) =
-        channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
+    let (mut planner, mut interpolator) = channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
@@ -101,6 +141,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         holds: Vec::new(),
         aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
         over: f64::from(over.fold(1000, u16::max)) / 1000.0,
+        starved: Vec::new(),
     };
     let control = planner.control();
     let mut acts = acts.iter().peekable();
@@ -109,11 +150,22 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     for tick in 0..LONGEST {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
             act.give(control);
+            match act {
+                Act::Starve(ticks) => late_until = late_until.max(tick + ticks),
+                Act::Slow(bytes) => {
+                    rate = *bytes;
+                    wire.arrived.set(wire.read.get());
+                }
+                _ => {}
+            }
         }
+        wire.closed.set(tick < late_until);
+        wire.arrived.set(wire.arrived.get().saturating_add(rate));
         let mut done = false;
         for _ in 0..polls {
             match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
                 Progress::Waiting => break,
+                Progress::Starved => run.starved.push(tick),
                 Progress::Done => {
                     done = true;
                     break;
@@ -184,6 +236,21 @@ pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act
     let last = acts.iter().map(|(tick, _)| *tick).max().unwrap_or(0).max(ticks);
     acts.push((last + 1, Act::Override(1000)));
     acts.push((last + 1, Act::Reduced(false)));
+    acts.sort_by_key(|(tick, _)| *tick);
+    acts
+}
+
+/// Text that comes late at random ticks of a motion of so many, mixed with `others`, which come in order.
+pub fn with_starvation(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
+    let mut acts = others;
+    for _ in 0..1 + random.bits() % 4 {
+        let tick = (random.unit() * ticks as f64) as usize;
+        acts.push((tick, Act::Starve(random.magnitude(1.0, 2000.0) as usize)));
+    }
+    if random.once_in(4) {
+        let tick = (random.unit() * ticks as f64) as usize;
+        acts.push((tick, Act::Slow(random.magnitude(1.0, 20.0) as usize)));
+    }
     acts.sort_by_key(|(tick, _)| *tick);
     acts
 }

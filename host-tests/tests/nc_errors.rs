@@ -387,7 +387,7 @@ struct Broken;
 impl Text for Broken {
     fn read(&mut self, _: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
         if offset > 0 {
-            return Err(TextError);
+            return Err(TextError::Failed);
         }
         buffer[..3].copy_from_slice(b"G0\n");
         Ok(3)

@@ -121,7 +121,7 @@ fn names_of_a_library() {
     let mut byte = [0];
     assert_eq!(library.read(3, 0, &mut byte), Ok(1));
     assert_eq!(byte, *b"3");
-    assert_eq!(library.read(4, 0, &mut byte), Err(TextError));
+    assert_eq!(library.read(4, 0, &mut byte), Err(TextError::Failed));
 }
 
 /// Without places.

@@ -201,6 +201,47 @@ fn damaged_programs() {
     }
 }
 
+/// A text that arrives in pieces, one whenever something is asked for that is not there.
+struct Pieces<'a> {
+    text: &'a [u8],
+    random: Random,
+    arrived: usize,
+}
+
+impl glidepath::nc::Text for Pieces<'_> {
+    fn read(&mut self, _: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, glidepath::nc::TextError> {
+        let mut there = self.text.get(offset as usize..self.arrived).unwrap_or(&[]);
+        if there.is_empty() && self.arrived < self.text.len() {
+            let most = if self.random.below(2) == 0 { 3 } else { 90 };
+            self.arrived = self.text.len().min(self.arrived + 1 + self.random.below(most) as usize);
+            return Err(glidepath::nc::TextError::NotYet);
+        }
+        there.read(0, 0, buffer)
+    }
+}
+
+#[test]
+fn text_that_arrives_in_pieces_is_the_same_program() {
+    let everything = include_str!("../programs/nc/everything.nc");
+    let lines = everything.replace('\n', "\r\n");
+    let marked = format!("\u{feff}{everything}");
+    let wrong = format!("{everything}\r\nN1 X1 \\ Y");
+    for text in [everything, &lines, &marked, &wrong, "N1 X1\r", "\r\n", ""] {
+        let text = text.as_bytes();
+        let (commands, warnings, error, _) = decode_with(setup(), text, LIMIT);
+        for seed in 1..200 {
+            let pieces = Pieces { text, random: Random(seed), arrived: 0 };
+            let (late, late_warnings, late_error, _) = decode_with(setup(), pieces, 10 * LIMIT);
+            assert!(late == commands && late_warnings == warnings, "seed {seed}");
+            assert_eq!(late_error.is_some(), error.is_some());
+            assert_eq!(
+                late_error.map(|e| (e.place, e.kind)),
+                error.as_ref().map(|e| (e.place, e.kind.clone()))
+            );
+        }
+    }
+}
+
 /// A text source that counts bytes: no call of `step` reads more than a slice.
 struct Counting<'a>(&'a [u8], &'a std::cell::Cell<usize>);
 

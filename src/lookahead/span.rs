@@ -309,22 +309,23 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
-        let Some(reach) = self.free.take() else { return };
         let last = self.open && self.blocks.len() == 1;
         let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
         let Some(block) = self.blocks.front_mut() else { return };
+        // Decided with another speed at its end.
+        block.marks.set(Marks::KEPT, true);
+        let Some(reach) = self.free.take() else { return };
         let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
         let v = faster(&brake, length_mm(&block.shape), v_out, block.cap()).min(reach);
-        block.marks.set(Marks::KEPT, true);
         block.v_in = v.max(block.v_in);
     }
 
     /// The same for a span; again where it gets other ends.
     fn raise_first_span(&mut self, pass: &Backward) {
-        let Some(reach) = self.free else { return };
         let Some(block) = self.blocks.front_mut() else { return };
-        let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).min(reach);
         block.marks.set(Marks::KEPT, true);
+        let Some(reach) = self.free else { return };
+        let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
         block.v_in = v;
     }

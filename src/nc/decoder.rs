@@ -15,6 +15,8 @@ pub enum Step<const AXES: usize> {
     Command(Command<AXES>),
     /// A remark; the program goes on.
     Warning(NcWarning),
+    /// The text has nothing yet: call again later.
+    Late,
     /// The program has ended (M02, M30 or end of text), or was refused before.
     End,
 }
@@ -58,7 +60,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             self.interpreter.single = None;
             self.interpreter.warnings.clear();
         }
-        result.map(|()| Step::Working)
+        result
     }
 
     /// What it knows of the machine.
@@ -79,9 +81,10 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
     }
 
     /// Reads a slice of text and interprets the line when it is complete.
-    fn work(&mut self) -> Result<(), NcError> {
+    fn work(&mut self) -> Result<Step<AXES>, NcError> {
         let next = match self.reader.fill(&mut self.line)? {
-            Fill::Partial => return Ok(()),
+            Fill::Partial => return Ok(Step::Working),
+            Fill::Late => return Ok(Step::Late),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
                 if let Some(place) = self.reader.unclosed() {
@@ -101,14 +104,12 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             },
         };
         match next {
-            Ok(Next::Line) => Ok(()),
-            Ok(Next::At(mark)) => {
-                self.reader.seek(mark);
-                Ok(())
-            }
-            Ok(Next::File(name)) => self.enter_file(name),
-            Err(refusal) => Err(self.error(refusal)),
+            Ok(Next::Line) => {}
+            Ok(Next::At(mark)) => self.reader.seek(mark),
+            Ok(Next::File(name)) => self.enter_file(name)?,
+            Err(refusal) => return Err(self.error(refusal)),
         }
+        Ok(Step::Working)
     }
 
     /// Goes on in the file with the name in the line at hand.
@@ -122,7 +123,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
                 return Ok(());
             }
             Ok(Ok(None)) | Err(_) => NcErrorKind::NoFile,
-            Ok(Err(TextError)) => NcErrorKind::Unreadable,
+            Ok(Err(_)) => NcErrorKind::Unreadable,
         };
         Err(self.error(Refusal::Here(Fault { span: name, kind })))
     }

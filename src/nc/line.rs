@@ -51,6 +51,8 @@ impl Mark {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fill {
     Partial,
+    /// The text has nothing yet.
+    Late,
     Line,
     End,
 }
@@ -200,7 +202,11 @@ impl<T: Text> LineReader<T> {
                 continue;
             }
             budget -= 1;
-            let Some(byte) = self.next_byte()? else {
+            let byte = match self.next_byte() {
+                Ok(byte) => byte,
+                Err(error) => return self.missing(error),
+            };
+            let Some(byte) = byte else {
                 self.fresh = true;
                 self.close_comment();
                 let nothing = self.offset == self.start.offset;
@@ -209,8 +215,11 @@ impl<T: Text> LineReader<T> {
             let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
             if matches!(byte, b'\n' | b'\r') {
-                if byte == b'\r' {
-                    self.step_over_line_feed()?;
+                if byte == b'\r'
+                    && let Err(error) = self.step_over_line_feed()
+                {
+                    self.offset = here.offset;
+                    return self.missing(error);
                 }
                 self.line = self.line.wrapping_add(1);
                 self.line_offset = self.offset;
@@ -225,11 +234,19 @@ impl<T: Text> LineReader<T> {
                 self.broken = true;
                 continue;
             }
-            if byte == BYTE_ORDER_MARK[0] && here.offset == 0 && self.is_marked() {
-                self.offset = BYTE_ORDER_MARK.len() as u32;
-                self.used = 0;
-                self.filled = 0;
-                continue;
+            if byte == BYTE_ORDER_MARK[0] && here.offset == 0 {
+                (self.used, self.filled) = (0, 0);
+                match self.is_marked() {
+                    Ok(marked) if marked => {
+                        self.offset = BYTE_ORDER_MARK.len() as u32;
+                        continue;
+                    }
+                    Ok(_) => {}
+                    Err(error) => {
+                        self.offset = here.offset;
+                        return self.missing(error);
+                    }
+                }
             }
             if byte < b' ' && byte != b'\t' || byte == 0x7f {
                 return Err(refusal(here, NcErrorKind::ControlByte(byte)));
@@ -319,7 +336,7 @@ impl<T: Text> LineReader<T> {
     }
 
     /// The LF of CR LF.
-    fn step_over_line_feed(&mut self) -> Result<(), NcError> {
+    fn step_over_line_feed(&mut self) -> Result<(), TextError> {
         match self.next_byte()? {
             Some(b'\n') => self.offset = self.offset.wrapping_add(1),
             // Not read yet: the byte is still in the chunk.
@@ -348,19 +365,27 @@ impl<T: Text> LineReader<T> {
     }
 
     /// Whether the file begins with the mark that some editors put before UTF-8.
-    fn is_marked(&mut self) -> bool {
-        let mut single = [0];
-        let mut byte = |at| self.text.read(self.file, at, &mut single).ok().map(|_| single[0]);
-        BYTE_ORDER_MARK.iter().zip(0..).all(|(expected, at)| byte(at) == Some(*expected))
+    fn is_marked(&mut self) -> Result<bool, TextError> {
+        for (expected, at) in BYTE_ORDER_MARK.iter().zip(0..) {
+            let mut single = [0];
+            if self.text.read(self.file, at, &mut single)? == 0 || single[0] != *expected {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
-    fn next_byte(&mut self) -> Result<Option<u8>, NcError> {
+    /// There is no text to go on with: the program is refused, or goes on later from the same byte.
+    fn missing(&self, error: TextError) -> Result<Fill, NcError> {
+        match error {
+            TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
+            TextError::NotYet => Ok(Fill::Late),
+        }
+    }
+
+    fn next_byte(&mut self) -> Result<Option<u8>, TextError> {
         if self.used >= self.filled {
-            let place = self.here();
-            let count = self
-                .text
-                .read(self.file, self.offset, &mut self.chunk)
-                .map_err(|_| refusal(place, NcErrorKind::Unreadable))?;
+            let count = self.text.read(self.file, self.offset, &mut self.chunk)?;
             self.used = 0;
             self.filled = count.min(64) as u8;
         }

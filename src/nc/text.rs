@@ -7,24 +7,30 @@ pub trait Text {
     /// `file` is 0 for the main program, or what [`Text::open`] answered.
     ///
     /// # Errors
-    /// The device failed.
+    /// The device failed, or there is nothing at `offset` yet.
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError>;
 
     /// The number of the file a program calls by `name` (ASCII, at most 83 bytes), the same for every call; `None` if
     /// there is no such file. A text without this is one file alone.
     ///
     /// # Errors
-    /// The device failed.
+    /// The device failed. A file whose text is still on its way can be opened.
     fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
         let _ = name;
         Ok(None)
     }
 }
 
-/// The text could not be read (device error).
+/// Why there is no text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TextError;
+pub enum TextError {
+    /// The device failed: the program is refused.
+    Failed,
+    /// It has not arrived yet (a serial line, a slow card): the decoder asks again. What has arrived moves on; where it ends, the
+    /// motion comes to a standstill.
+    NotYet,
+}
 
 impl Text for &[u8] {
     fn read(&mut self, _: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
@@ -58,7 +64,7 @@ impl Text for Library<'_> {
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
         let mut text = match usize::from(file).checked_sub(1) {
             None => self.main,
-            Some(index) => self.files.get(index).ok_or(TextError)?.1,
+            Some(index) => self.files.get(index).ok_or(TextError::Failed)?.1,
         };
         text.read(0, offset, buffer)
     }

@@ -1,4 +1,4 @@
-//! What happens from outside while a program runs: the operator's commands, acknowledgements, and a planner that is late.
+//! What happens from outside while a program runs: the operator's commands, acknowledgements, and what is late.
 //!
 //! One event per line: seconds since the first set point, a word, its value.
 //!
@@ -7,7 +7,8 @@
 //! 1     feedhold          # until resume
 //! 1.75  resume
 //! 2     reduced on        ; or off
-//! 2.2   starve 0.08       ; seconds in which the planner gets no time
+//! 2.2   starve 0.08       ; seconds in which no program text comes
+//! 2.3   stall 0.05        ; seconds in which the planner gets no time
 //! 2.5   ack M25           ; or an H function
 //! 3     abort
 //! ```
@@ -46,14 +47,16 @@ pub enum What {
     Abort,
     /// Reduced speed on or off.
     Reduced(bool),
-    /// The planner gets no time for so many ns.
+    /// The program text has nothing for so many ns.
     Starve(u64),
+    /// The planner gets no time for so many ns.
+    Stall(u64),
     /// A function is acknowledged.
     Acknowledge(Function),
 }
 
 impl What {
-    /// Gives the command to a channel; a late planner is not one. `false`: it is an acknowledgement that nothing waits for.
+    /// Gives the command to a channel; what is late is not one. `false`: it is an acknowledgement that nothing waits for.
     pub fn give(self, control: &Control) -> bool {
         match self {
             Self::Acknowledge(function) => return control.acknowledge(function).is_ok(),
@@ -62,7 +65,7 @@ impl What {
             Self::Resume => control.resume(),
             Self::Abort => control.abort(),
             Self::Reduced(on) => control.set_reduced(on),
-            Self::Starve(_) => {}
+            Self::Starve(_) | Self::Stall(_) => {}
         }
         true
     }
@@ -77,6 +80,7 @@ impl What {
             Self::Reduced(_) => 4,
             Self::Starve(_) => 5,
             Self::Acknowledge(_) => 6,
+            Self::Stall(_) => 7,
         }]
     }
 }
@@ -90,7 +94,8 @@ impl std::fmt::Display for What {
             Self::FeedHold => f.write_str("feed hold"),
             Self::Resume | Self::Abort => f.write_str(self.word()),
             Self::Reduced(on) => write!(f, "reduced {}", if *on { "on" } else { "off" }),
-            Self::Starve(ns) => write!(f, "planner late {} s", seconds(*ns)),
+            Self::Starve(ns) => write!(f, "program text late {} s", seconds(*ns)),
+            Self::Stall(ns) => write!(f, "planner late {} s", seconds(*ns)),
             Self::Acknowledge(function) => write!(f, "ack {}", function_name(*function)),
         }
     }
@@ -147,30 +152,42 @@ pub struct Schedule<'a> {
     events: &'a [Event],
     cycle_us: u32,
     next: usize,
-    /// The planner gets no time before this tick.
-    late_until: u64,
+    /// The program text has nothing, the planner no time before this tick.
+    starved_until: u64,
+    stalled_until: u64,
 }
 
 impl<'a> Schedule<'a> {
     /// Nothing has happened yet.
     pub fn new(events: &'a [Event], cycle_us: u32) -> Self {
-        Self { events, cycle_us, next: 0, late_until: 0 }
+        Self { events, cycle_us, next: 0, starved_until: 0, stalled_until: 0 }
     }
 
     /// The next event that acts at `tick`; commands are given to `control`. `false`: nothing waits for it.
     pub fn due(&mut self, tick: u64, control: &Control) -> Option<(usize, What, bool)> {
         let event = self.events.get(self.next).filter(|event| event.tick(self.cycle_us) <= tick)?;
         let taken = event.what.give(control);
-        if let What::Starve(ns) = event.what {
-            self.late_until = self.late_until.max(tick + ticks(ns, self.cycle_us));
+        match event.what {
+            What::Starve(ns) => {
+                self.starved_until = self.starved_until.max(tick + ticks(ns, self.cycle_us));
+            }
+            What::Stall(ns) => {
+                self.stalled_until = self.stalled_until.max(tick + ticks(ns, self.cycle_us));
+            }
+            _ => {}
         }
         self.next += 1;
         Some((self.next - 1, event.what, taken))
     }
 
+    /// Whether the program text is late at `tick`.
+    pub fn is_starved(&self, tick: u64) -> bool {
+        tick < self.starved_until
+    }
+
     /// Whether the planner is late at `tick`.
-    pub fn is_late(&self, tick: u64) -> bool {
-        tick < self.late_until
+    pub fn is_stalled(&self, tick: u64) -> bool {
+        tick < self.stalled_until
     }
 
     /// Whether a motion that is to stand still by these commands is to go on or to end by a later event.
@@ -218,7 +235,7 @@ pub fn seconds(ns: u64) -> String {
     out
 }
 
-const WORDS: [&str; 7] = ["override", "feedhold", "resume", "abort", "reduced", "starve", "ack"];
+const WORDS: [&str; 8] = ["override", "feedhold", "resume", "abort", "reduced", "starve", "ack", "stall"];
 
 /// Largest time, s.
 const LATEST: u64 = 1_000_000;
@@ -319,11 +336,16 @@ fn event(line: &[u8], number: usize) -> Result<Option<(Word<'_>, Event)>, Unfit>
                 _ => return Err(value.refused("on or off is missing", "on or off")),
             }
         }
-        b"starve" => {
+        b"starve" | b"stall" => {
+            let (what, of): (fn(u64) -> What, _) = if word.text == b"starve" {
+                (What::Starve, "program text")
+            } else {
+                (What::Stall, "the planner")
+            };
             let value = next();
             let ns = decimal(value.text, 9).filter(|&ns| ns > 0 && ns <= LATEST * 1_000_000_000);
-            let expected = format!("seconds without the planner, above 0, at most {LATEST}");
-            What::Starve(ns.ok_or_else(|| value.refused("the duration is missing", expected))?)
+            let expected = format!("seconds without {of}, above 0, at most {LATEST}");
+            what(ns.ok_or_else(|| value.refused("the duration is missing", expected))?)
         }
         b"ack" => {
             let value = next();
@@ -332,7 +354,7 @@ fn event(line: &[u8], number: usize) -> Result<Option<(Word<'_>, Event)>, Unfit>
             What::Acknowledge(function.ok_or_else(|| value.refused("the function is missing", expected))?)
         }
         _ => {
-            let expected = "override, feedhold, resume, abort, reduced, starve or ack";
+            let expected = "override, feedhold, resume, abort, reduced, starve, stall or ack";
             let meant = nearest(&word.shown(), WORDS).filter(|_| !word.text.is_empty());
             let expected =
                 meant.map_or_else(|| expected.into(), |one| format!("{expected}; is {one} meant?"));
@@ -429,16 +451,16 @@ mod tests {
     }
 
     #[test]
-    fn a_late_planner_comes_back() {
-        let events = read("0.01 starve 0.0021\n0.012 starve 0.004").unwrap_or_default();
+    fn what_is_late_comes_back() {
+        let events = read("0.01 stall 0.0021\n0.012 stall 0.004\n0.02 starve 0.001").unwrap_or_default();
         let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
-        let late: Vec<u64> = (0..30)
-            .filter(|&tick| {
-                while schedule.due(tick, &control).is_some() {}
-                schedule.is_late(tick)
-            })
-            .collect();
-        assert_eq!(late, (10..16).collect::<Vec<u64>>());
+        let (mut stalled, mut starved) = (Vec::new(), Vec::new());
+        for tick in 0..30 {
+            while schedule.due(tick, &control).is_some() {}
+            stalled.extend(schedule.is_stalled(tick).then_some(tick));
+            starved.extend(schedule.is_starved(tick).then_some(tick));
+        }
+        assert_eq!((stalled, starved), ((10..16).collect::<Vec<u64>>(), vec![20]));
     }
 
     #[test]
@@ -469,6 +491,7 @@ mod tests {
             ("1 override -5", (1, 12)),
             ("1 reduced yes", (1, 11)),
             ("1 starve 0", (1, 10)),
+            ("1 stall", (1, 8)),
             ("1 resume now", (1, 10)),
             ("1 ack", (1, 6)),
             ("1 ack 25", (1, 7)),

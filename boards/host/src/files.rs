@@ -1,7 +1,7 @@
 //! The program and the files it calls with `L`, which lie beside it.
 use crate::diagnose::{Diagnostic, Source};
 use glidepath::nc::{Text, TextError};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
 /// Every file is read once, when it is first called: all passes see the same bytes.
@@ -40,6 +40,24 @@ impl Files {
     }
 }
 
+/// The files, whose text may be late.
+pub struct Delayed<'a> {
+    /// The text.
+    pub files: &'a Files,
+    /// It is late.
+    pub late: &'a Cell<bool>,
+}
+
+impl Text for Delayed<'_> {
+    fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+        if self.late.get() { Err(TextError::NotYet) } else { self.files.read(file, offset, buffer) }
+    }
+
+    fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
+        self.files.open(name)
+    }
+}
+
 impl Text for &Files {
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
         self.with(file, |source| source.text.as_slice().read(0, offset, buffer))
@@ -53,11 +71,11 @@ impl Text for &Files {
         let index = match called.iter().position(|(known, _)| *known == path) {
             Some(index) => index,
             None => {
-                let source = Source::read(&path).map_err(|_| TextError)?;
+                let source = Source::read(&path).map_err(|_| TextError::Failed)?;
                 called.push((path, source));
                 called.len() - 1
             }
         };
-        u16::try_from(index + 1).map(Some).map_err(|_| TextError)
+        u16::try_from(index + 1).map(Some).map_err(|_| TextError::Failed)
     }
 }

@@ -114,7 +114,8 @@ fn decode_axes<const AXES: usize>(
             }
         }
         match step {
-            Step::Working => {}
+            // All files are there.
+            Step::Working | Step::Late => {}
             // Lines of loops and subroutines are read again: one remark is enough.
             Step::Warning(warning) => {
                 let key = (warning.place.file, warning.place.offset, warning.to_string());

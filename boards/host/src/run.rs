@@ -2,7 +2,7 @@
 use crate::acknowledge::{Automatic, Delay};
 use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
-use crate::files::Files;
+use crate::files::{Delayed, Files};
 use crate::machine::{Machine, with_axes};
 use crate::output;
 use crate::plot::Picture;
@@ -14,6 +14,7 @@ use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
 use glidepath::tick::{Interpolator, State, Telemetry};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::cell::Cell;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -56,10 +57,11 @@ fn simulate_axes<const AXES: usize>(
 ) -> Result<(Statistics, Option<Picture>), Vec<Diagnostic>> {
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
+    let late = Cell::new(false);
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
     let (planner, interpolator) = channel
-        .split(&data, start, files)
+        .split(&data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
@@ -76,7 +78,7 @@ fn simulate_axes<const AXES: usize>(
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
-    let rules = Rules { schedule, automatic, patience };
+    let rules = Rules { schedule, automatic, patience, late: &late };
     drive(planner, interpolator, recorder, rules, bar).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
@@ -132,6 +134,8 @@ struct Rules<'a> {
     automatic: Automatic,
     /// The longest rest, in ticks, that the program may contain of its own.
     patience: u64,
+    /// The program text is late.
+    late: &'a Cell<bool>,
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then time passes
@@ -141,13 +145,13 @@ struct Rules<'a> {
 /// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set points stay where they
 /// are, tick by tick.
 fn drive<const AXES: usize>(
-    mut planner: Planner<'_, &Files, AXES, BLOCKS>,
+    mut planner: Planner<'_, Delayed<'_>, AXES, BLOCKS>,
     mut interpolator: Interpolator<'_, AXES>,
     mut recorder: Recorder,
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules { mut schedule, mut automatic, patience } = rules;
+    let Rules { mut schedule, mut automatic, patience, late: text_is_late } = rules;
     let control = planner.control();
     let mut done = false;
     let mut idle = 0;
@@ -159,13 +163,18 @@ fn drive<const AXES: usize>(
         while let Some(function) = automatic.due(tick, control) {
             recorder.statistics.acknowledged(function);
         }
-        let late = schedule.is_late(tick);
-        if !late {
+        let (starved, stalled) = (schedule.is_starved(tick), schedule.is_stalled(tick));
+        let late = starved || stalled;
+        text_is_late.set(starved);
+        if !starved {
+            recorder.statistics.has_text();
+        }
+        if !stalled {
             recorder.statistics.catches_up();
         }
         // Also when all is handed over: a command may change what the queue holds.
-        done &= late;
-        while !done && !late {
+        done &= stalled;
+        while !done && !stalled {
             match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
                 // The decode pass has collected the warnings.
                 Progress::Working | Progress::Warning(_) => {}
@@ -179,6 +188,8 @@ fn drive<const AXES: usize>(
                         *last = planner.planned();
                     }
                 }
+                // What is late stands in the list of events.
+                Progress::Starved => {}
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }

@@ -195,11 +195,13 @@ impl Statistics {
         let ended = match what {
             What::FeedHold | What::Override(0) => Some(Effect::Motion),
             What::Resume | What::Override(_) => Some(Effect::Standstill),
-            What::Abort | What::Reduced(_) | What::Starve(_) | What::Acknowledge(_) => None,
+            What::Abort | What::Reduced(_) | What::Starve(_) | What::Stall(_) | What::Acknowledge(_) => None,
         };
         self.awaited.retain(|other| Some(other.effect) != ended);
         let effect = match what {
-            What::FeedHold | What::Abort | What::Override(0) | What::Starve(_) => Some(Effect::Standstill),
+            What::FeedHold | What::Abort | What::Override(0) | What::Starve(_) | What::Stall(_) => {
+                Some(Effect::Standstill)
+            }
             What::Resume => Some(Effect::Motion),
             What::Acknowledge(_) if taken && self.rest > 0 => Some(Effect::Motion),
             What::Acknowledge(_) | What::Override(_) | What::Reduced(_) => None,
@@ -222,9 +224,14 @@ impl Statistics {
         }
     }
 
+    /// The program text is no longer late.
+    pub fn has_text(&mut self) {
+        self.awaited.retain(|awaited| !matches!(awaited.what, What::Starve(_)));
+    }
+
     /// The planner is no longer late.
     pub fn catches_up(&mut self) {
-        self.awaited.retain(|awaited| !matches!(awaited.what, What::Starve(_)));
+        self.awaited.retain(|awaited| !matches!(awaited.what, What::Stall(_)));
     }
 
     /// Takes in a row, and why it may be at rest.
@@ -348,7 +355,7 @@ mod tests {
         statistics.happens(1, What::Resume, true);
         rows(&mut statistics, &[5, 6]);
         // The planner comes back before anything stands still; then a hold is lifted too early.
-        statistics.happens(2, What::Starve(1), true);
+        statistics.happens(2, What::Stall(1), true);
         rows(&mut statistics, &[7]);
         statistics.catches_up();
         statistics.happens(3, What::FeedHold, true);

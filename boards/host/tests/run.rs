@@ -407,7 +407,7 @@ fn blocks_of_a_span_are_counted_and_their_corners_are_seen() {
 fn a_late_planner_takes_time_and_loses_nothing() {
     let program = shipped("../../programs/short_blocks.nc");
     let plain = run("in-time", &program, None);
-    let late = events("late", "; long enough for any queue\n2 starve 30\n");
+    let late = events("late", "; long enough for any queue\n2 stall 30\n");
     let run = run_with("late", &program, None, &["--events", &late]);
     let rows = &run.trace.rows;
     assert_eq!(run.summary["ticks"], json!(rows.len()));
@@ -435,6 +435,40 @@ fn a_late_planner_takes_time_and_loses_nothing() {
     assert_eq!(ends(rows), ends(&plain.trace.rows));
     assert_eq!(run.summary["blocks"], plain.summary["blocks"]);
     assert!((number(&run.summary["path_mm"]) - number(&plain.summary["path_mm"])).abs() < 1e-9);
+}
+
+#[test]
+fn late_text_is_braked_for_and_nothing_is_lost() {
+    let program = shipped("../../programs/short_blocks.nc");
+    let late = events("late-text", "0.3 starve 30\n");
+    for slope in ["step", "trapez", "sin2", "hsc"] {
+        let plain = run_with(&format!("{slope}-in-time"), &program, None, &["--slope", slope]);
+        let run = run_with(&format!("{slope}-late"), &program, None, &["--slope", slope, "--events", &late]);
+        let event = &run.summary["events"][0];
+        assert_eq!(event["what"], json!("program text late 30 s"));
+        assert_eq!(event["reaction"]["what"], json!("standstill"), "{slope}");
+        // It moves on with what it knows, and then stands until there is text.
+        let still = 300 + (number(&event["reaction"]["after_s"]) * 1000.0).round() as usize;
+        let rows = &run.trace.rows;
+        for row in &rows[still + 1..30_300] {
+            assert_eq!((&row.axes, row.v_mm_s), (&rows[still].axes, 0.0), "{slope} {}", row.t_s);
+        }
+        assert!(rows[30_305].axes != rows[still].axes, "{slope}");
+        for name in ["X", "Y"] {
+            let axis = &run.summary["axes"][name];
+            for kind in ["v", "a", "j"] {
+                let limit = axis[format!("{kind}_limit")].as_f64().unwrap_or(f64::INFINITY);
+                let allowance = if kind == "j" { 4.0 * LSB * 1e9 } else { 0.01 };
+                assert!(
+                    number(&axis[format!("{kind}_max")]) <= limit + allowance,
+                    "{slope} {name} {kind}: {axis}"
+                );
+            }
+        }
+        let ends = |rows: &[Row]| rows[rows.len() - 1].axes.clone();
+        assert_eq!(ends(rows), ends(&plain.trace.rows), "{slope}");
+        assert!((number(&run.summary["path_mm"]) - number(&plain.summary["path_mm"])).abs() < 1e-9);
+    }
 }
 
 #[test]

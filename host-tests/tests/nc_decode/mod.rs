@@ -1,7 +1,7 @@
 //! A program in, everything the decoder says about it out.
 #![allow(dead_code, reason = "every test binary uses its part")]
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use glidepath::nc::{Command, Decoder, Motion, NcError, NcWarning, Setup, Step};
+use glidepath::nc::{Command, Decoder, Motion, NcError, NcWarning, Setup, Step, Text};
 use glidepath::quantity::Position;
 
 /// X, Y, Z linear, A, C rotary.
@@ -24,14 +24,14 @@ pub fn setup() -> Setup<5> {
 
 pub fn decode_with<const AXES: usize>(
     setup: Setup<AXES>,
-    text: &[u8],
+    text: impl Text,
     limit: usize,
 ) -> (Vec<Command<AXES>>, Vec<NcWarning>, Option<NcError>, usize) {
-    let mut decoder: Decoder<&[u8], AXES> = Decoder::new(setup, text);
+    let mut decoder: Decoder<_, AXES> = Decoder::new(setup, text);
     let (mut commands, mut warnings) = (Vec::new(), Vec::new());
     for steps in 1..=limit {
         match decoder.step() {
-            Ok(Step::Working) => {}
+            Ok(Step::Working | Step::Late) => {}
             Ok(Step::Command(command)) => commands.push(command),
             Ok(Step::Warning(warning)) => warnings.push(warning),
             Ok(Step::End) => return (commands, warnings, None, steps),

@@ -1,0 +1,109 @@
+//! Program text that comes late: the motion slows down on its slope, stands at the end of what there is, goes on, and loses nothing.
+use glidepath::machine::MachineData;
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::{Program, machines, named};
+use host_tests::operate::{Act, Operated, judge, operate, random_acts, with_overrides, with_starvation};
+
+/// The judged run of a program whose text comes as told.
+fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)]) -> Operated {
+    let run = operate::<3, 120>(program, machine, acts, 1000).unwrap();
+    judge(program, machine, &run).unwrap_or_else(|fault| panic!("{} {acts:?}: {fault}", program.name));
+    run
+}
+
+/// A machine that looks ten blocks ahead.
+fn machine(slope: u8) -> MachineData<3> {
+    let mut machine = machines::with_slope(machines::mill(1000), slope);
+    machine.channel.look_ahead = 10;
+    machine
+}
+
+/// The first and the last tick of each standstill between first and last motion.
+fn stands(run: &Operated) -> Vec<[usize; 2]> {
+    let moves: Vec<usize> =
+        (1..run.distances.len()).filter(|&k| run.distances[k] != run.distances[k - 1]).collect();
+    moves.windows(2).filter(|pair| pair[1] > pair[0] + 1).map(|pair| [pair[0] + 1, pair[1] - 1]).collect()
+}
+
+#[test]
+fn late_at_any_tick_it_stands_at_the_end_of_what_there_is() {
+    for slope in 0..4 {
+        let (program, machine) = (named::wave(60, 0.8, 3000.0), machine(slope));
+        let plain = run(&program, &machine, &[]);
+        let ticks = plain.distances.len();
+        let (mut tried, mut stood) = (0, 0);
+        for tick in (1..ticks).step_by(17) {
+            tried += 1;
+            let late = run(&program, &machine, &[(tick, Act::Starve(3000))]);
+            // All had been read already, or it stands once, for what is left of the time.
+            let stands = stands(&late);
+            assert_eq!(stands.len(), late.starved.len(), "slope {slope}, tick {tick}: {stands:?}");
+            for ([from, to], said) in stands.iter().zip(&late.starved) {
+                stood += 1;
+                // Said where the last block is handed on; it moves as soon as there is text.
+                assert!((tick..=*from).contains(said), "slope {slope}, tick {tick}: {said}, {from}");
+                assert!((tick + 2999..tick + 3003).contains(to), "slope {slope}, tick {tick}: {to}");
+            }
+            assert!(stands.len() <= 1 && late.distances.last() == plain.distances.last());
+        }
+        assert!(stood > tried / 5, "slope {slope}: {stood} of {tried}");
+    }
+}
+
+#[test]
+fn a_short_delay_is_not_felt() {
+    // Ten blocks of 0.8 mm at 50 mm/s last 160 ms.
+    for slope in 0..4 {
+        let (program, machine) = (named::wave(60, 0.8, 3000.0), machine(slope));
+        let plain = run(&program, &machine, &[]);
+        for tick in (100..800).step_by(50) {
+            let late = run(&program, &machine, &[(tick, Act::Starve(20))]);
+            assert_eq!(plain.trace, late.trace, "slope {slope}, tick {tick}");
+        }
+    }
+}
+
+#[test]
+fn text_that_trickles_in_moves_as_it_comes() {
+    for slope in 0..4 {
+        let program = named::wave(60, 0.8, 3000.0);
+        let machine = machine(slope);
+        let bytes = program.text(&machine).len();
+        let plain = run(&program, &machine, &[]).distances.len();
+        for rate in [1, 2, 5, 13] {
+            let slow = run(&program, &machine, &[(0, Act::Slow(rate))]);
+            // Behind the slower one of text and motion comes no more than the way of a few blocks.
+            let (needed, ticks) = (plain.max(bytes / rate), slow.distances.len());
+            assert!(
+                ticks < needed + 300,
+                "slope {slope}, {rate} bytes a tick: {ticks} ticks, {needed} needed"
+            );
+            println!("slope {slope}, {rate} bytes a tick: {ticks} ticks, {needed} needed");
+        }
+    }
+}
+
+#[test]
+fn random_programs_late_held_and_overridden() {
+    for seed in 0..200 {
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = (seed % 4) as u8;
+        let program = program(seed, Mix::arbitrary(3, seed));
+        let mut random = Random::new(seed + 5000);
+        let acts = if random.once_in(2) { random_acts(&mut random, 3000) } else { Vec::new() };
+        let acts = if random.once_in(2) { with_overrides(&mut random, 3000, acts) } else { acts };
+        let acts = with_starvation(&mut random, 3000, acts);
+        run(&program, &machine, &acts);
+    }
+}
+
+/// The ring is never full: everything is handed on as it comes. With the last seed a block once was planned for a standstill at its
+/// end, and too short for the higher speed that came later.
+#[test]
+fn random_programs_that_trickle_in() {
+    for seed in (0..200).chain([3371]) {
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = (seed % 4) as u8;
+        run(&program(seed, Mix::arbitrary(3, seed)), &machine, &[(0, Act::Slow(2 + seed as usize % 5))]);
+    }
+}
