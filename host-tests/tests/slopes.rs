@@ -145,3 +145,69 @@ fn a_line_in_pieces_takes_the_time_of_the_whole_with_step() {
         assert!((cut - one).abs() <= 0.001 + 1e-9, "{count} pieces: {cut} s, whole {one} s");
     }
 }
+
+/// One line after the other, on one machine: acceleration in steps, with straight edges, and as a sine squared.
+#[test]
+fn each_slope_has_its_shape() {
+    let machine = machines::with_slope(machines::even::<3>(1000), 0);
+    let text = "N10 G01 X60 F18000\n#SLOPE [TYPE=TRAPEZ]\nN20 X120\n#SLOPE [TYPE=SIN2]\nN30 X180\n\
+                #SLOPE [TYPE=HSC]\nN40 X240\nM30\n";
+    // A standstill at each end keeps the lines apart.
+    let text = text.replace("#SLOPE", "G04 0.01\n#SLOPE");
+    let run = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1).unwrap();
+    let moved = run.trace.columns[0].iter().map(|&bits| bits as f64 / 2f64.powi(32));
+    let x: Vec<f64> = [0.0; 4].into_iter().chain(moved).collect();
+    let difference = |values: &[f64]| values.windows(2).map(|p| p[1] - p[0]).collect::<Vec<_>>();
+    let a = difference(&difference(&x));
+    // What each line needs to get from rest to its highest acceleration, and the largest step on the way.
+    let ramp = |line: usize| {
+        let [from, to] = [line, line + 1].map(|k| 60.0 * k as f64);
+        let (first, last) = (
+            x.iter().position(|&x| x > from + 1e-9).unwrap(),
+            x.iter().position(|&x| x > to - 1e-9).unwrap_or(x.len() - 1),
+        );
+        let a = &a[first.saturating_sub(3)..(first + last) / 2];
+        let peak = a.iter().copied().fold(0.0, f64::max);
+        let begins = a.iter().position(|&a| a > 1e-4 * peak).unwrap();
+        let tops = a.iter().position(|&a| a > peak * (1.0 - 1e-3)).unwrap();
+        let steps = difference(&a[begins.saturating_sub(1)..=tops]);
+        (tops - begins, steps.into_iter().map(|step| step / peak).collect::<Vec<_>>())
+    };
+    let largest = |steps: &[f64]| steps.iter().copied().fold(0.0, f64::max);
+    // At once.
+    let (ticks, steps) = ramp(0);
+    assert!(ticks <= 1 && largest(&steps) > 0.5, "STEP: {ticks}, {steps:?}");
+    for line in [1, 3] {
+        let (ticks, steps) = ramp(line);
+        let inner = &steps[2..steps.len() - 2];
+        let least = inner.iter().copied().fold(f64::MAX, f64::min);
+        assert!(ticks > 20 && largest(inner) - least < 0.02 * least, "line {line}: {ticks}, {steps:?}");
+    }
+    // sin²(πt/2T): the steepest in the middle, π/2 of the mean, and next to nothing at both ends.
+    let (ticks, steps) = ramp(2);
+    let mean = 1.0 / steps.len() as f64;
+    assert!((largest(&steps) / mean - core::f64::consts::FRAC_PI_2).abs() < 0.1, "SIN2: {ticks}, {steps:?}");
+    let ends = [steps[1], steps[steps.len() - 2]];
+    assert!(ends.iter().all(|&step| step < 0.4 * mean), "SIN2: {ticks}, {steps:?}");
+}
+
+/// Long blocks are as fast with TRAPEZ as with HSC; of many short ones with other feeds HSC takes about half the time.
+#[test]
+fn long_blocks_need_no_hsc_and_short_ones_do() {
+    let ticks = |program: &Program, slope| {
+        let machine = machines::with_slope(machines::even::<3>(1000), slope);
+        run::<3, 120>(program, &machine).unwrap().trace.len() as f64
+    };
+    let long = Program::new("long", 3)
+        .line(&[200.0, 0.0], 12_000.0)
+        .line(&[200.0, 200.0], 12_000.0)
+        .line(&[0.0, 200.0], 12_000.0);
+    assert!((ticks(&long, 1) / ticks(&long, 3) - 1.0).abs() < 0.01);
+    let mut short = Program::new("short", 3);
+    for k in 1..=400 {
+        short = short.line(&[0.5 * f64::from(k), 0.0], 9000.0 + 30.0 * f64::from(k % 7));
+    }
+    let [trapez, sin2, hsc] = [1, 2, 3].map(|slope| ticks(&short, slope));
+    println!("{trapez} {sin2} {hsc}");
+    assert!(hsc < 0.6 * trapez && hsc < 0.6 * sin2, "{trapez} {sin2} {hsc}");
+}
