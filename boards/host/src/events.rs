@@ -131,14 +131,23 @@ impl Script {
         diagnostic.at(&self.source, event.line, event.column, event.what.word().len())
     }
 
-    /// A warning for each event that the program did not live to see, and for acknowledgements that were ignored.
-    pub fn unused(&self, outcomes: &[Outcome], end_s: f64) -> impl Iterator<Item = Diagnostic> {
+    /// A warning for each event that the program did not live to see, for acknowledgements that were ignored, and for a reduced speed
+    /// that no axis has.
+    pub fn unused(
+        &self,
+        outcomes: &[Outcome],
+        end_s: f64,
+        reduces: bool,
+    ) -> impl Iterator<Item = Diagnostic> {
         self.events.iter().zip(outcomes).filter_map(move |(event, outcome)| {
             let message = match event.what {
                 _ if outcome.tick.is_none() => format!("the program ends at {end_s:.3} s, before this event"),
                 What::Acknowledge(function) if outcome.ignored => {
                     let name = function_name(function);
                     format!("nothing waits for {name} at this time: it is not put out yet, or acknowledged already")
+                }
+                What::Reduced(true) if !reduces => {
+                    "no axis has a reduced speed (vb_max_red, P-AXIS-00214): nothing changes".into()
                 }
                 _ => return None,
             };
@@ -207,6 +216,14 @@ impl<'a> Schedule<'a> {
     pub fn answers(&self, function: Function) -> bool {
         let ends = |what| what == What::Abort || what == What::Acknowledge(function);
         self.events[self.next..].iter().any(|event| ends(event.what))
+    }
+
+    /// The last event that acknowledged this function when nothing waited for it.
+    pub fn in_vain(&self, function: Function, outcomes: &[Outcome]) -> Option<&'a Event> {
+        let vain = |(event, outcome): &(&Event, &Outcome)| {
+            outcome.ignored && event.what == What::Acknowledge(function)
+        };
+        self.events.iter().zip(outcomes).filter(vain).last().map(|(event, _)| event)
     }
 
     /// The event behind such a standstill.

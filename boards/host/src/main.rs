@@ -159,7 +159,8 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
     if let Some(script) = &script {
         let end = result.time_s(&machine);
-        program.warnings.extend(script.unused(&result.outcomes, end));
+        let reduces = machine.axes.iter().any(|axis| axis.vb_max_red > 0);
+        program.warnings.extend(script.unused(&result.outcomes, end, reduces));
     }
     let events = script.as_ref().map_or(&[][..], |script| &script.events);
 

@@ -85,13 +85,18 @@ fn simulate_axes<const AXES: usize>(
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
         )],
-        Stop::Unanswered { since, function } => {
+        Stop::Unanswered { since, function, early } => {
             let (at, name) = (since as f64 * machine.cycle_s(), function_name(function));
             let message = format!(
                 "the motion waits for the acknowledgement of {name} from {at:.3} s on, and no later event gives it"
             );
             let expected = format!("a later line `{at:.3} ack {name}` or abort in --events, or --ack SECONDS");
-            vec![Diagnostic::error(message).expected(expected)]
+            let mut told = vec![Diagnostic::error(message).expected(expected)];
+            if let Some((script, event)) = wanted.script.zip(early) {
+                let message = format!("this acknowledgement came before {name} was put out, or a second time");
+                told.push(script.at(&event, Diagnostic::warning(message)));
+            }
+            told
         }
         Stop::Held { since, cause } => {
             let at = since as f64 * machine.cycle_s();
@@ -125,6 +130,8 @@ enum Stop {
     Unanswered {
         since: u64,
         function: Function,
+        /// An event that acknowledged it in vain.
+        early: Option<Event>,
     },
 }
 
@@ -227,7 +234,8 @@ fn drive<const AXES: usize>(
             && !schedule.answers(function)
         {
             let since = recorder.statistics.ticks.saturating_sub(1 + recorder.statistics.rest);
-            return Err(Stop::Unanswered { since, function });
+            let early = schedule.in_vain(function, &recorder.statistics.outcomes).cloned();
+            return Err(Stop::Unanswered { since, function, early });
         }
         let rest = recorder.statistics.rest;
         let enough = if state == State::Idle { !late } else { rest > patience };

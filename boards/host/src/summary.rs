@@ -330,7 +330,7 @@ impl Summary {
             for event in self.events.iter().take(EVENTS) {
                 let outcome = match &event.reaction {
                     Some(Reaction { what, after_s, path_mm }) => {
-                        let after = after_s * 1e3;
+                        let after = milliseconds(*after_s);
                         format!("{dim}{what} after{dim:#} {after} ms{dim},{dim:#} {path_mm:.3} mm")
                     }
                     None if event.tick.is_none() => format!("{dim}after the end{dim:#}"),
@@ -350,7 +350,7 @@ impl Summary {
             for output in waits.iter().take(EVENTS) {
                 let outcome = match output.acknowledged_s {
                     Some(at) => {
-                        format!("{dim}acknowledged after{dim:#} {:.3} ms", (at - output.t_s) * 1e3)
+                        format!("{dim}acknowledged after{dim:#} {} ms", milliseconds(at - output.t_s))
                     }
                     None => format!("{dim}not acknowledged{dim:#}"),
                 };
@@ -448,4 +448,10 @@ fn corners(
         });
     }
     (stops, corners)
+}
+
+/// To the µs, without needless digits.
+fn milliseconds(s: f64) -> String {
+    let text = format!("{:.3}", s * 1e3);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
