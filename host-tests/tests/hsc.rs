@@ -110,6 +110,8 @@ fn arbitrary_machines_keep_their_limits() {
         good::<1>(&program(seed, Mix::arbitrary(1, seed)), &machines::arbitrary(seed));
         good::<3>(&program(seed, Mix::arbitrary(3, seed)), &machines::arbitrary(seed));
     }
+    // A plan of single blocks, then a tiny block with less jerk in one span with the last of them.
+    good::<2>(&program(655, Mix::arbitrary(2, 655)), &machines::arbitrary(655));
 }
 
 #[test]

@@ -241,9 +241,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             // The first block's start is already decided.
             if left <= 1 {
                 self.raise_first(v_out);
-                self.until = usize::MAX;
-                self.pass = Pass::Done;
-                return true;
+                return self.blocks_done();
             }
             left -= 1;
             let last = left + 1 == self.blocks.len();
@@ -257,15 +255,20 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
             if v == block.v_in && left <= self.until {
-                self.until = usize::MAX;
-                self.pass = Pass::Done;
-                return true;
+                return self.blocks_done();
             }
             block.v_in = v;
             v_out = v;
         }
         self.pass = Pass::Blocks(left, v_out);
         false
+    }
+
+    fn blocks_done(&mut self) -> bool {
+        self.end = self.blocks.len();
+        self.until = usize::MAX;
+        self.pass = Pass::Done;
+        true
     }
 
     /// Another one, or none if this one goes on.
