@@ -163,6 +163,26 @@ fn a_dwell_runs_on_in_a_hold_and_is_never_shorter() {
     }
 }
 
+#[test]
+fn an_abort_ends_a_dwell() {
+    let text = "G01 X3 F6000\nG04 X200\nM5\nG04 X0.1\nG01 X5 Y1\nM30\n";
+    for slope in 0..4 {
+        let go = |acts: &[(usize, Act)]| {
+            let machine = machine(slope);
+            let run = operate_text::<3, 120>(text, [Position::ZERO; 3], &machine, acts, 1000);
+            run.unwrap_or_else(|fault| panic!("slope {slope}, {acts:?}: {fault}")).trace.len()
+        };
+        let moves = go(&[(1, Act::Hold), (1, Act::Abort)]).max(400);
+        for tick in [1, 20, 100, 150, 200, moves, moves + 1, 5000, 70_000] {
+            let all = go(&[(tick, Act::Abort)]);
+            assert!(all <= tick + 400 && (tick < moves || all <= tick + 10), "slope {slope}: {tick}, {all}");
+            // A hold before it, and a second one.
+            let all = go(&[(tick, Act::Hold), (tick + 5, Act::Abort)]);
+            assert!(all <= tick + 405, "slope {slope}: {tick}, {all}");
+        }
+    }
+}
+
 /// Ticks that happen between the steps of a cut.
 #[test]
 fn a_cut_is_taken_as_a_whole_or_not_at_all() {

@@ -11,7 +11,7 @@
 //! again.
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
-//! complete.
+//! complete. An abort ends a dwell.
 use super::flight::Flight;
 use super::{
     Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work,
@@ -23,6 +23,10 @@ use crate::slope::profile::speed_bits;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;
+
+/// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before it, and there is one
+/// change at a time.
+const NEAR: u32 = 64;
 
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 const NOTHING: i64 = 1 << 10;
@@ -85,7 +89,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let work = if self.mode.stopping {
             self.hold(&commands)
         } else if commands.standstill() {
-            self.stop()
+            self.stop(commands.abort)
         } else if self.mode.adjusting {
             self.adjust()
         } else {
@@ -101,6 +105,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// On the way to a standstill, and in it.
     fn hold(&mut self, commands: &Commands) -> Option<Work> {
+        if commands.abort {
+            self.end_rest();
+        }
         if !self.mode.standing {
             return None;
         }
@@ -119,6 +126,35 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
         None
+    }
+
+    /// What is left of a dwell goes, if nothing but that is left.
+    fn end_rest(&mut self) {
+        self.owed = 0;
+        self.trim();
+        let at = self.queue.clock.now().wrapping_add(clock::TICK * REACTION);
+        let last = self.end.wrapping_sub(clock::TICK);
+        if !clock::is_before(at, last) || self.mode.cut.is_some() || self.queue.phases.room() < 2 {
+            return;
+        }
+        let (Some(motion), Some(end)) = (self.motion_at(at), self.motion_at(last)) else { return };
+        if motion != end || !motion.is_rest() {
+            return;
+        }
+        let (before, gate) = (self.end, self.queue.phases.count());
+        let _ = self.queue.phases.push(Phase::BLANK);
+        self.end = at;
+        self.put_rest(Distance::from_bits(motion.distance), 1);
+        self.queue.clock.publish(at, gate.wrapping_add(1));
+        let is_late = clock::is_before(at, self.queue.clock.now());
+        // Late, it was taken or never will be.
+        if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
+            self.mode.cut = Some(at);
+        } else {
+            self.queue.clock.withdraw();
+            self.queue.phases.withdraw(gate);
+            self.end = before;
+        }
     }
 
     /// Whether the motion stands still because the operator wants it to.
@@ -145,7 +181,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The way to a standstill takes the place of what is in the queue.
-    fn stop(&mut self) -> Option<Work> {
+    fn stop(&mut self, abort: bool) -> Option<Work> {
         let now = self.queue.clock.now();
         // One change at a time, and one attempt a tick.
         self.trim();
@@ -171,7 +207,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         match self.flights.get(next) {
             Some(flight) if next < self.laid => {
                 let first = flight.first;
-                self.stop_at(next, first, None)
+                if abort && next > 0 && self.motion_at(at).is_some_and(|motion| motion.is_rest()) {
+                    // In a dwell.
+                    self.stop_at(next, at, None)
+                } else if self.is_far(first) {
+                    None
+                } else {
+                    self.stop_at(next, first, None)
+                }
             }
             _ => {
                 self.mode.stopping = true;
@@ -194,6 +237,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let begun = |flight: &Flight| !clock::is_before(at, flight.first);
         let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
         (at, later)
+    }
+
+    /// Whether that is too far ahead to hand over what is to happen then.
+    pub(super) fn is_far(&self, instant: u32) -> bool {
+        clock::is_before(self.queue.clock.now().wrapping_add(clock::TICK * NEAR), instant)
     }
 
     /// The span `k` or, if it is over before its first tick, the next one that is not.

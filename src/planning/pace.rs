@@ -71,7 +71,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if let Some(k) = other {
             let k = self.with_tick(k);
             if let Some(first) = self.flights.get(k).map(|flight| flight.first) {
-                return self.change(k, first, None);
+                return if self.is_far(first) { None } else { self.change(k, first, None) };
             }
         }
         self.mode.adjusting = left;

@@ -33,6 +33,13 @@ pub struct Motion {
     pub accel: i64,
 }
 
+impl Motion {
+    /// Whether nothing moves.
+    pub const fn is_rest(&self) -> bool {
+        self.speed == 0 && self.accel == 0
+    }
+}
+
 /// What follows the instant: the parts of `profile`, then `tail` at its last speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Brake {
