@@ -19,6 +19,13 @@ pub enum Step<const AXES: usize> {
     End,
 }
 
+/// Work of a line without its words, and bytes read for one unit of work, as [`super::calculator`] counts it.
+const LINE: u32 = 10;
+const BYTES: u32 = 2;
+/// Work so small that a line may follow in the same call, and that what the line at hand said may be carried out in it.
+const LITTLE: u32 = 30;
+const LITTLE_LINE: u32 = 120;
+
 /// Turns program text into commands. All memory is inside and fixed.
 pub struct Decoder<T: Text, const AXES: usize> {
     reader: LineReader<T>,
@@ -32,7 +39,8 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         Self { reader: LineReader::new(text), line: Line::new(), interpreter: Interpreter::new(setup) }
     }
 
-    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text.
+    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a line with much
+    /// arithmetic a part.
     ///
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
@@ -61,6 +69,14 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         result.map(|()| Step::Working)
     }
 
+    /// Whether the last step did so little that another one may follow in the same call of the planner: a line, or what this
+    /// one said.
+    pub(crate) fn has_done_little(&self) -> bool {
+        let Interpreter { queue, single, calculator, .. } = &self.interpreter;
+        let waits = !queue.is_empty() || single.is_some();
+        calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
+    }
+
     /// What it knows of the machine.
     pub fn setup(&self) -> &Setup<AXES> {
         &self.interpreter.setup
@@ -80,14 +96,13 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
 
     /// Reads a slice of text and interprets the line when it is complete.
     fn work(&mut self) -> Result<(), NcError> {
-        let next = match self.reader.fill(&mut self.line)? {
+        let goes_on = self.interpreter.calculator.begin();
+        let fill = if goes_on { Fill::Line } else { self.fill()? };
+        let next = match fill {
             Fill::Partial => return Ok(()),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
-                if let Some(place) = self.reader.unclosed() {
-                    self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
-                }
-                self.interpreter.line(&self.line, bounds)
+                self.interpreter.line(&self.line, bounds, goes_on)
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
@@ -101,6 +116,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             },
         };
         match next {
+            _ if self.interpreter.calculator.is_halted() => Ok(()),
             Ok(Next::Line) => Ok(()),
             Ok(Next::At(mark)) => {
                 self.reader.seek(mark);
@@ -109,6 +125,18 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             Ok(Next::File(name)) => self.enter_file(name),
             Err(refusal) => Err(self.error(refusal)),
         }
+    }
+
+    /// Reads a slice of text.
+    fn fill(&mut self) -> Result<Fill, NcError> {
+        let from = self.reader.next_start().offset;
+        let fill = self.reader.fill(&mut self.line)?;
+        let bytes = self.reader.next_start().offset.wrapping_sub(from);
+        self.interpreter.calculator.charge(LINE + bytes / BYTES);
+        if let (Fill::Line, Some(place)) = (fill, self.reader.unclosed()) {
+            self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
+        }
+        Ok(fill)
     }
 
     /// Goes on in the file with the name in the line at hand.

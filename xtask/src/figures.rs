@@ -6,9 +6,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 6] = [
+const LIMITS: [(&str, u64); 8] = [
     ("total.tick_max_3_axes", 400),
     ("total.block_mean_3_axes", 6000),
+    ("total.poll_max_3_axes", 40_000),
+    ("total.poll_max_4_axes", 40_000),
     ("case.contour.tick_max", 600),
     ("case.corners.tick_max", 600),
     ("case.hsc.block_mean", 8000),
