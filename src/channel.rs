@@ -364,12 +364,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.planned()
     }
 
-    /// Reading a line and understanding it are two steps of the decoder.
+    /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the line is short.
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
             let step = self.decoder.step();
             if !matches!(step, Ok(Step::Working)) {
                 return self.perform(&step);
+            }
+            if !self.decoder.has_done_little() {
+                break;
             }
         }
         Ok(Progress::Working)

@@ -1,8 +1,8 @@
 //! Random programs on random machines while an operator holds, goes on, aborts and turns the override and the program text comes late, all at
 //! random ticks, before the judge, as many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`.
-use host_tests::cases::machines;
-use host_tests::cases::random::{Mix, Random, program};
-use host_tests::operate::{POLLS, TOO_LONG, judge, operate, random_acts, with_overrides, with_starvation};
+use host_tests::operate::{
+    POLLS, TOO_LONG, judge, operate, random_acts, random_setup, with_overrides, with_starvation,
+};
 
 fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse().expect("a seed"));
@@ -10,14 +10,7 @@ fn main() {
     let last = seeds.next().unwrap_or(1000);
     let (mut faults, mut skipped) = (0, 0);
     for seed in first..last {
-        let mut machine = machines::arbitrary::<3>(seed);
-        machine.channel.slope_profile = (seed % 4) as u8;
-        machine.channel.override_weight_prog_feed = (seed / 4 % 3) as u8;
-        let program = program(seed, Mix::arbitrary(3, seed));
-        let mut random = Random::new(seed);
-        for axis in &mut machine.axes {
-            axis.vb_max_red = (f64::from(axis.vb_max) * random.unit()) as u32;
-        }
+        let (program, machine, mut random) = random_setup(seed);
         let holds = if random.once_in(2) { random_acts(&mut random, 3000) } else { Vec::new() };
         let acts = if random.once_in(4) { holds } else { with_overrides(&mut random, 3000, holds) };
         let acts = if random.once_in(3) { with_starvation(&mut random, 3000, acts) } else { acts };

@@ -1,6 +1,6 @@
 //! Runs a program while an operator gives commands at given ticks, and asks the judge for everything.
-use crate::cases::random::Random;
-use crate::cases::{Program, set_point};
+use crate::cases::random::{Mix, Random, program};
+use crate::cases::{Program, machines, set_point};
 use crate::check;
 use crate::properties::axis_limits;
 use crate::reference::merge::path_tolerance;
@@ -212,6 +212,19 @@ pub fn judge<const AXES: usize>(
     }
     check::ends(&run.trace, &start, &program.end_points())?;
     check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map(|_| ())
+}
+
+/// A random program, a random machine with any slope, any mode of the override and a reduced speed, and random numbers for the
+/// operator.
+pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
+    let mut machine = machines::arbitrary::<3>(seed);
+    machine.channel.slope_profile = (seed % 4) as u8;
+    machine.channel.override_weight_prog_feed = (seed / 4 % 3) as u8;
+    let mut random = Random::new(seed);
+    for axis in &mut machine.axes {
+        axis.vb_max_red = (f64::from(axis.vb_max) * random.unit()) as u32;
+    }
+    (program(seed, Mix::arbitrary(3, seed)), machine, random)
 }
 
 /// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.

@@ -573,6 +573,7 @@ fn random_programs_with_functions_keep_limits_and_path() {
                 trace: run.trace,
                 distances: run.distances,
                 holds: Vec::new(),
+                starved: Vec::new(),
                 aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
             };
             judge(&program, &machine, &operated)

@@ -19,7 +19,7 @@ fn run_text(text: impl Text) -> Outcome {
     let (mut motions, mut warnings) = (Vec::new(), Vec::new());
     for _ in 0..100_000 {
         match decoder.step() {
-            Ok(Step::Working) => {}
+            Ok(Step::Working | Step::Late) => {}
             Ok(Step::Command(Command::Motion(motion))) => motions.push(motion.n),
             Ok(Step::Command(_)) => {}
             Ok(Step::Warning(warning)) => warnings.push((warning.kind, warning.place.file)),

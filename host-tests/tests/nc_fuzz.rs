@@ -2,7 +2,7 @@
 //! bounded.
 mod nc_decode;
 use glidepath::nc::{Decoder, Step};
-use nc_decode::{Random, decode_with, setup};
+use nc_decode::{Random, decode_text, decode_with, setup};
 
 const LIMIT: usize = 30_000;
 
@@ -231,7 +231,7 @@ fn text_that_arrives_in_pieces_is_the_same_program() {
         let (commands, warnings, error, _) = decode_with(setup(), text, LIMIT);
         for seed in 1..200 {
             let pieces = Pieces { text, random: Random(seed), arrived: 0 };
-            let (late, late_warnings, late_error, _) = decode_with(setup(), pieces, 10 * LIMIT);
+            let (late, late_warnings, late_error, _) = decode_text(setup(), pieces, 10 * LIMIT);
             assert!(late == commands && late_warnings == warnings, "seed {seed}");
             assert_eq!(late_error.is_some(), error.is_some());
             assert_eq!(

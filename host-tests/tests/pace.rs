@@ -1,8 +1,7 @@
 //! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the path.
 use glidepath::machine::MachineData;
-use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines};
-use host_tests::operate::{Act, Operated, POLLS, judge, operate, with_overrides};
+use host_tests::operate::{Act, Operated, POLLS, judge, operate, random_setup, with_overrides};
 
 fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)], polls: usize) -> Operated {
     operate::<3, 120>(program, machine, acts, polls)
@@ -145,14 +144,7 @@ fn override_of_zero_holds() {
 fn random_overrides_in_random_programs() {
     // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, and with holds between them.
     for seed in 0..150 {
-        let mut machine = machines::arbitrary::<3>(seed);
-        machine.channel.slope_profile = (seed % 4) as u8;
-        machine.channel.override_weight_prog_feed = (seed / 4 % 3) as u8;
-        let program = program(seed, Mix::arbitrary(3, seed));
-        let mut random = Random::new(seed);
-        for axis in &mut machine.axes {
-            axis.vb_max_red = (f64::from(axis.vb_max) * random.unit()) as u32;
-        }
+        let (program, machine, mut random) = random_setup(seed);
         let acts = with_overrides(&mut random, 3000, Vec::new());
         let polls = POLLS[(random.bits() % 3) as usize];
         let first = run(&program, &machine, &acts, polls);

@@ -101,8 +101,8 @@ pub(super) struct Law {
     asked: [f32; 3],
 }
 
-/// Blocks per call.
-const STEPS: usize = 4;
+/// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
+const STEPS: usize = 16;
 /// Blocks per call that are only counted.
 const WALK: usize = 32;
 /// Steps of the search for an end speed.

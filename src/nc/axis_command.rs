@@ -141,7 +141,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             let mut target = IndependentWords::default();
             target.words.axis = axis;
             target.words.synchronous = !word.is("INDP_ASYN");
-            list_inside(c, &self.parameters, self.units(axis), &mut target)?;
+            list_inside(c, &self.calculator, self.units(axis), &mut target)?;
             return Ok(Some(Command::Independent(self.head_of(line, c.since(mark)), target.words)));
         }
         c.back_to(bracket);
@@ -156,7 +156,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         mark: usize,
     ) -> Result<Command<AXES>, Fault> {
         let mut w = OscWords::default();
-        list_inside(c, &self.parameters, self.units(axis), &mut w)?;
+        list_inside(c, &self.calculator, self.units(axis), &mut w)?;
         let span = c.since(mark);
         let action = if w.on {
             self.oscillation_on(&w, axis, span)?

@@ -73,7 +73,39 @@ pub(super) struct Words<const AXES: usize> {
     pub ends: Option<Ending>,
 }
 
+/// A block that goes on in the next call.
+pub(super) struct Waiting<const AXES: usize> {
+    words: Words<AXES>,
+    /// Where its first word begins, and the next one.
+    first: u16,
+    next: u16,
+}
+
+/// Work of a word beside that of its value, as [`super::calculator`] counts it.
+const WORD: u32 = 16;
+
 impl<const AXES: usize> Words<AXES> {
+    /// No word yet.
+    #[inline(always)]
+    const fn new() -> Self {
+        Self {
+            axes: [None; AXES],
+            first: None,
+            centre: [None; 3],
+            radius: None,
+            spindle: None,
+            time: None,
+            consumer: Use::Motion,
+            consumer_span: Span { at: 0, len: 0 },
+            mode_span: None,
+            exact_stop: None,
+            groups: 0,
+            before: Vec::new(),
+            after: Vec::new(),
+            ends: None,
+        }
+    }
+
     /// R, or from the first to the last of I, J and K.
     pub fn centre_span(&self) -> Option<Span> {
         let words = || self.centre.iter().chain([&self.radius]).flatten().map(|given| given.span);
@@ -109,31 +141,34 @@ const OTHER_G: [u16; 76] = [
 impl<const AXES: usize> Interpreter<AXES> {
     /// A block of words.
     pub fn words(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
-        let mut w = Words {
-            axes: [None; AXES],
-            first: None,
-            centre: [None; 3],
-            radius: None,
-            spindle: None,
-            time: None,
-            consumer: Use::Motion,
-            consumer_span: Span::default(),
-            mode_span: None,
-            exact_stop: None,
-            groups: 0,
-            before: Vec::new(),
-            after: Vec::new(),
-            ends: None,
-        };
-        let first = c.mark();
+        let mut w = Words::new();
+        let mut first = c.mark();
+        // Looked at first: it is large.
+        if self.waiting.is_some()
+            && let Some(waiting) = self.waiting.take()
+        {
+            (w, first) = (waiting.words, usize::from(waiting.first));
+            c.back_to(usize::from(waiting.next));
+        }
         while !c.at_end() {
-            if let Some(single) = self.word(c, line, &mut w)? {
+            let mark = c.mark();
+            let result = if self.calculator.affords(WORD) {
+                self.word(c, line, &mut w)
+            } else {
+                self.calculator.halt()
+            };
+            if self.calculator.is_halted() {
+                self.waiting = Some(Waiting { words: w, first: first as u16, next: mark as u16 });
+                return self.calculator.halt();
+            }
+            if let Some(single) = result? {
                 if usize::from(single.at) != first {
                     return single.fault(NcErrorKind::NotAlone("an axis command"));
                 }
                 c.require_end("an axis command")?;
                 return Ok(Next::Line);
             }
+            self.calculator.complete();
         }
         self.finish(&mut w, line)
     }
@@ -161,10 +196,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         match letter {
             b'G' => self.g_word(c, w, mark)?,
             b'P' => {
-                let target = parameter_target(c, &self.parameters)?;
+                let target = parameter_target(c, &self.calculator)?;
                 c.require(b'=', "= behind the parameter")?;
-                let value = expression(c, &self.parameters)?.real();
-                self.parameters.set(target, value).map_err(|kind| Fault { span: c.since(mark), kind })?;
+                let value = expression(c, &self.calculator)?.real();
+                self.calculator
+                    .parameters
+                    .set(target, value)
+                    .map_err(|kind| Fault { span: c.since(mark), kind })?;
             }
             b'F' => {
                 let given = self.value(c, mark)?;
@@ -255,7 +293,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// The value behind an address, with or without `=`.
     fn value(&self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
         c.eat(b'=');
-        let number = expression(c, &self.parameters)?;
+        let number = expression(c, &self.calculator)?;
         Ok(Given { number, span: c.since(mark) })
     }
 
@@ -333,7 +371,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             4 => {
                 consume(w, Use::Dwell, span)?;
                 if matches!(c.peek_upper(), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=' | b'[' | b'P') {
-                    w.time = Some(self.value(c, mark)?);
+                    // Until it is read, the word has changed nothing: see `calculator`.
+                    let time = self.value(c, mark);
+                    if time.is_err() {
+                        w.consumer = Use::Motion;
+                    }
+                    w.time = Some(time?);
                 }
                 group::CONSUMER
             }

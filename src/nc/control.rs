@@ -65,7 +65,7 @@ fn role(word: &Word) -> Role {
 impl<const AXES: usize> Interpreter<AXES> {
     /// A condition: true from 0.5 on.
     fn condition(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
-        Ok(expression(c, &self.parameters)?.real() >= 0.5)
+        Ok(expression(c, &self.calculator)?.real() >= 0.5)
     }
 
     /// Carries out a `$` statement; the cursor stands on `$`.
@@ -115,7 +115,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 // Without $BREAK the blocks of the next case follow.
                 self.innermost_is("$SWITCH").map_err(fault)?;
                 if word.is("CASE") {
-                    let _ = expression(c, &self.parameters)?;
+                    let _ = expression(c, &self.calculator)?;
                 }
             }
             b"ENDFOR" | b"ENDWHILE" | b"ENDDO" | b"UNTIL" | b"ENDIF" | b"ENDSWITCH" => {
@@ -149,16 +149,16 @@ impl<const AXES: usize> Interpreter<AXES> {
             return c.here().fault(NcErrorKind::ForCounter);
         }
         let mark = c.mark();
-        let counter = parameter_target(c, &self.parameters)?;
+        let counter = parameter_target(c, &self.calculator)?;
         let counter_span = c.since(mark);
         c.require(b'=', "=")?;
-        let start = expression(c, &self.parameters)?.real();
+        let start = expression(c, &self.calculator)?.real();
         c.require(b',', ", and the end value")?;
-        let end = expression(c, &self.parameters)?.real();
+        let end = expression(c, &self.calculator)?.real();
         let step_mark = c.mark();
-        let step = if c.eat(b',') { expression(c, &self.parameters)?.real() } else { 1.0 };
+        let step = if c.eat(b',') { expression(c, &self.calculator)?.real() } else { 1.0 };
         let step_span = c.since(step_mark);
-        self.parameters.set(counter, start).map_err(|kind| Fault { span: counter_span, kind })?;
+        self.calculator.parameters.set(counter, start).map_err(|kind| Fault { span: counter_span, kind })?;
         self.flow
             .open(open(Block::For { counter, end, step }))
             .map_err(|kind| Fault { span: counter_span, kind })?;
@@ -174,16 +174,19 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn switch_value(&mut self, c: &mut Cursor<'_>) -> Result<f64, Fault> {
         let mark = c.mark();
         if c.peek_upper() == b'P'
-            && let Ok(target) = parameter_target(c, &self.parameters)
+            && let Ok(target) = parameter_target(c, &self.calculator)
             && c.eat(b'=')
             && c.raw() != b'='
         {
-            let value = expression(c, &self.parameters)?.real();
-            self.parameters.set(target, value).map_err(|kind| Fault { span: c.since(mark), kind })?;
+            let value = expression(c, &self.calculator)?.real();
+            self.calculator
+                .parameters
+                .set(target, value)
+                .map_err(|kind| Fault { span: c.since(mark), kind })?;
             return Ok(value);
         }
         c.back_to(mark);
-        Ok(expression(c, &self.parameters)?.real())
+        Ok(expression(c, &self.calculator)?.real())
     }
 
     fn innermost_is(&mut self, opening: &'static str) -> Result<(), NcErrorKind> {
@@ -226,8 +229,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some(open) = self.flow.innermost().copied() else { return Err(NcErrorKind::NoLoop) };
         match open.block {
             Block::For { counter, end, step } => {
-                let value = self.parameters.get(counter)? + step;
-                self.parameters.set(counter, value)?;
+                let value = self.calculator.parameters.get(counter)? + step;
+                self.calculator.parameters.set(counter, value)?;
                 if step == 0.0 || !passed_end(value, end, step) {
                     return Ok(Next::At(open.body));
                 }
@@ -271,7 +274,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let label = match c.peek_upper() {
             b'N' => {
                 c.bump();
-                let value = expression(c, &self.parameters)?.whole().and_then(|n| u32::try_from(n).ok());
+                let value = expression(c, &self.calculator)?.whole().and_then(|n| u32::try_from(n).ok());
                 value.map(u64::from)
             }
             b'[' => bracket_label(c),
@@ -340,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             (Passing::Branch, b"ELSE") | (Passing::Case, b"DEFAULT") => Ok(true),
             (Passing::Branch, b"ELSEIF") => self.condition(c),
             (Passing::Case, b"CASE") => {
-                let case = expression(c, &self.parameters)?.real();
+                let case = expression(c, &self.calculator)?.real();
                 let block = self.flow.innermost().map(|open| open.block);
                 let Some(Block::Switch { value }) = block else { return Ok(false) };
                 // Equal up to 0.001, as ISG compares.

@@ -21,6 +21,13 @@ pub enum Step<const AXES: usize> {
     End,
 }
 
+/// Work of a line without its words, and bytes read for one unit of work, as [`super::calculator`] counts it.
+const LINE: u32 = 10;
+const BYTES: u32 = 2;
+/// Work so small that a line may follow in the same call, and that what the line at hand said may be carried out in it.
+const LITTLE: u32 = 30;
+const LITTLE_LINE: u32 = 120;
+
 /// Turns program text into commands. All memory is inside and fixed.
 pub struct Decoder<T: Text, const AXES: usize> {
     reader: LineReader<T>,
@@ -34,7 +41,8 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         Self { reader: LineReader::new(text), line: Line::new(), interpreter: Interpreter::new(setup) }
     }
 
-    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text.
+    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a line with much
+    /// arithmetic a part.
     ///
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
@@ -63,6 +71,14 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
         result
     }
 
+    /// Whether the last step did so little that another one may follow in the same call of the planner: a line, or what this
+    /// one said.
+    pub(crate) fn has_done_little(&self) -> bool {
+        let Interpreter { queue, single, calculator, .. } = &self.interpreter;
+        let waits = !queue.is_empty() || single.is_some();
+        calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
+    }
+
     /// What it knows of the machine.
     pub fn setup(&self) -> &Setup<AXES> {
         &self.interpreter.setup
@@ -82,15 +98,14 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
 
     /// Reads a slice of text and interprets the line when it is complete.
     fn work(&mut self) -> Result<Step<AXES>, NcError> {
-        let next = match self.reader.fill(&mut self.line)? {
+        let goes_on = self.interpreter.calculator.begin();
+        let fill = if goes_on { Fill::Line } else { self.fill()? };
+        let next = match fill {
             Fill::Partial => return Ok(Step::Working),
             Fill::Late => return Ok(Step::Late),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
-                if let Some(place) = self.reader.unclosed() {
-                    self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
-                }
-                self.interpreter.line(&self.line, bounds)
+                self.interpreter.line(&self.line, bounds, goes_on)
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
@@ -104,12 +119,25 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             },
         };
         match next {
+            _ if self.interpreter.calculator.is_halted() => {}
             Ok(Next::Line) => {}
             Ok(Next::At(mark)) => self.reader.seek(mark),
             Ok(Next::File(name)) => self.enter_file(name)?,
             Err(refusal) => return Err(self.error(refusal)),
         }
         Ok(Step::Working)
+    }
+
+    /// Reads a slice of text.
+    fn fill(&mut self) -> Result<Fill, NcError> {
+        let from = self.reader.next_start().offset;
+        let fill = self.reader.fill(&mut self.line)?;
+        let bytes = self.reader.next_start().offset.wrapping_sub(from);
+        self.interpreter.calculator.charge(LINE + bytes / BYTES);
+        if let (Fill::Line, Some(place)) = (fill, self.reader.unclosed()) {
+            self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
+        }
+        Ok(fill)
     }
 
     /// Goes on in the file with the name in the line at hand.

@@ -2,6 +2,7 @@
 //!
 //! `**`, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, AND, OR/XOR; square brackets group.
 //! A condition is true from 0.5 on. `P` binds to the index that follows it: `P5`, `PP5`, `P[P1+5]`.
+use super::calculator::{Aside, Calculator};
 use super::cursor::Cursor;
 use super::number::Number;
 use super::parameter::{Parameters, index};
@@ -84,6 +85,19 @@ impl Function {
         }
     }
 
+    /// Hundreds of instructions on the target.
+    const fn work(self) -> u32 {
+        match self {
+            Self::Asin | Self::Acos => 140,
+            Self::Atan | Self::Acot | Self::Atan2 => 110,
+            Self::Sin | Self::Cos | Self::Tan | Self::Cot => 65,
+            Self::Dexp | Self::Dlog => 80,
+            Self::Exp | Self::Ln => 40,
+            Self::Sqrt => 25,
+            _ => 5,
+        }
+    }
+
     fn apply(self, x: f64, y: f64) -> Result<f64, NcErrorKind> {
         let domain = NcErrorKind::Domain(self.name());
         let value = match self {
@@ -160,7 +174,25 @@ impl Op {
             Self::Parameter => 8,
         }
     }
+
+    /// Hundreds of instructions on the target.
+    const fn work(self) -> u32 {
+        match self {
+            Self::Power => 85,
+            Self::Modulo => 50,
+            _ => 3,
+        }
+    }
 }
+
+/// What waits.
+pub(super) struct Stacks {
+    values: Vec<f64, EXPRESSION_DEPTH>,
+    ops: Vec<Op, EXPRESSION_DEPTH>,
+}
+
+/// Hundreds of instructions to read an operand and what is behind it.
+const READING: u32 = 7;
 
 struct Evaluation<'p> {
     parameters: &'p Parameters,
@@ -231,6 +263,19 @@ impl Evaluation<'_> {
         Ok(())
     }
 
+    /// Work that an operator, a closing bracket or the end lets go, and to read on to the next.
+    fn due(&self, closes: bool) -> u32 {
+        let mut work = READING;
+        let mut ops = self.ops.iter().rev();
+        for op in ops.by_ref().take_while(|op| !matches!(op, Op::Open(_))) {
+            work += op.work();
+        }
+        match ops.next() {
+            Some(Op::Call(function)) if closes => work + function.work(),
+            _ => work,
+        }
+    }
+
     /// `]`: false if no bracket is open.
     fn close(&mut self) -> Step<bool> {
         self.reduce(1)?;
@@ -268,20 +313,39 @@ impl Evaluation<'_> {
     }
 }
 
-/// Reads an expression as far as it goes. A lone literal stays exact.
-pub(super) fn expression(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<Number, Fault> {
+/// Reads an expression as far as it goes. A lone literal stays exact. Where it is more than the call is to do, it is laid aside.
+pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<Number, Fault> {
     let start = c.mark();
     if let Some(literal) = literal(c) {
         return Ok(literal);
     }
     c.back_to(start);
+    if calculator.is_halted() {
+        return calculator.halt();
+    }
+    if let Some((end, value)) = calculator.recall(start) {
+        c.back_to(end);
+        return Ok(Number::Real(value));
+    }
+    let parameters = &calculator.parameters;
     let mut e = Evaluation { parameters, values: Vec::new(), ops: Vec::new() };
     let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
-    loop {
+    if calculator.has_aside(start)
+        && let Some(Aside { at, stacks }) = calculator.take_aside()
+    {
+        c.back_to(at);
+        (e.values, e.ops) = (stacks.values, stacks.ops);
+    } else {
         operand(c, &mut e, start)?;
+    }
+    loop {
         // Behind an operand: closing brackets, then an operator or the end.
         let operator = loop {
             let mark = c.mark();
+            if !calculator.affords(e.due(c.peek() == b']')) && calculator.knows_all() {
+                let stacks = Stacks { values: e.values, ops: e.ops };
+                return calculator.lay_aside(start, Aside { at: mark, stacks });
+            }
             if c.peek() == b']' && e.ops.iter().any(|op| matches!(op, Op::Open(_))) {
                 c.bump();
                 e.close().map_err(|kind| fault(c, kind))?;
@@ -304,12 +368,15 @@ pub(super) fn expression(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<
                 e.wait(op).map_err(|kind| fault(c, kind))?;
             }
         }
+        operand(c, &mut e, start)?;
     }
     e.reduce(1).map_err(|kind| fault(c, kind))?;
     if !e.ops.is_empty() {
         return c.expected("] or an operator");
     }
-    Ok(Number::Real(e.pop()))
+    let value = e.pop();
+    calculator.remember(start, c.mark(), value);
+    Ok(Number::Real(value))
 }
 
 /// A literal with at most signs before it and no operator behind it.
@@ -462,7 +529,7 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
 }
 
 /// The index of the parameter that stands here (`P5`, `PP5`, `P[…]`), as the target of an assignment.
-pub(super) fn parameter_target(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<u32, Fault> {
+pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<u32, Fault> {
     let mark = c.mark();
     if c.peek_upper() != b'P' {
         return c.expected("a P parameter");
@@ -479,13 +546,13 @@ pub(super) fn parameter_target(c: &mut Cursor<'_>, parameters: &Parameters) -> R
             }
             let mut value = c.whole("parameter index")?;
             for _ in 0..depth {
-                let read = parameters.get(value).map_err(|kind| fault(c, kind))?;
+                let read = calculator.parameters.get(value).map_err(|kind| fault(c, kind))?;
                 value = index(read).map_err(|kind| fault(c, kind))?;
             }
             Ok(value)
         }
         b'[' => {
-            let value = expression_in_brackets(c, parameters)?;
+            let value = expression_in_brackets(c, calculator)?;
             index(value).map_err(|kind| fault(c, kind))
         }
         _ => {
@@ -499,9 +566,9 @@ pub(super) fn parameter_target(c: &mut Cursor<'_>, parameters: &Parameters) -> R
 }
 
 /// `[expression]` and not one step further.
-fn expression_in_brackets(c: &mut Cursor<'_>, parameters: &Parameters) -> Result<f64, Fault> {
+fn expression_in_brackets(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<f64, Fault> {
     c.require(b'[', "[")?;
-    let value = expression(c, parameters)?.real();
+    let value = expression(c, calculator)?.real();
     c.require(b']', "]")?;
     Ok(value)
 }

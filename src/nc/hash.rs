@@ -220,7 +220,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<Command<AXES>, Fault> {
         let units = self.main_units();
-        let p = &self.parameters;
+        let p = &self.calculator;
         let here = c.peek();
         Ok(match id {
             Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
@@ -338,7 +338,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut contour = Contour { switch, ..Contour::default() };
         let mark = c.mark();
         if c.peek() == b'[' || switch.is_none() {
-            list(c, &self.parameters, self.main_units(), &mut contour)?;
+            list(c, &self.calculator, self.main_units(), &mut contour)?;
         }
         for (value, main) in contour.point.iter_mut().zip(self.setup.main) {
             if let Some(value) = value {
@@ -355,7 +355,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         c.require(b'[', "[ and the profile")?;
         if c.peek().is_ascii_digit() || c.peek_upper() == b'P' {
             let number_mark = c.mark();
-            let number = expression(c, &self.parameters)?;
+            let number = expression(c, &self.calculator)?;
             let kind = match number.whole() {
                 Some(0) => SlopeType::Step,
                 Some(1) => SlopeType::Trapez,
@@ -371,14 +371,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         c.back_to(mark);
         let mut slope = Slope::default();
-        list(c, &self.parameters, self.main_units(), &mut slope)?;
+        list(c, &self.calculator, self.main_units(), &mut slope)?;
         Ok(slope)
     }
 
     /// 1 automatic, 2 tangential, 3 by the user.
     fn aspline_mode(&self, c: &mut Cursor<'_>) -> Result<Tangent, Fault> {
         let mark = c.mark();
-        match expression(c, &self.parameters)?.whole() {
+        match expression(c, &self.calculator)?.whole() {
             Some(1) => Ok(Tangent::Auto),
             Some(2) => Ok(Tangent::Tangential),
             Some(3) => Ok(Tangent::User),
@@ -397,7 +397,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         c.require(b'[', "[ and the number of a kinematic")?;
         let mark = c.mark();
         let id =
-            expression(c, &self.parameters)?.whole().and_then(|n| u16::try_from(n).ok()).filter(|n| *n > 0);
+            expression(c, &self.calculator)?.whole().and_then(|n| u16::try_from(n).ok()).filter(|n| *n > 0);
         let span = c.since(mark);
         let kind = NcErrorKind::Range { what: "kinematic", min: 1, max: 65_535, unit: "", above: false };
         let id = id.ok_or(Fault { span, kind })?;
@@ -414,7 +414,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         while !c.at_end() {
             let mark = c.mark();
             let Some(axis) = self.axis_here(c) else { return self.no_axis(c) };
-            let value = number(c, &self.parameters, mark, COORDINATE)?;
+            let value = number(c, &self.calculator, mark, COORDINATE)?;
             if let Some(slot) = vector.get_mut(axis)
                 && slot.replace(value).is_some()
             {

@@ -1,11 +1,11 @@
 //! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short queue.
-use super::block::Item;
+use super::block::{Item, Waiting};
+use super::calculator::Calculator;
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
 use super::modal::Modal;
-use super::parameter::Parameters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
 use heapless::Deque;
@@ -55,7 +55,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub setup: Setup<AXES>,
     pub phase: Phase,
     pub flow: Flow,
-    pub parameters: Parameters,
+    pub calculator: Calculator,
     pub modal: Modal<AXES>,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
@@ -64,6 +64,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     /// Whether the block at hand moves.
     pub moves: bool,
     pub queue: Deque<Item, BLOCK_WORDS>,
+    /// A block that goes on in the next call.
+    pub waiting: Option<Waiting<AXES>>,
     pub motion: Option<Motion<AXES>>,
     /// Command of a block that holds nothing else.
     pub single: Option<Command<AXES>>,
@@ -86,12 +88,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         Self {
             phase: Phase::Start,
             flow: Flow::new(),
-            parameters: Parameters::new(),
+            calculator: Calculator::new(),
             modal: Modal::new(),
             position: setup.start,
             n: 0,
             moves: false,
             queue: Deque::new(),
+            waiting: None,
             motion: None,
             single: None,
             values: [None; AXES],
@@ -119,9 +122,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(Refusal::At(open.place, NcErrorKind::Unclosed { closing: open.block.closing() }))
     }
 
-    /// Interprets one line.
-    pub fn line(&mut self, line: &Line, bounds: Bounds) -> Result<Next, Refusal> {
+    /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is none.
+    pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         let mut c = Cursor::new(line.bytes());
+        if self.waiting.is_some() {
+            return Ok(self.words(&mut c, line)?);
+        }
         if c.at_end() {
             return Ok(Next::Line);
         }
@@ -143,7 +149,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             let Some(Passing::End(ending)) = self.flow.passing else { return Ok(Next::Line) };
             return Ok(self.end_by_word(ending));
         }
-        self.quiet = self.quiet.saturating_add(1);
+        self.quiet = self.quiet.saturating_add(u32::from(!goes_on));
         if self.quiet > QUIET_LINES {
             return Err(Refusal::Here(Fault { span: c.rest_of_word(), kind: NcErrorKind::Endless }));
         }
@@ -255,7 +261,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok(());
         }
         c.bump();
-        let value = real::trunc(expression(c, &self.parameters)?.real());
+        let value = real::trunc(expression(c, &self.calculator)?.real());
         if !(0.0..4_294_967_296.0).contains(&value) {
             return c.since(mark).fault(NcErrorKind::Range {
                 what: "block number",

@@ -1,10 +1,10 @@
 //! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`, the same reader for every command.
+use super::calculator::Calculator;
 use super::compose::in_range;
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::{Limit, SlopeType, Tangent, Value};
 use super::number::Factor;
-use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
 use crate::quantity::Position;
 
@@ -89,21 +89,24 @@ pub(super) trait Keywords {
     fn slot(&mut self, keyword: &'static str, first: bool, units: Units) -> Slot<'_>;
 }
 
+/// Work of a keyword beside that of its value, as [`super::calculator`] counts it.
+const KEYWORD: u32 = 15;
+
 /// Reads `[…]` into `target`.
 pub(super) fn list<K: Keywords>(
     c: &mut Cursor<'_>,
-    parameters: &Parameters,
+    calculator: &Calculator,
     units: Units,
     target: &mut K,
 ) -> Result<(), Fault> {
     c.require(b'[', "[ and keywords")?;
-    list_inside(c, parameters, units, target)
+    list_inside(c, calculator, units, target)
 }
 
 /// The same behind the bracket.
 pub(super) fn list_inside<K: Keywords>(
     c: &mut Cursor<'_>,
-    parameters: &Parameters,
+    calculator: &Calculator,
     units: Units,
     target: &mut K,
 ) -> Result<(), Fault> {
@@ -117,13 +120,14 @@ pub(super) fn list_inside<K: Keywords>(
             return c.expected("]");
         }
         let mark = c.mark();
+        calculator.charge(KEYWORD);
         let Some(keyword) = keyword(c, K::LIST) else {
             c.back_to(mark);
             let span = c.here();
             return span.fault(NcErrorKind::UnknownKeyword { command: K::COMMAND, keywords: K::LIST });
         };
         let name = c.since(mark);
-        value(c, parameters, target.slot(keyword, first, units), mark, name)?;
+        value(c, calculator, target.slot(keyword, first, units), mark, name)?;
         first = false;
     }
 }
@@ -151,7 +155,7 @@ fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
 /// Reads the value of a keyword into its slot.
 fn value(
     c: &mut Cursor<'_>,
-    parameters: &Parameters,
+    calculator: &Calculator,
     slot: Slot<'_>,
     mark: usize,
     name: Span,
@@ -159,7 +163,7 @@ fn value(
     let twice = NcErrorKind::Twice("keyword");
     let whole = |c: &mut Cursor<'_>, max: u32| -> Result<u32, Fault> {
         c.eat(b'=');
-        let number = expression(c, parameters)?;
+        let number = expression(c, calculator)?;
         let span = c.since(mark);
         let Some(n) = number.whole() else { return span.fault(NcErrorKind::NotWhole("it")) };
         match u32::try_from(n) {
@@ -180,7 +184,7 @@ fn value(
         | Slot::Slope(Some(_))
         | Slot::Tangent(Some(_)) => name.fault(twice),
         Slot::Number(to, range) => {
-            *to = Some(number(c, parameters, mark, range)?);
+            *to = Some(number(c, calculator, mark, range)?);
             Ok(())
         }
         Slot::Flag(to) => {
@@ -197,13 +201,13 @@ fn value(
         }
         Slot::Real(to) => {
             c.eat(b'=');
-            *to = Some(expression(c, parameters)?.real());
+            *to = Some(expression(c, calculator)?.real());
             Ok(())
         }
         Slot::Limit(to) => {
             let given = matches!(c.peek_upper(), b'=' | b'0'..=b'9' | b'.' | b'+' | b'-' | b'[' | b'P');
             let range = Range::new(0, i32::MAX, "").above();
-            *to = Some(if given { Limit::Is(number(c, parameters, mark, range)?) } else { Limit::Channel });
+            *to = Some(if given { Limit::Is(number(c, calculator, mark, range)?) } else { Limit::Channel });
             Ok(())
         }
         Slot::Slope(to) => {
@@ -230,12 +234,12 @@ fn value(
 /// A number inside its range.
 pub(super) fn number(
     c: &mut Cursor<'_>,
-    parameters: &Parameters,
+    calculator: &Calculator,
     mark: usize,
     range: Range,
 ) -> Result<Value, Fault> {
     c.eat(b'=');
-    let given = expression(c, parameters)?.fixed(range.factor);
+    let given = expression(c, calculator)?.fixed(range.factor);
     let (min, max) = (Value::from_num(range.min), Value::from_num(range.max));
     let inside = |v: &Value| {
         let low = if range.above { *v > min } else { *v >= min };

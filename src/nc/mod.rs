@@ -11,6 +11,7 @@
 
 mod axis_command;
 mod block;
+mod calculator;
 mod command;
 mod compose;
 mod control;

@@ -6,6 +6,9 @@
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
+use crate::math::divide::div_wide;
+use crate::math::wide::mul_wide;
+
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8; // 33 bits, so that k·LN2_HIGH is exact for |k| < 2^20
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const RADIAN_HIGH: f64 = 0.017_453_292_519_943_295; // π/180
@@ -32,9 +35,11 @@ pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     // 127 bits over at most 64: a quotient of 63 bits or more, made odd where a rest is left, rounds correctly.
     let shift = 63 + mantissa.leading_zeros();
     let dividend = u128::from(mantissa) << shift;
-    let divisor = u128::from(power as u64);
-    let quotient = dividend.checked_div(divisor).unwrap_or(0);
-    let sticky = u128::from(quotient.wrapping_mul(divisor) != dividend);
+    let divisor = power as u64;
+    let high = ((dividend >> 64) as u64).checked_div(divisor).unwrap_or(0);
+    let rest = ((dividend >> 64) as u64).wrapping_sub(high.wrapping_mul(divisor));
+    let quotient = u128::from(high) << 64 | u128::from(div_wide(rest, dividend as u64, divisor));
+    let sticky = u128::from(quotient.wrapping_mul(u128::from(divisor)) != dividend);
     (quotient | sticky) as f64 * power_of_two(-(shift as i32))
 }
 
@@ -79,14 +84,23 @@ pub(super) fn remainder(x: f64, y: f64) -> f64 {
     if !rest.is_finite() || !(divisor >= 1e-290) {
         return f64::NAN;
     }
-    // Subtracts y·2^k for falling k; each subtraction is exact, k starts at the exponent difference (< 2100).
-    while rest >= divisor {
-        let gap = (rest.to_bits() >> 52) as i32 - (divisor.to_bits() >> 52) as i32;
-        let mut part = divisor * power_of_two(gap.min(1000));
-        if part > rest {
-            part *= 0.5;
+    if rest >= divisor {
+        // Both are normal: x = m·2^e, and x mod y = (m·2^gap mod n)·2^e of y.
+        let parts = |x: f64| ((x.to_bits() & ((1 << 52) - 1)) | (1 << 52), (x.to_bits() >> 52) as u32);
+        let ((m, from), (n, to)) = (parts(rest), parts(divisor));
+        let times = |a: u64, b: u64| {
+            let (high, low) = mul_wide(a, b);
+            low.wrapping_sub(div_wide(high, low, n).wrapping_mul(n))
+        };
+        let gap = from.saturating_sub(to);
+        let mut power = 1;
+        for bit in (0..11).rev() {
+            power = times(power, power);
+            if gap >> bit & 1 == 1 {
+                power = times(power, 2);
+            }
         }
-        rest -= part;
+        rest = times(times(m, 1), power) as f64 * power_of_two(to as i32 - 1075);
     }
     if x < 0.0 { -rest } else { rest }
 }

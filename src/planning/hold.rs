@@ -48,7 +48,7 @@ pub(super) struct Mode {
     standing: bool,
     /// The instant of the cut that may be pending, and the last one at which one was tried.
     pub(super) cut: Option<u32>,
-    pub(super) tried: Option<u32>,
+    tried: Option<u32>,
 }
 
 impl Mode {
@@ -182,14 +182,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The way to a standstill takes the place of what is in the queue.
     fn stop(&mut self, abort: bool) -> Option<Work> {
-        let now = self.queue.clock.now();
-        // One change at a time, and one attempt a tick.
-        self.trim();
-        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
-            return None;
-        }
-        self.mode.tried = Some(now);
-        let (at, later) = self.place(now);
+        let (at, later) = self.attempt()?;
         let mut next = later;
         if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, self.flights.get(k)?))) {
             if flight.first == at {
@@ -230,13 +223,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         work
     }
 
-    /// The instant of a change decided now, and the first span that begins behind it.
-    pub(super) fn place(&self, now: u32) -> (u32, usize) {
+    /// The instant of a change decided now, and the first span that begins behind it: one change at a time, and one attempt a tick.
+    pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
+        let now = self.queue.clock.now();
+        self.trim();
+        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
+            return None;
+        }
+        self.mode.tried = Some(now);
         let at = now.wrapping_add(clock::TICK * REACTION);
         let at = if clock::is_before(at, self.end) { at } else { self.end };
         let begun = |flight: &Flight| !clock::is_before(at, flight.first);
         let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
-        (at, later)
+        Some((at, later))
     }
 
     /// Whether that is too far ahead to hand over what is to happen then.

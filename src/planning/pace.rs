@@ -37,14 +37,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Laws of now in place of those in the queue, from the first one that differs on.
     pub(super) fn adjust(&mut self) -> Option<Work> {
-        let now = self.queue.clock.now();
-        // One change at a time, and one attempt a tick.
-        self.trim();
-        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
-            return None;
-        }
-        self.mode.tried = Some(now);
-        let (at, later) = self.place(now);
+        let (at, later) = self.attempt()?;
         let mut left = false;
         let mut next = later;
         if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, *self.flights.get(k)?))) {

@@ -35,6 +35,7 @@ pub const CASES_3: &[Case] = cases!(
     "subroutine",
     "short_blocks",
     "micro",
+    "short_arcs",
     "cam",
     "rapid_and_feed",
     "dwell",

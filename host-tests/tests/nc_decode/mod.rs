@@ -22,7 +22,7 @@ pub fn setup() -> Setup<5> {
     Setup::new(&MachineData { axes, channel: ChannelData::new() }, [Position::ZERO; 5])
 }
 
-pub fn decode_with<const AXES: usize>(
+pub fn decode_text<const AXES: usize>(
     setup: Setup<AXES>,
     text: impl Text,
     limit: usize,
@@ -42,6 +42,15 @@ pub fn decode_with<const AXES: usize>(
         }
     }
     (commands, warnings, None, limit)
+}
+
+/// The same for bytes that are all there.
+pub fn decode_with<const AXES: usize>(
+    setup: Setup<AXES>,
+    text: &[u8],
+    limit: usize,
+) -> (Vec<Command<AXES>>, Vec<NcWarning>, Option<NcError>, usize) {
+    decode_text(setup, text, limit)
 }
 
 /// Decodes to the end; programs here take far fewer than a million steps.

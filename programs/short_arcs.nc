@@ -1,0 +1,15 @@
+( Arcs of 1 to 9 micrometres on a circle of radius 100 mm, then turns of a helix as short: a tick passes several of them. )
+%short_arcs
+N10 G90 G17 G161 G01 X0 Y0 Z0 F10000
+N20 #SLOPE [TYPE=HSC]
+N30 P2 = 0
+N40 $FOR P1 = 1, 300, 1
+N50 P2 = P2 + 0.005 + 0.004*SIN[P1*10]
+N60 G03 X=100*SIN[P2*0.572957795] Y=100-100*COS[P2*0.572957795] I0 J100
+N70 $ENDFOR
+N75 P3 = P2
+N80 $FOR P1 = 1, 500, 1
+N90 P2 = P2 + 0.005 + 0.004*SIN[P1*10]
+N100 G03 X=100*SIN[P2*0.572957795] Y=100-100*COS[P2*0.572957795] I0 J100 Z=[P2-P3]*0.1
+N110 $ENDFOR
+N120 M30

@@ -1,0 +1,263 @@
+//! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the look-ahead.
+use super::functions::Functions;
+use super::held::Held;
+use super::Planning;
+use crate::lookahead::{Dynamics, Lookahead, Permitted};
+use crate::machine::Synch;
+use crate::math::float::to_f32;
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
+use crate::path::contour::{Block, Data, Form, Outgoing};
+use crate::path::{self, Element, PathError};
+use crate::quantity::Distance;
+use crate::queue::Function;
+
+/// A motion block that has no path or no speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MotionError {
+    /// It has no curve.
+    Path(PathError),
+    /// Its feed is zero.
+    NoFeed,
+    /// It would take more than 2^26 ticks.
+    TooSlow,
+    /// It moves an axis that was given away.
+    Released,
+}
+
+impl From<PathError> for MotionError {
+    fn from(error: PathError) -> Self {
+        Self::Path(error)
+    }
+}
+
+/// What goes with a block into the look-ahead.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pass {
+    /// Feed, mm/min; rapid without.
+    pub feed: Option<f32>,
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks before it.
+    pub number: u32,
+    /// It ends in an exact stop.
+    pub stop: bool,
+}
+
+/// The way into the look-ahead.
+pub(super) struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
+    lookahead: &'a mut Lookahead<AXES, BLOCKS>,
+    functions: &'a mut Functions,
+    dynamics: &'a mut Dynamics<AXES>,
+    numbered: &'a mut u32,
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
+    #[inline(never)]
+    pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
+        self.push_here(element, limits, pass, due, false);
+    }
+
+    /// The same, inline: of a line only what lines have is made.
+    #[inline(always)]
+    pub fn push_here(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
+        // More than fits is made up for later.
+        let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
+        *self.numbered = self.numbered.wrapping_add(ahead);
+        let numbers = (ahead as u16, pass.n);
+        self.lookahead.before(self.functions.before(due));
+        self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, numbers, long);
+        self.dynamics.settle();
+        if pass.stop {
+            self.lookahead.stop_here();
+        }
+    }
+}
+
+/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
+pub(super) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Takes in a motion block. Only after [`Work::Hungry`].
+    ///
+    /// # Errors
+    /// The block is refused and leaves no trace.
+    pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let result = self.take_motion(motion);
+        if result.is_err() {
+            self.functions.drop_unsettled(self.queue.control);
+        }
+        // Without path: with the block before.
+        self.functions.settle(false, false);
+        result
+    }
+
+    fn take_motion(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let feed = match motion.kind {
+            MotionKind::Rapid => None,
+            _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
+        };
+        let (from, to) = (&self.programmed, &motion.target);
+        match motion.kind {
+            MotionKind::Rapid | MotionKind::Line => {
+                if let Some(line) = path::straight(from, to, &self.main)? {
+                    let pass = self.pass(motion, feed)?;
+                    if !self.contouring.is_idle() {
+                        let element = line.element();
+                        Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
+                        self.round(&element, Form::Line, motion, feed)?;
+                    } else if self.join_held(&line, &motion.target, &pass) {
+                        self.functions.settle(true, false);
+                    } else {
+                        let limits = self.dynamics.line(line.tangent(), line.length(), feed);
+                        Self::in_time(&limits, line.length())?;
+                        self.functions.settle(true, false);
+                        self.hold_line(&line, &limits, pass);
+                    }
+                    self.advance(motion);
+                } else if motion.exact_stop {
+                    // At the end of the block before.
+                    self.contouring.release(true);
+                    self.stop_held();
+                    if !self.contouring.holds() && self.held.is_none() {
+                        self.lookahead.stop_here();
+                    }
+                }
+            }
+            MotionKind::Arc { plane, clockwise, by } => {
+                let centre = match by {
+                    ArcBy::Centre(centre) => centre,
+                    ArcBy::Radius(radius) => {
+                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.main)?
+                    }
+                };
+                let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
+                let pass = self.pass(motion, feed)?;
+                let limits = self.dynamics.element(&element, feed);
+                Self::in_time(&limits, element.shape.length)?;
+                if self.contouring.is_idle() {
+                    self.functions.settle(true, false);
+                    self.pass_arc(&element, &limits, pass);
+                } else {
+                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+                }
+                self.advance(motion);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the block moves one of these axes: bit i for axis i.
+    pub fn moves(&self, motion: &Motion<AXES>, axes: u32) -> bool {
+        let ends = motion.target.iter().zip(&self.programmed);
+        axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
+    }
+
+    /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
+    pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+        self.let_go();
+        self.contouring.command(contour, in_motion);
+    }
+
+    /// What is to be said about the curve that the last motion led to.
+    pub fn remark(&mut self) -> Option<NcWarningKind> {
+        self.contouring.remark()
+    }
+
+    /// The block taken in last ends where it was programmed to. Only after [`Work::Hungry`].
+    pub fn keep_corner(&mut self) {
+        self.let_go();
+        self.contouring.cancel();
+    }
+
+    /// A block of that length does not take too long.
+    #[inline(always)]
+    fn in_time(limits: &Permitted, length: Distance) -> Result<(), MotionError> {
+        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
+    }
+
+    /// What goes with a block.
+    #[inline(always)]
+    fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
+        // A block without motion needs no feed: it does not come here.
+        if feed.is_some_and(|feed| feed <= 0.0) {
+            return Err(MotionError::NoFeed);
+        }
+        Ok(Pass { feed, n: motion.n, number: self.taken, stop: motion.exact_stop })
+    }
+
+    /// Contour mode takes a block.
+    fn round(
+        &mut self,
+        element: &Element<AXES>,
+        form: Form,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+    ) -> Result<(), MotionError> {
+        let (from, to) = (self.programmed, motion.target);
+        let data =
+            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
+        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
+        self.functions.settle(true, self.contouring.rounds());
+        Ok(())
+    }
+
+    /// A block has been taken in.
+    fn advance(&mut self, motion: &Motion<AXES>) {
+        self.programmed = motion.target;
+        self.taken = self.taken.wrapping_add(1);
+    }
+
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`Work::Hungry`].
+    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+        self.let_go();
+        self.dynamics.set_slope(slope);
+    }
+
+    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`Work::Hungry`].
+    pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
+        self.let_go();
+        &mut self.dynamics
+    }
+
+    /// The way into the look-ahead, and what is held back before it.
+    #[inline(always)]
+    pub(super) fn entrance(&mut self) -> (Entrance<'_, AXES, BLOCKS>, &Held<AXES>) {
+        let Self { lookahead, functions, dynamics, numbered, held, .. } = self;
+        (Entrance { lookahead, functions, dynamics, numbered }, held)
+    }
+
+    /// Takes over an element from contour mode.
+    #[inline(never)]
+    pub(super) fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
+        let Outgoing { element, data, curving, due } = outgoing;
+        let limits = match (&element.bounds, curving) {
+            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            _ => self.dynamics.element(element, data.feed),
+        };
+        let Data { feed, n, number, stop, .. } = *data;
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due);
+    }
+
+    /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
+    /// with a motion. Only after [`Work::Hungry`].
+    ///
+    /// # Errors
+    /// The function back, if there is no room: [`Self::rest`], and again when there is.
+    pub fn output(
+        &mut self,
+        n: u32,
+        function: Function,
+        synch: Synch,
+        in_motion: bool,
+    ) -> Result<(), Function> {
+        if synch == Synch::NoSynch {
+            return Ok(());
+        }
+        self.let_go();
+        let room = self.queue.events.room();
+        let taken =
+            self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
+        taken.map_err(|()| function)
+    }
+}
