@@ -104,3 +104,15 @@ fn a_refusal_shows_its_word_wherever_the_step_began() {
     assert_eq!((refused.place.line, Some(refused.place.column)), (2, column));
     assert_eq!(refused.found.as_str(), "X3");
 }
+
+#[test]
+fn what_is_complete_is_not_worked_out_again() {
+    // Each value takes two or three steps.
+    for (text, values) in
+        [("P[{3}]={7}", 2), ("$FOR P[{5}] = {9}, {3}, {1}\n$ENDFOR", 4), ("F1\nX{1} Y{1} Z{1}", 3)]
+    {
+        let [(light, fewer), (heavy, steps)] = both(text).map(|text| said(&text));
+        assert_eq!(light, heavy);
+        assert!(steps - fewer <= 3 * values, "{text}: {steps} steps instead of {fewer}");
+    }
+}

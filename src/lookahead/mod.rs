@@ -13,6 +13,7 @@
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
+mod append;
 mod dynamics;
 mod limits;
 mod pace;
@@ -27,11 +28,10 @@ pub use pace::{Headroom, Pace};
 pub use vector::TooLow;
 pub use weights::Weights;
 
-use crate::math::float::to_f32;
-use crate::nc::SlopeType;
-use crate::path::{Element, End, Shape};
+use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
+use append::Last;
 use heapless::Deque;
 use span::Pass;
 
@@ -218,20 +218,6 @@ impl Release {
     }
 }
 
-/// What the next transition needs to know of the last block.
-#[derive(Clone, Copy, Debug)]
-struct Last<const AXES: usize> {
-    exit: End<AXES>,
-    length: f32,
-    share: Share,
-    rapid: bool,
-    /// Its limits have left a transition its part.
-    shared: bool,
-    slope: SlopeType,
-    /// Its path is time.
-    timed: bool,
-}
-
 /// The ring.
 pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     blocks: Deque<Block<AXES>, BLOCKS>,
@@ -269,9 +255,6 @@ const LONG_BLOCKS: usize = 2;
 
 /// No speed yet.
 const UNPLANNED: Speed = Speed::from_bits(-1);
-
-/// Longest span: 2^18 mm, LSB 2^-44 mm.
-const LONGEST_SPAN: i64 = 1 << 62;
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
@@ -362,99 +345,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// This happens before the next block.
     pub fn before(&mut self, before: Before) {
         self.before = before;
-    }
-
-    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
-    /// standstill from its speed.
-    #[inline(always)]
-    pub fn push(
-        &mut self,
-        element: &Element<AXES>,
-        permitted: &Permitted,
-        rapid: bool,
-        dynamics: &Dynamics<AXES>,
-        (ahead, n): (u16, u32),
-        long: bool,
-    ) {
-        let (mut limits, share, headroom) = *permitted;
-        let distance = element.shape.length.to_bits();
-        let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
-        let mut cap = 0.0;
-        let mut rises = 2.0;
-        let mut shared = false;
-        let mut anchor = true;
-        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
-        let slope = dynamics.slope();
-        if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
-            cap = min(before.limits.v, limits.v);
-            let rapid = rapid && last.rapid;
-            let shorter = min(last.length, length);
-            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
-            // STEP: what passes within a tick of a knee shows together with it.
-            let brief = last.length < before.limits.v || length < limits.v;
-            if v.is_some() || (brief && slope == SlopeType::Step) {
-                if let Some(v) = v {
-                    cap = min(cap, v);
-                    rises = min(rises, v / cap);
-                }
-                limits.share(&share);
-                shared = true;
-                if !last.shared {
-                    before.limits.share(&last.share);
-                }
-            }
-            let through = match slope {
-                SlopeType::Hsc => true,
-                // As if it were one block.
-                SlopeType::Trapez | SlopeType::Sin2 => {
-                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
-                        && limits.are(&before.limits)
-                }
-                // Acceleration is zero nowhere.
-                SlopeType::Step => false,
-            };
-            anchor = !(through
-                && last.slope == slope
-                && last.timed == timed
-                && (!timed || limits.v == before.limits.v)
-                && self.span + distance < LONGEST_SPAN
-                && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
-        }
-        let Before { functions, gate } = core::mem::take(&mut self.before);
-        anchor |= gate;
-        if anchor {
-            self.span = 0;
-        } else {
-            self.through += 1;
-        }
-        self.span += distance;
-        self.stop = false;
-        // What follows on nothing starts from rest.
-        let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
-        let mut marks = Marks::default();
-        marks.set(Marks::ANCHOR, anchor);
-        marks.set(Marks::FUNCTIONS, functions);
-        marks.set(Marks::GATE, gate);
-        marks.set(Marks::LONG, long);
-        self.long += usize::from(long);
-        // There is room: the caller asked.
-        let _ = self.blocks.push_back(Block {
-            shape: element.shape.linear(),
-            limits,
-            cap,
-            v_in,
-            v_reached: UNPLANNED,
-            v_old: UNPLANNED,
-            n,
-            headroom,
-            rises: (rises * ONE) as u8,
-            ahead,
-            marks,
-        });
-        if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
-            block.shape = element.shape;
-        }
     }
 
     /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its

@@ -1,7 +1,7 @@
 //! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the look-ahead.
+use super::Planning;
 use super::functions::Functions;
 use super::held::Held;
-use super::Planning;
 use crate::lookahead::{Dynamics, Lookahead, Permitted};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
@@ -60,7 +60,14 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
 
     /// The same, inline: of a line only what lines have is made.
     #[inline(always)]
-    pub fn push_here(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32, long: bool) {
+    pub fn push_here(
+        &mut self,
+        element: &Element<AXES>,
+        limits: &Permitted,
+        pass: &Pass,
+        due: u32,
+        long: bool,
+    ) {
         // More than fits is made up for later.
         let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
         *self.numbered = self.numbered.wrapping_add(ahead);
@@ -78,7 +85,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
 pub(super) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Takes in a motion block. Only after [`Work::Hungry`].
+    /// Takes in a motion block. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// The block is refused and leaves no trace.
@@ -153,7 +160,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
     }
 
-    /// Contour mode changes. Only after [`Work::Hungry`]; `in_motion`: the command stands in a motion block.
+    /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.let_go();
         self.contouring.command(contour, in_motion);
@@ -164,7 +171,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.contouring.remark()
     }
 
-    /// The block taken in last ends where it was programmed to. Only after [`Work::Hungry`].
+    /// The block taken in last ends where it was programmed to. Only after [`super::Work::Hungry`].
     pub fn keep_corner(&mut self) {
         self.let_go();
         self.contouring.cancel();
@@ -208,13 +215,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.taken = self.taken.wrapping_add(1);
     }
 
-    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`Work::Hungry`].
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`super::Work::Hungry`].
     pub fn set_slope(&mut self, slope: Option<SlopeType>) {
         self.let_go();
         self.dynamics.set_slope(slope);
     }
 
-    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`Work::Hungry`].
+    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
         &mut self.dynamics
@@ -240,7 +247,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
-    /// with a motion. Only after [`Work::Hungry`].
+    /// with a motion. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// The function back, if there is no room: [`Self::rest`], and again when there is.

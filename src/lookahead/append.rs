@@ -1,0 +1,120 @@
+//! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
+//! acceleration may pass it.
+use super::limits::{Share, min};
+use super::{Before, Block, Dynamics, Lookahead, Marks, ONE, Permitted, UNPLANNED};
+use crate::math::float::to_f32;
+use crate::nc::SlopeType;
+use crate::path::{Element, End};
+use crate::quantity::Speed;
+
+/// What the next transition needs to know of the last block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Last<const AXES: usize> {
+    pub exit: End<AXES>,
+    pub length: f32,
+    pub share: Share,
+    pub rapid: bool,
+    /// Its limits have left a transition its part.
+    pub shared: bool,
+    pub slope: SlopeType,
+    /// Its path is time.
+    pub timed: bool,
+}
+
+/// Longest span: 2^18 mm, LSB 2^-44 mm.
+const LONGEST_SPAN: i64 = 1 << 62;
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
+    /// standstill from its speed.
+    #[inline(always)]
+    pub fn push(
+        &mut self,
+        element: &Element<AXES>,
+        permitted: &Permitted,
+        rapid: bool,
+        dynamics: &Dynamics<AXES>,
+        (ahead, n): (u16, u32),
+        long: bool,
+    ) {
+        let (mut limits, share, headroom) = *permitted;
+        let distance = element.shape.length.to_bits();
+        let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
+        let mut cap = 0.0;
+        let mut rises = 2.0;
+        let mut shared = false;
+        let mut anchor = true;
+        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
+        let slope = dynamics.slope();
+        if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
+            cap = min(before.limits.v, limits.v);
+            let rapid = rapid && last.rapid;
+            let shorter = min(last.length, length);
+            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
+            // STEP: what passes within a tick of a knee shows together with it.
+            let brief = last.length < before.limits.v || length < limits.v;
+            if v.is_some() || (brief && slope == SlopeType::Step) {
+                if let Some(v) = v {
+                    cap = min(cap, v);
+                    rises = min(rises, v / cap);
+                }
+                limits.share(&share);
+                shared = true;
+                if !last.shared {
+                    before.limits.share(&last.share);
+                }
+            }
+            let through = match slope {
+                SlopeType::Hsc => true,
+                // As if it were one block.
+                SlopeType::Trapez | SlopeType::Sin2 => {
+                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
+                        && limits.are(&before.limits)
+                }
+                // Acceleration is zero nowhere.
+                SlopeType::Step => false,
+            };
+            anchor = !(through
+                && last.slope == slope
+                && last.timed == timed
+                && (!timed || limits.v == before.limits.v)
+                && self.span + distance < LONGEST_SPAN
+                && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
+        }
+        let Before { functions, gate } = core::mem::take(&mut self.before);
+        anchor |= gate;
+        if anchor {
+            self.span = 0;
+        } else {
+            self.through += 1;
+        }
+        self.span += distance;
+        self.stop = false;
+        // What follows on nothing starts from rest.
+        let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
+        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
+        let mut marks = Marks::default();
+        marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::FUNCTIONS, functions);
+        marks.set(Marks::GATE, gate);
+        marks.set(Marks::LONG, long);
+        self.long += usize::from(long);
+        // There is room: the caller asked.
+        let _ = self.blocks.push_back(Block {
+            shape: element.shape.linear(),
+            limits,
+            cap,
+            v_in,
+            v_reached: UNPLANNED,
+            v_old: UNPLANNED,
+            n,
+            headroom,
+            rises: (rises * ONE) as u8,
+            ahead,
+            marks,
+        });
+        if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
+            block.shape = element.shape;
+        }
+    }
+}
