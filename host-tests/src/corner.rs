@@ -229,6 +229,7 @@ pub fn round<const AXES: usize>(
     };
     for block in blocks {
         stage.take(block, &dynamics).expect("a corner");
+        while stage.go_on(&dynamics) {}
         drain(&mut stage);
     }
     stage.release(false);

@@ -101,6 +101,10 @@ pub fn poly<const AXES: usize>(
         if travel.saturating_abs() >= LONGEST >> FINER {
             return None;
         }
+        if travel == 0 && [*t0, *t1] == [0; 2] && [*k0, *k1] == [0.0; 2] {
+            // At rest: all of it is zero.
+            continue;
+        }
         let a = quintic(
             travel as f64 * LSB_32,
             [*t0 as f64 * LSB_40 * h, *t1 as f64 * LSB_40 * h],
