@@ -7,7 +7,7 @@ use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
 use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
-use crate::path::poly::{Knot, poly};
+use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};
 use crate::quantity::Position;
 
@@ -153,10 +153,9 @@ impl<const AXES: usize> Course<AXES> {
     }
 }
 
-impl<const AXES: usize> Iterator for Course<AXES> {
-    type Item = Element<AXES>;
-
-    fn next(&mut self) -> Option<Element<AXES>> {
+impl<const AXES: usize> Course<AXES> {
+    /// The next element, with its axes to be made.
+    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         if self.is_done() {
             return None;
         }
@@ -165,7 +164,7 @@ impl<const AXES: usize> Iterator for Course<AXES> {
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
-        poly(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
+        Draft::new(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
     }
 }
 

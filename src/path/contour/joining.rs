@@ -67,6 +67,8 @@ enum Stage<const AXES: usize> {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    /// They are: both blocks become what is left of them.
+    Joining { cut: Cut, course: Course<AXES> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// There is no curve.
@@ -184,12 +186,13 @@ impl<const AXES: usize> Joining<AXES> {
                 match course.fit(even, *slack) {
                     Fit::Working => return None,
                     Fit::Failed => Some(cut.smaller(*slack, *smaller)),
-                    Fit::Ready => {
-                        let (cut, course) = (*cut, *course);
-                        let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
-                        return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
-                    }
+                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course }),
                 }
+            }
+            Stage::Joining { cut, course } => {
+                let (cut, course) = (*cut, *course);
+                let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
+                return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
             }
             Stage::Overlapping(overlap) => {
                 let overlap = *overlap;
@@ -347,6 +350,6 @@ impl<const AXES: usize> Ends<AXES> {
         }
         let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
         let curving = Curving { jerk: check_jerk, constant: const_vel };
-        Turning { course, halves: [(first, due[0]), (second, due[1])], curving }
+        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
     }
 }

@@ -29,6 +29,7 @@ use self::course::Course;
 use self::held::Held;
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
+use super::poly::Draft;
 use super::{Element, PathError, line};
 use crate::lookahead::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
@@ -99,14 +100,29 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
+    /// Of the element that is being made.
+    draft: Option<Draft<AXES>>,
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    fn next(&mut self) -> Option<Outgoing<AXES>> {
+    /// The next element, which is not made yet.
+    fn begin(&mut self) -> Option<Outgoing<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let element = self.course.next()?;
+        let (element, draft) = self.course.next_element()?;
+        self.draft = Some(draft);
         let data = Data { stop: false, ..data };
         Some(Outgoing { element, data, curving: Some(self.curving), due })
+    }
+
+    /// Goes on making it. `None` where it cannot be made.
+    fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
+        let Some(draft) = &mut self.draft else { return Some(()) };
+        draft.go_on(element)?;
+        if draft.is_done() {
+            self.course.settle(element);
+            self.draft = None;
+        }
+        Some(())
     }
 }
 
@@ -150,13 +166,19 @@ impl<const AXES: usize> Curve<AXES> {
     }
 }
 
-impl<const AXES: usize> Iterator for Curve<AXES> {
-    type Item = Element<AXES>;
-
-    fn next(&mut self) -> Option<Element<AXES>> {
+impl<const AXES: usize> Curve<AXES> {
+    /// The next element, with its axes to be made.
+    fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         match self {
-            Self::Even(course) => course.next(),
-            Self::Timed(timed) => timed.next(),
+            Self::Even(course) => course.next_element(),
+            Self::Timed(timed) => timed.next_element(),
+        }
+    }
+
+    /// The element is made.
+    fn settle(&self, element: &mut Element<AXES>) {
+        if let Self::Timed(timed) = self {
+            timed.settle(element);
         }
     }
 }
@@ -338,11 +360,18 @@ impl<const AXES: usize> Contouring<AXES> {
             self.joining = None;
             return true;
         }
-        if self.before.is_some() {
-            return false;
-        }
         let Some(turning) = &mut self.course else { return false };
-        self.before = turning.next();
+        match &mut self.before {
+            // The block before the corner, or an element that is made.
+            Some(_) if turning.draft.is_none() => return false,
+            Some(outgoing) => {
+                if turning.go_on(&mut outgoing.element).is_some() {
+                    return true;
+                }
+                self.before = None;
+            }
+            None => self.before = turning.begin(),
+        }
         if self.before.is_none() {
             self.course = None;
         }
