@@ -1,7 +1,7 @@
 //! Which of the two kinds of curve a corner between lines gets: over time, as the dynamic methods ask for it or where it is
 //! faster, or over arc length.
 use super::Parameters;
-use super::corner::Corner;
+use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
 use super::held::Held;
 use super::joining::Setting;
@@ -27,7 +27,7 @@ impl Candidate {
         corner: &Corner<'_, AXES>,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
-        most: f32,
+        (most, tolerance): (f32, &Tolerance),
     ) -> Option<Self> {
         let dynamics = setting.dynamics;
         let [first, second] = [&held.block, &next.block];
@@ -60,8 +60,8 @@ impl Candidate {
         }
         // How far both may be from the corner when they are equally far from it.
         let turn = f64::from(size(setting.main, &change));
-        let mut off = rule.deviation().map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
-        let track = rule.tolerance().track;
+        let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
+        let track = tolerance.track;
         for (_, x) in change.iter().enumerate().filter(|(k, _)| !setting.main.contains(&Some(*k))) {
             if track > 0.0 && *x != 0.0 {
                 off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));

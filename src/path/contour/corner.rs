@@ -28,6 +28,8 @@ pub struct Corner<'a, const AXES: usize> {
     pub before: Side<AXES>,
     /// The block behind it.
     pub behind: Side<AXES>,
+    /// The way from one to the other over blocks left out.
+    pub gap: Option<[f32; AXES]>,
 }
 
 /// Tolerances of a corner, mm and degrees; a tracking tolerance of 0 is none.
@@ -47,7 +49,11 @@ impl<const AXES: usize> Corner<'_, AXES> {
 
     /// The curve with these corner distances.
     pub fn between(&self, [c1, c2]: [f32; 2]) -> Quintic<AXES> {
-        self.curve(&self.before.at(-c1), &self.behind.at(c2))
+        let mut end = self.behind.at(c2);
+        if let Some(gap) = &self.gap {
+            end.offset = plus(&end.offset, 1.0, gap);
+        }
+        self.curve(&self.before.at(-c1), &end)
     }
 }
 
@@ -60,7 +66,7 @@ type Use = (f32, f32);
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<const AXES: usize> {
     distances: [f32; 2],
-    /// Beside arcs the deviation is looked for along all of the curve, which is a hundred times the work.
+    /// Beside arcs and blocks left out the deviation is looked for along all of the curve, which is a hundred times the work.
     along: bool,
     /// The curve at hand, and how far its deviation is known.
     curve: Quintic<AXES>,
@@ -95,7 +101,7 @@ impl<const AXES: usize> Search<AXES> {
             if self.along {
                 let reach = self.distances.map(|c| c * self.part);
                 let sides = [&corner.before, &corner.behind];
-                elsewhere = self.deviation.go_on(corner.main, curve, sides, reach)?;
+                elsewhere = self.deviation.go_on(corner.main, curve, sides, reach, corner.gap.as_ref())?;
                 slack = max(path - elsewhere, SLACK * path);
             }
             most = max(curve.distance(corner.main, &[0.0; AXES], 0.5), elsewhere) / path;
@@ -174,7 +180,7 @@ impl<const AXES: usize> Reach<AXES> {
         for _ in 0..trials {
             let Some(found) = self.search.go_on(corner, &self.tolerance) else { continue };
             let Some((part, slack)) = found else { return Some(None) };
-            let straight = corner.before.rate == 0.0 && corner.behind.rate == 0.0;
+            let straight = corner.before.rate == 0.0 && corner.behind.rate == 0.0 && corner.gap.is_none();
             if self.search.along || self.tolerance.path.is_none() || straight {
                 return Some(Some((self.first * part, slack)));
             }

@@ -41,6 +41,13 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
     sum
 }
 
+/// Distance of a point from the straight line to `end`; both from its start.
+pub fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
+    let square = dot(main, end, end);
+    let part = if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 };
+    size(main, &plus(point, -part, end))
+}
+
 /// A point with direction and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site<const AXES: usize> {
@@ -277,21 +284,25 @@ impl<const AXES: usize> Quintic<AXES> {
 pub struct Deviation {
     outward: Peak,
     inward: Peak,
+    /// Beside blocks left out.
+    across: Peak,
 }
 
 impl Deviation {
     /// Nothing looked at yet.
-    pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW };
+    pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW, across: Peak::NEW };
 
-    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind.
+    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind; `gap`: the way over blocks left out.
     pub fn go_on<const AXES: usize>(
         &mut self,
         main: &Main,
         curve: &Quintic<AXES>,
         sides: [&Side<AXES>; 2],
         reach: [f32; 2],
+        gap: Option<&[f32; AXES]>,
     ) -> Option<f32> {
         let [before, behind] = sides;
+        let past = |point: &[f32; AXES]| gap.map_or(*point, |gap| plus(point, -1.0, gap));
         let block = |place: f32| {
             if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
         };
@@ -299,15 +310,30 @@ impl Deviation {
             self.outward.climb(OUTWARD, |place| {
                 let (q, s) = (curve.at(0.5 + 0.5 * place)[0], block(place).1);
                 let off = before.distance(main, &q, min(s, 0.0), -1.0);
-                min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
+                let off = min(off, behind.distance(main, &past(&q), max(s, 0.0), 1.0));
+                gap.map_or(off, |gap| min(off, segment_distance(main, gap, &q)))
             });
             return None;
         }
-        self.inward.climb(INWARD, |place| {
-            let (side, s) = block(place);
-            curve.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
-        });
-        if self.inward.is_found() { Some(max(self.inward.top, self.outward.top)) } else { None }
+        if !self.inward.is_found() {
+            self.inward.climb(INWARD, |place| {
+                let (side, s) = block(place);
+                let point = side.at(s).offset;
+                let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
+                curve.distance(main, &point, 0.5 + 0.5 * place)
+            });
+            return None;
+        }
+        let most = max(self.inward.top, self.outward.top);
+        let Some(gap) = gap else { return Some(most) };
+        // Its ends too: the curve may be furthest from them.
+        let over = |part: f32| gap.map(|x| part * x);
+        self.across.climb(INWARD, |place| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
+        if !self.across.is_found() {
+            return None;
+        }
+        let ends = max(curve.distance(main, &over(0.0), 0.5), curve.distance(main, &over(1.0), 0.5));
+        Some(max(max(most, self.across.top), ends))
     }
 }
 

@@ -4,7 +4,7 @@ use super::choice::Candidate;
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::{Main, Side};
-use super::held::Held;
+use super::held::{Held, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::lookahead::{Curving, Dynamics, max, min};
@@ -17,6 +17,9 @@ use crate::quantity::{Distance, Position};
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
 /// tolerance has to spare.
 const SLIVER: u32 = 14;
+
+/// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
+const UNSEEN: f32 = 1.0 / 256.0;
 
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
@@ -86,7 +89,8 @@ pub struct Joining<const AXES: usize> {
 fn corner<'a, const AXES: usize>(held: &Held<AXES>, next: &Held<AXES>, main: &'a Main) -> Corner<'a, AXES> {
     let before = Side::new(&held.block.element, &held.block.element.exit);
     let behind = Side::new(&next.block.element, &next.block.element.entry);
-    Corner { main, before, behind }
+    let gap = held.skipped.map(|skipped| travel(&held.block.to, &skipped.to));
+    Corner { main, before, behind, gap }
 }
 
 impl<const AXES: usize> Joining<AXES> {
@@ -134,11 +138,19 @@ impl<const AXES: usize> Joining<AXES> {
         setting: &Setting<'_, AXES>,
     ) -> Option<Stage<AXES>> {
         let corner = corner(held, next, setting.main);
-        let candidate = Candidate::new([held, next], &corner, rule, setting, room.least());
+        let mut tolerance = rule.tolerance();
+        if let Some(path) = &mut tolerance.path {
+            // What straight lines that stand for several blocks have already taken.
+            let left_out = held.skipped.map_or(0.0, |skipped| skipped.stray);
+            *path -= max(max(held.stray, next.stray), left_out);
+            if corner.gap.is_some() {
+                *path *= 1.0 - UNSEEN;
+            }
+        }
+        let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
         if let Some(Candidate { way, limits: None }) = candidate {
             return Some(Stage::Overlapping(way));
         }
-        let tolerance = rule.tolerance();
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
             return room.cut(held, next, rule, None);

@@ -8,7 +8,8 @@
 //!
 //! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
 //! to the first one that ends beyond the limit. A short block to begin with is joined to the line behind it. Where no
-//! curve comes of it, a straight line stands for the blocks left out.
+//! curve comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources leave out; so
+//! RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a given corner distance.
 //!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
 //! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
@@ -194,9 +195,6 @@ const ONE_32: f32 = (1u64 << 32) as f32;
 const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
-/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
-const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
-
 impl<const AXES: usize> Contouring<AXES> {
     /// Off; `check_jerk` is P-CHAN-00110.
     pub fn new(main: [Option<usize>; 3], check_jerk: u8) -> Self {
@@ -264,33 +262,28 @@ impl<const AXES: usize> Contouring<AXES> {
             block: *block,
             length: block.element.shape.length.to_bits(),
             rule: if rounds { Some(self.parameters) } else { None },
+            stray: 0.0,
             skipped: None,
         };
         if let Some(held) = &mut self.held
             && let Some(rule) = held.rule
         {
-            if rounds && held.leaves_out(&next.block, &rule, &self.main) {
-                held.skipped = Some((block.to, block.data));
+            if rounds && let Some(skipped) = held.leave_out(&next.block, &rule, &self.main) {
+                held.skipped = Some(skipped);
                 return Ok(());
             }
-            let straight = held.block.form == Form::Line && block.form == Form::Line;
-            let from = if straight && held.is_short(&rule) {
-                Some(held.block.from)
-            } else if held.skipped.is_some() && next.length < SYSTEM_LEAST {
-                Some(held.block.to)
-            } else {
-                None
-            };
-            if let Some(from) = from
-                && let Some(element) = line(&from, &block.to, &self.main)?
-            {
-                next.block = Block { element, from, form: Form::Line, ..*block };
-                next.length = element.shape.length.to_bits();
-                if from == held.block.to {
+            let next_is = (next.is_line(), next.length);
+            if let Some(standing) = held.stands(&block.to, next_is, &rule, &self.main) {
+                let from = if standing.whole { held.block.from } else { held.block.to };
+                if let Some(element) = line(&from, &block.to, &self.main)? {
+                    next.block = Block { element, from, form: Form::Line, ..*block };
+                    next.length = element.shape.length.to_bits();
+                    next.stray = standing.stray;
                     held.skipped = None;
-                } else {
-                    // The short one to begin with is part of it.
-                    self.held = None;
+                    if standing.whole {
+                        // The short one to begin with is part of it.
+                        self.held = None;
+                    }
                 }
             }
         }
@@ -315,7 +308,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn release(&mut self, stop: bool) {
         if let Some(held) = &mut self.held {
             held.rule = None;
-            held.skipped.as_mut().map_or(&mut held.block.data, |(_, data)| data).stop |= stop;
+            held.skipped.as_mut().map_or(&mut held.block.data, |skipped| &mut skipped.data).stop |= stop;
         }
     }
 
