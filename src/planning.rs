@@ -293,10 +293,20 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
+    /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
+    #[inline(never)]
+    fn round_off(&mut self) -> bool {
+        if self.contouring.go_on(&self.dynamics) {
+            return true;
+        }
+        let Some(outgoing) = self.contouring.outgoing() else { return false };
+        self.push_outgoing(&outgoing);
+        true
+    }
+
     /// There is room in the look-ahead.
     fn fill(&mut self) -> Work {
-        if let Some(outgoing) = self.contouring.outgoing() {
-            self.push_outgoing(&outgoing);
+        if !self.contouring.is_empty() && self.round_off() {
             return Work::Working;
         }
         if self.flush && self.contouring.holds() {

@@ -221,7 +221,9 @@ pub fn round<const AXES: usize>(
     let mut out = Vec::new();
     let mut at = blocks[0].from;
     let mut drain = |stage: &mut Contouring<AXES>| {
-        while let Some(next) = stage.outgoing() {
+        loop {
+            while stage.go_on(&dynamics) {}
+            let Some(next) = stage.outgoing() else { break };
             let base = next.element.shape.base(&at);
             next.element.shape.at(next.element.shape.length.to_bits(), &base, &mut at);
             out.push(Piece { out: next, base });

@@ -9,6 +9,7 @@
 //! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
+//! | [`deviation`] | is all of a contour inside it |
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
@@ -25,5 +26,7 @@ pub mod tolerance;
 pub mod properties;
 
 pub mod corner;
+
+pub mod deviation;
 
 pub mod operate;

@@ -25,7 +25,7 @@ pub use arc::{arc, centre_of_radius};
 pub use line::line;
 pub(crate) use line::{Straight, straight};
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
-pub use poly::{Bounds, poly};
+pub use poly::Bounds;
 
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;

@@ -71,66 +71,114 @@ fn nearest(x: f64) -> i64 {
     (if x < 0.0 { x - 0.5 } else { x + 0.5 }) as i64
 }
 
-/// The curve from one knot to another that counts as `length` (mm) of path; `fastest` as in [`Bounds`]. `None` where
-/// the formats cannot hold it.
-pub fn poly<const AXES: usize>(
-    from: &Knot<AXES>,
-    to: &Knot<AXES>,
-    length: f32,
-    fastest: f32,
-) -> Option<Element<AXES>> {
-    let h = f64::from(length);
-    let bits = nearest(h * (1u64 << 44) as f64);
-    if bits <= 0 || bits >= LONGEST {
-        return None;
+/// The integer nearest to x·2^n, below 2^31, without the products of a core that has no f64.
+fn scaled(x: f64, n: i32) -> i32 {
+    const FRACTION: u64 = (1 << 52) - 1;
+    let bits = x.to_bits();
+    let point = 1075 - ((bits >> 52) & 0x7ff) as i32 - n;
+    if !(1..54).contains(&point) {
+        return 0;
     }
-    let mut shape = Shape::resting(Distance::from_bits(bits));
-    let end_w = shape.end_w();
-    let reciprocal = shape.reciprocal();
-    // τ at the end is 1 / grow.
-    let grow = power_of_two(62) / end_w as f64;
-    let mut power = [[0; 4]; AXES];
-    let mut downs = [0; AXES];
-    let mut bounds =
-        Bounds { slope: [0.0; AXES], bend: [0.0; AXES], twist: [0.0; AXES], fastest, timed: None };
-    for k in 0..AXES {
-        let (Some(x0), Some(x1)) = (from.position.get(k), to.position.get(k)) else { return None };
-        let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) else { return None };
-        let (Some(k0), Some(k1)) = (from.end.curvature.get(k), to.end.curvature.get(k)) else { return None };
-        let travel = x1.to_bits().saturating_sub(x0.to_bits());
-        if travel.saturating_abs() >= LONGEST >> FINER {
+    let twice = (bits & FRACTION | 1 << 52) >> (point - 1);
+    let size = ((twice + 1) >> 1) as i32;
+    if x < 0.0 { -size } else { size }
+}
+
+/// A polynomial that is made a few axes at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draft<const AXES: usize> {
+    /// Both ends.
+    ends: [[Position; AXES]; 2],
+    /// mm.
+    length: f32,
+    /// Axes made.
+    made: usize,
+}
+
+/// Axes per call.
+const AXES_PER_CALL: usize = 2;
+
+impl<const AXES: usize> Draft<AXES> {
+    /// The curve from one knot to another that counts as `length` (mm) of path, with all axes to be made; `fastest` as in
+    /// [`Bounds`]. `None` where the formats cannot hold it.
+    pub fn new(
+        from: &Knot<AXES>,
+        to: &Knot<AXES>,
+        length: f32,
+        fastest: f32,
+    ) -> Option<(Element<AXES>, Self)> {
+        let bits = nearest(f64::from(length) * (1u64 << 44) as f64);
+        if bits <= 0 || bits >= LONGEST {
             return None;
         }
-        let a = quintic(
-            travel as f64 * LSB_32,
-            [*t0 as f64 * LSB_40 * h, *t1 as f64 * LSB_40 * h],
-            [f64::from(*k0) * h * h, f64::from(*k1) * h * h],
-        );
-        // Coefficients over τ.
-        let square = grow * grow;
-        let b = [a[1] * square, a[2] * square * grow, a[3] * square * square, a[4] * square * square * grow];
-        let sum = b.iter().fold(0.0, |sum, b| sum + if *b < 0.0 { -*b } else { *b });
-        let mut down = 0;
-        if sum > 0.0 {
-            let scale = (SUM - exponent(sum)).min(POINT + 60);
-            if scale < POINT {
+        let mut shape = Shape::resting(Distance::from_bits(bits));
+        shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
+        let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
+        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None });
+        let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
+        Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
+    }
+
+    /// Whether all axes are made.
+    pub fn is_done(&self) -> bool {
+        self.made >= AXES
+    }
+
+    /// Makes the next axes. `None` where the formats cannot hold them.
+    pub fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
+        let Element { shape, entry, exit, bounds, .. } = element;
+        let h = f64::from(self.length);
+        let end_w = shape.end_w();
+        let reciprocal = shape.reciprocal();
+        let Curve::Poly { power, down: downs } = &mut shape.curve else { return None };
+        let bounds = bounds.as_mut()?;
+        // τ at the end is 1 / grow.
+        let grow = power_of_two(62) / end_w as f64;
+        let (square, tangent) = (grow * grow, LSB_40 * h);
+        let [start, end] = &self.ends;
+        let made = self.made;
+        self.made = AXES.min(made + AXES_PER_CALL);
+        for k in made..self.made {
+            let (Some(x0), Some(x1)) = (start.get(k), end.get(k)) else { return None };
+            let (Some(t0), Some(t1)) = (entry.tangent.get(k), exit.tangent.get(k)) else { return None };
+            let (Some(k0), Some(k1)) = (entry.curvature.get(k), exit.curvature.get(k)) else { return None };
+            let travel = x1.to_bits().saturating_sub(x0.to_bits());
+            if travel.saturating_abs() >= LONGEST >> FINER {
                 return None;
             }
-            down = (scale - POINT) as u8;
-            let scale = power_of_two(scale);
-            *power.get_mut(k)? = b.map(|b| nearest(b * scale) as i32);
+            if travel == 0 && [*t0, *t1] == [0; 2] && [*k0, *k1] == [0.0; 2] {
+                // At rest: all of it is zero.
+                continue;
+            }
+            let a = quintic(
+                travel as f64 * LSB_32,
+                [*t0 as f64 * tangent, *t1 as f64 * tangent],
+                [f64::from(*k0) * h * h, f64::from(*k1) * h * h],
+            );
+            // Coefficients over τ.
+            let b =
+                [a[1] * square, a[2] * square * grow, a[3] * square * square, a[4] * square * square * grow];
+            let sum = b.iter().fold(0.0, |sum, b| sum + if *b < 0.0 { -*b } else { *b });
+            let mut down = 0;
+            if sum > 0.0 {
+                let scale = (SUM - exponent(sum)).min(POINT + 60);
+                if scale < POINT {
+                    return None;
+                }
+                down = (scale - POINT) as u8;
+                *power.get_mut(k)? = b.map(|b| scaled(b, scale));
+            }
+            *downs.get_mut(k)? = down;
+            // Off by at most a few LSB: hidden by the guard bits.
+            let rest = (travel << GUARD).wrapping_sub(bent(end_w, power.get(k)?, down));
+            *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
+            let ([slope, bend, twist], per) = (largest(&a), 1.0 / self.length);
+            *bounds.slope.get_mut(k)? = slope * per;
+            *bounds.bend.get_mut(k)? = bend * per * per;
+            *bounds.twist.get_mut(k)? = twist * per * per * per;
         }
-        *downs.get_mut(k)? = down;
-        // Off by at most a few LSB: hidden by the guard bits.
-        let rest = (travel << GUARD).wrapping_sub(bent(end_w, power.get(k)?, down));
-        *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
-        let ([slope, bend, twist], per) = (largest(&a), 1.0 / length);
-        *bounds.slope.get_mut(k)? = slope * per;
-        *bounds.bend.get_mut(k)? = bend * per * per;
-        *bounds.twist.get_mut(k)? = twist * per * per * per;
+        Some(())
     }
-    shape.curve = Curve::Poly { power, down: downs };
-    Some(Element { shape, entry: from.end, exit: to.end, circle: None, bounds: Some(bounds) })
 }
 
 /// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both ends.

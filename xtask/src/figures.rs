@@ -18,7 +18,7 @@ const LIMITS: [(&str, u64); 9] = [
     ("size.bytes_per_block_3_axes", 160),
 ];
 
-/// Programs with curves in corners: all of their figures are their own.
+/// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 2] = ["contour", "corners"];
 
 /// Programs with several arcs in a tick: their ticks and plans have figures of their own.
@@ -55,11 +55,9 @@ impl Figures {
             set("wait_max", run.wait.max);
         }
         for axes in [3, 4] {
-            let runs = || {
-                let of_axes = runs.iter().filter(move |run| run.axes == axes);
-                of_axes.filter(|run| !CURVES.contains(&run.name.as_str()))
-            };
-            let ticks = || runs().filter(|run| !SHORT_ARCS.contains(&run.name.as_str()));
+            let runs = || runs.iter().filter(move |run| run.axes == axes);
+            let own = |name: &str| CURVES.contains(&name) || SHORT_ARCS.contains(&name);
+            let ticks = || runs().filter(|run| !own(&run.name));
             let plans = || ticks().filter(|run| !SLOPES.contains(&run.name.as_str()));
             let sum = |of: fn(&TargetRun) -> u64| ticks().map(of).sum::<u64>();
             let per_block = |of: fn(&TargetRun) -> u64| {

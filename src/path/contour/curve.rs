@@ -41,6 +41,13 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
     sum
 }
 
+/// Distance of a point from the straight line to `end`; both from its start.
+pub fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
+    let square = dot(main, end, end);
+    let part = if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 };
+    size(main, &plus(point, -part, end))
+}
+
 /// A point with direction and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site<const AXES: usize> {
@@ -115,15 +122,19 @@ impl<const AXES: usize> Side<AXES> {
     }
 
     /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
-    /// Distance of a point from the curve.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
-        let mut s = guess;
+        let inside = |s: f32| side * max(side * s, 0.0);
+        let mut s = inside(guess);
         let mut away = [0.0; AXES];
         for _ in 0..FOOT_STEPS {
-            s = side * max(side * s, 0.0);
             let site = self.at(s);
             away = plus(point, -1.0, &site.offset);
-            s += dot(main, &away, &site.tangent) / max(1.0 - dot(main, &away, &site.curvature), 0.25);
+            let step = dot(main, &away, &site.tangent) / max(1.0 - dot(main, &away, &site.curvature), 0.25);
+            let next = inside(s + step);
+            if next == s {
+                break;
+            }
+            s = next;
         }
         size(main, &away)
     }
@@ -252,9 +263,11 @@ impl<const AXES: usize> Quintic<AXES> {
             let [q, q1, q2] = self.at(u);
             let away = plus(&q, -1.0, point);
             let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
-            if slope > 0.0 {
-                u = min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0);
+            let next = if slope > 0.0 { min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0) } else { u };
+            if next == u {
+                break;
             }
+            u = next;
         }
         u
     }
@@ -263,58 +276,131 @@ impl<const AXES: usize> Quintic<AXES> {
     pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
         size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
     }
+}
 
-    /// The largest distance between curve and contour from places along both, either way. `reach`: corner distances
-    /// before and behind.
-    pub fn deviation(&self, main: &Main, sides: [&Side<AXES>; 2], reach: [f32; 2]) -> f32 {
+/// The search for the largest distance between a curve and the contour it replaces, from places along both, either way: a few
+/// places per call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    outward: Peak,
+    inward: Peak,
+    /// Beside blocks left out.
+    across: Peak,
+}
+
+impl Deviation {
+    /// Nothing looked at yet.
+    pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW, across: Peak::NEW };
+
+    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind; `gap`: the way over blocks left out.
+    pub fn go_on<const AXES: usize>(
+        &mut self,
+        main: &Main,
+        curve: &Quintic<AXES>,
+        sides: [&Side<AXES>; 2],
+        reach: [f32; 2],
+        gap: Option<&[f32; AXES]>,
+    ) -> Option<f32> {
         let [before, behind] = sides;
+        let past = |point: &[f32; AXES]| gap.map_or(*point, |gap| plus(point, -1.0, gap));
         let block = |place: f32| {
             if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
         };
-        let outward = peak(|place| {
-            let (q, s) = (self.at(0.5 + 0.5 * place)[0], block(place).1);
-            let off = before.distance(main, &q, min(s, 0.0), -1.0);
-            min(off, behind.distance(main, &q, max(s, 0.0), 1.0))
-        });
-        let inward = peak(|place| {
-            let (side, s) = block(place);
-            self.distance(main, &side.at(s).offset, 0.5 + 0.5 * place)
-        });
-        max(inward, outward)
+        if !self.outward.is_found() {
+            self.outward.climb(OUTWARD, |place| {
+                let (q, s) = (curve.at(0.5 + 0.5 * place)[0], block(place).1);
+                let off = before.distance(main, &q, min(s, 0.0), -1.0);
+                let off = min(off, behind.distance(main, &past(&q), max(s, 0.0), 1.0));
+                gap.map_or(off, |gap| min(off, segment_distance(main, gap, &q)))
+            });
+            return None;
+        }
+        if !self.inward.is_found() {
+            self.inward.climb(INWARD, |place| {
+                let (side, s) = block(place);
+                let point = side.at(s).offset;
+                let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
+                curve.distance(main, &point, 0.5 + 0.5 * place)
+            });
+            return None;
+        }
+        let most = max(self.inward.top, self.outward.top);
+        let Some(gap) = gap else { return Some(most) };
+        // Its ends too: the curve may be furthest from them.
+        let over = |part: f32| gap.map(|x| part * x);
+        self.across.climb(INWARD, |place| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
+        if !self.across.is_found() {
+            return None;
+        }
+        let ends = max(curve.distance(main, &over(0.0), 0.5), curve.distance(main, &over(1.0), 0.5));
+        Some(max(max(most, self.across.top), ends))
     }
 }
 
-/// The largest value over -1…1: the best of evenly spaced places beside 0, and uphill from there in ever shorter steps.
-fn peak(value: impl Fn(f32) -> f32) -> f32 {
-    let mut step = 1.0 / SAMPLES as f32;
-    let (mut top, mut best) = (0.0, 0.0);
-    for i in (1..2 * SAMPLES).filter(|i| *i != SAMPLES) {
-        let place = i as f32 * step - 1.0;
-        let here = value(place);
-        if here > top {
-            (top, best) = (here, place);
-        }
+/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, and uphill from there in ever
+/// shorter steps, to both sides each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Peak {
+    /// Places looked at.
+    seen: u8,
+    /// Where it goes uphill from: twice.
+    around: f32,
+    step: f32,
+    top: f32,
+    best: f32,
+}
+
+impl Peak {
+    const NEW: Self = Self { seen: 0, around: 0.0, step: 1.0 / SAMPLES as f32, top: 0.0, best: 0.0 };
+
+    const fn is_found(&self) -> bool {
+        self.seen >= EVEN_PLACES + 2 * REFINEMENTS
     }
-    for _ in 0..REFINEMENTS {
-        step *= 0.5;
-        for place in [best - step, best + step] {
+
+    /// Looks at the next places, at most so many.
+    fn climb(&mut self, places: u8, value: impl Fn(f32) -> f32) {
+        for _ in 0..places {
+            if self.is_found() {
+                return;
+            }
+            let place = self.next();
             let here = value(place);
-            if here > top {
-                (top, best) = (here, place);
+            if here > self.top {
+                (self.top, self.best) = (here, place);
             }
         }
     }
-    top
+
+    fn next(&mut self) -> f32 {
+        let seen = self.seen;
+        self.seen += 1;
+        if seen < EVEN_PLACES {
+            // Not at the corner.
+            let i = seen + 1 + u8::from(seen + 1 >= SAMPLES);
+            return f32::from(i) * self.step - 1.0;
+        }
+        if (seen - EVEN_PLACES).is_multiple_of(2) {
+            self.step *= 0.5;
+            self.around = self.best;
+            return self.around - self.step;
+        }
+        self.around + self.step
+    }
 }
 
+/// Places per call: out from the curve there are two blocks to look for.
+const OUTWARD: u8 = 2;
+const INWARD: u8 = 6;
+
 /// How often the step is halved.
-const REFINEMENTS: usize = 4;
+const REFINEMENTS: u8 = 4;
 
 /// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
 
-/// Places on each side of the corner where the distance from an arc is measured.
-const SAMPLES: usize = 8;
+/// Steps on each side of the corner, and places between them, where the distance from an arc is measured.
+const SAMPLES: u8 = 8;
+const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 
 /// Gauss's rule of eight points: places and weights of one half.
 const GAUSS: [(f32, f32); 4] = [

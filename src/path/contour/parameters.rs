@@ -1,7 +1,7 @@
 //! What #CONTOUR MODE sets, each until it is set again.
 use super::corner::{Tolerance, Turn};
 use super::{REVERSAL, TANGENTIAL};
-use crate::lookahead::min;
+use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
 use crate::nc::{Contour, ContourAction, ContourMethod, Value};
@@ -60,6 +60,13 @@ fn half_sine(angle: Position) -> f32 {
 /// RELEVANT_PATH at least, mm.
 const LEAST_RELEVANT: f32 = 0.032;
 
+/// Of a corner distance, what is left out without being asked for: it adds to the deviation, which without is 3/8 of the distance at
+/// 90°.
+const LEFT_OUT: f32 = 0.25;
+
+/// Of a tolerance: so much that all blocks inside a sphere of nearly its size can be left out.
+const STRAY: f32 = 0.75;
+
 impl Parameters {
     /// At program start; `check_jerk` is P-CHAN-00110.
     pub fn new(check_jerk: u8) -> Self {
@@ -67,7 +74,7 @@ impl Parameters {
             method: ContourMethod::Dev,
             path_dev: 1.0,
             track_dev: 0.0,
-            relevant_path: LEAST_RELEVANT,
+            relevant_path: 0.0,
             relevant_track: 0.0,
             share: 0.5,
             check_jerk,
@@ -104,7 +111,6 @@ impl Parameters {
         set(&mut self.path_dev, contour.path_dev);
         set(&mut self.track_dev, contour.track_dev);
         set(&mut self.relevant_path, contour.relevant_path);
-        self.relevant_path = crate::lookahead::max(self.relevant_path, LEAST_RELEVANT);
         set(&mut self.relevant_track, contour.relevant_track);
         if let Some(percent) = contour.remain_part {
             self.share = 0.5 - to_f32(percent.to_bits()) * LSB_32 * (1.0 / 200.0);
@@ -193,6 +199,25 @@ impl Parameters {
             ContourMethod::DistSoft => monitored(self.track_dist.unwrap_or(self.path_dist)),
             _ => f32::MAX,
         }
+    }
+
+    /// Paths of main axes and of each other one up to which blocks are left out. At least 32 µm of path, but no more
+    /// than a tolerance allows for, nor than a part of corner distances that are asked for.
+    pub(super) fn relevant(&self) -> [f32; 2] {
+        let Tolerance { path, track } = self.tolerance();
+        let most = match path {
+            Some(path) => min(max(self.relevant_path, LEAST_RELEVANT), path),
+            None => {
+                let [pre, post] = self.distances([f32::MAX; 2]);
+                max(self.relevant_path, min(LEAST_RELEVANT, LEFT_OUT * min(pre, post)))
+            }
+        };
+        [most, if track > 0.0 { min(self.relevant_track, track) } else { self.relevant_track }]
+    }
+
+    /// How far blocks may be from a straight line that stands for them: a part of a tolerance.
+    pub(super) fn stray(&self) -> f32 {
+        self.deviation().map_or(f32::MAX, |dev| STRAY * dev)
     }
 
     /// What the curve has to keep.

@@ -22,7 +22,7 @@
 //! it. The distance of a point from the line it is about to reach, or has left, is at most e·sin θ, which is less.
 use crate::lookahead::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::path::poly::{Knot, poly};
+use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};
 use crate::quantity::Position;
 
@@ -125,6 +125,24 @@ impl Rise {
         if t < 0.5 * self.time() { t } else { 0.5 * self.time() }
     }
 
+    /// The time at which it has gone as far as `path`, or a little less.
+    fn arrives(&self, path: f64) -> f64 {
+        let whole = self.time();
+        if path >= self.distance() {
+            return whole;
+        }
+        let mut time = self.reaches(path);
+        if path > self.half_way() {
+            // Newton's steps from the end: speed grows, so none goes too far.
+            time = whole;
+            for _ in 0..ARRIVAL_STEPS {
+                let [p, v, _] = self.at(time);
+                time -= (p - path) / v;
+            }
+        }
+        time * (1.0 - 1.0 / 1_048_576.0)
+    }
+
     /// How far it is at half its time.
     pub fn half_way(&self) -> f64 {
         self.at(0.5 * self.time())[0]
@@ -153,15 +171,7 @@ impl Overlap {
 
     /// As long as the first is `distance` from the corner when the second begins.
     pub fn from_distance(rise: Rise, distance: f64) -> Self {
-        let [mut low, mut high] = [0.0, rise.time()];
-        if rise.at(high)[0] > distance {
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if rise.at(middle)[0] <= distance { low = middle } else { high = middle }
-            }
-            high = low;
-        }
-        Self { rise, time: high }
+        Self { rise, time: rise.arrives(distance) }
     }
 
     /// Only ramps overlap.
@@ -184,8 +194,8 @@ impl Overlap {
 const SHORTEST: f64 = 4.0;
 const LONGEST: f64 = 2048.0;
 
-/// Steps of a search in an interval.
-const HALVINGS: usize = 30;
+/// Newton's steps: from half the time off to 10^-7 of it.
+const ARRIVAL_STEPS: usize = 4;
 
 /// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over ticks are means
 /// of it.
@@ -210,6 +220,8 @@ pub struct Timed<const AXES: usize> {
     at: f64,
     from: Knot<AXES>,
     to: Knot<AXES>,
+    /// Magnitudes of the third derivative in the element before that.
+    twist: [f32; AXES],
 }
 
 const ONE_32: f64 = (1u64 << 32) as f64;
@@ -237,6 +249,7 @@ impl<const AXES: usize> Timed<AXES> {
             at: 0.0,
             from: *from,
             to: *to,
+            twist: [0.0; AXES],
         };
         // Changes closer than that become one; lengths are rounded first, and times follow.
         let mut at = 0.0;
@@ -279,7 +292,7 @@ impl<const AXES: usize> Timed<AXES> {
     }
 
     /// Magnitudes of the third derivative at a time between changes of jerk.
-    fn twist(&self, t: f64) -> [f32; AXES] {
+    fn twist_at(&self, t: f64) -> [f32; AXES] {
         let Overlap { rise, time } = self.overlap;
         let per = 1.0 / (rise.v * rise.v * rise.v);
         let [j1, j2] = [rise.jerk(rise.time() - t), rise.jerk(t - (rise.time() - time))];
@@ -299,27 +312,28 @@ impl<const AXES: usize> Timed<AXES> {
     }
 }
 
-impl<const AXES: usize> Iterator for Timed<AXES> {
-    type Item = Element<AXES>;
-
-    fn next(&mut self) -> Option<Element<AXES>> {
+impl<const AXES: usize> Timed<AXES> {
+    /// The next element, with its axes to be made; then: [`Self::settle`].
+    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         if self.done >= self.count {
             return None;
         }
         let length = *self.lengths.get(usize::from(self.done))?;
         self.done += 1;
-        let twist = self.twist(self.at + 0.5 * f64::from(length) / self.overlap.rise.v);
+        self.twist = self.twist_at(self.at + 0.5 * f64::from(length) / self.overlap.rise.v);
         self.at += f64::from(length) / self.overlap.rise.v;
         let to = if self.done == self.count { self.to } else { self.knot(self.at) };
         let from = core::mem::replace(&mut self.from, to);
-        let mut element = poly(&from, &to, length, 1.0 + 1e-6)?;
+        Draft::new(&from, &to, length, 1.0 + 1e-6)
+    }
+
+    /// Acceleration changes evenly: of a short piece that is known better than from its points.
+    pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
-            // Acceleration changes evenly: of a short piece that is known better than from its points.
             bounds.timed = Some(self.overlap.rise.v as f32);
-            bounds.bend = larger(&from.end.curvature, &to.end.curvature);
-            bounds.twist = twist;
+            bounds.bend = larger(&element.entry.curvature, &element.exit.curvature);
+            bounds.twist = self.twist;
         }
-        Some(element)
     }
 }
 

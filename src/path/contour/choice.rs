@@ -1,0 +1,181 @@
+//! Which of the two kinds of curve a corner between lines gets: over time, as the dynamic methods ask for it or where it is
+//! faster, or over arc length.
+use super::Parameters;
+use super::corner::{Corner, Tolerance};
+use super::curve::{Main, Quintic, plus, size};
+use super::held::Held;
+use super::joining::Setting;
+use super::timed::{Overlap, Rise};
+use crate::lookahead::{max, min};
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::{ContourMethod, SlopeType};
+
+/// A curve over time for a corner between two lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// How both motions overlap.
+    pub way: Overlap,
+    /// Speed, acceleration and jerk of the lines, where a curve over arc length may be the faster one.
+    pub limits: Option<[f32; 3]>,
+}
+
+impl Candidate {
+    /// The curve over time between two lines, if the method asks for it or allows for it: the largest distance from the corner is
+    /// `most`.
+    pub fn new<const AXES: usize>(
+        [held, next]: [&Held<AXES>; 2],
+        corner: &Corner<'_, AXES>,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        (most, tolerance): (f32, &Tolerance),
+    ) -> Option<Self> {
+        let dynamics = setting.dynamics;
+        let [first, second] = [&held.block, &next.block];
+        let soft = matches!(rule.method, ContourMethod::DistSoft | ContourMethod::DistMaster);
+        let quick = match rule.method {
+            ContourMethod::Dev => dynamics.slope() == SlopeType::Hsc && !setting.parameters.const_vel,
+            ContourMethod::Ptp => true,
+            _ => soft,
+        };
+        let straight = held.is_line() && next.is_line() && first.to == second.from;
+        let rapid = first.data.feed.is_none();
+        if !quick || !straight || held.skipped.is_some() || rapid != second.data.feed.is_none() {
+            return None;
+        }
+        let [v1, a1, j1] = dynamics.along(&first.element, first.data.feed)?;
+        let [v2, a2, j2] = dynamics.along(&second.element, second.data.feed)?;
+        let v = min(v1, v2);
+        let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
+        let change = plus(t2, -1.0, t1);
+        // Both at once: every axis changes its speed evenly.
+        let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
+        let [a, j] = dynamics.together(&change, rapid, of);
+        if soft {
+            let mut distance = rule.distances([most; 2])[0];
+            if tracks(setting.main, &change) {
+                distance = min(distance, rule.track_distance());
+            }
+            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j])?);
+            return way.is_long().then_some(Self { way, limits: None });
+        }
+        // How far both may be from the corner when they are equally far from it.
+        let turn = f64::from(size(setting.main, &change));
+        let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
+        let track = tolerance.track;
+        for (_, x) in change.iter().enumerate().filter(|(k, _)| !setting.main.contains(&Some(*k))) {
+            if track > 0.0 && *x != 0.0 {
+                off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
+            }
+        }
+        let reach = f64::from(rule.ptp_distance());
+        let whole = Rise::within(most, v, a, j);
+        let way = if whole.half_way() <= off && whole.distance() <= reach {
+            // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
+            let most = f64::min(off / whole.half_way(), f64::from(most) / whole.distance());
+            let by = if rule.method == ContourMethod::Ptp || most < 1.0 { 1.0 } else { most };
+            Overlap::whole(whole.stretched(by))
+        } else {
+            let alone = [t1, t2].map(|t| dynamics.together(t, rapid, of));
+            let [_, j_sum] = dynamics.together(&plus(t1, 1.0, t2), rapid, of);
+            let brief = alone.iter().fold([min(a1, a2), min(min(j1, j2), j_sum)], |[a, j], alone| {
+                [min(a, alone[0]), min(j, alone[1])]
+            });
+            let overlap = |[a, j]: [f32; 2]| {
+                let rise = Rise::within(most, v, a, j);
+                let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
+                if by_off.time < by_reach.time { by_off } else { by_reach }
+            };
+            let way = overlap(brief);
+            if way.is_brief() { way } else { overlap([min(brief[0], a), min(brief[1], j)]) }
+        };
+        Some(Self { way, limits: Some([v, min(a1, a2), min(j1, j2)]) })
+    }
+
+    /// Whether it is quicker than the curve over arc length with the part of these distances that keeps the tolerance. Where
+    /// the corner is not slower than the feed, that is shorter.
+    pub fn is_better<const AXES: usize>(
+        &self,
+        corner: &Corner<'_, AXES>,
+        [distance, part]: [f32; 2],
+        rapid: bool,
+        setting: &Setting<'_, AXES>,
+    ) -> bool {
+        let quicker = |limits: [f32; 3]| {
+            let c = distance * part;
+            let curve = corner.between([c; 2]);
+            let length = curve.length(corner.main, 0.0, 1.0);
+            let through = speed(&curve, length, limits[0], rapid, setting);
+            (self.way.duration() as f32) < even_time([through, c, length], &self.way, limits)
+        };
+        (part == 0.0 || self.limits.is_none_or(quicker)) && self.way.is_long()
+    }
+}
+
+/// About the speed at which a curve over arc length is passed.
+fn speed<const AXES: usize>(
+    curve: &Quintic<AXES>,
+    length: f32,
+    v: f32,
+    rapid: bool,
+    setting: &Setting<'_, AXES>,
+) -> f32 {
+    let mut through = v;
+    for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let [a, _] = setting.dynamics.together(&curve.at(u)[2], rapid, [1.0; 2]);
+        let j = setting.dynamics.across(&curve.third(u), rapid, setting.parameters.check_jerk);
+        let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
+        through = min(through, slowest * length);
+    }
+    through
+}
+
+/// Whether other than main axes change their direction.
+fn tracks<const AXES: usize>(main: &Main, change: &[f32; AXES]) -> bool {
+    change.iter().enumerate().any(|(k, x)| *x != 0.0 && !main.contains(&Some(k)))
+}
+
+/// A jerk that is none, mm/tick³.
+const UNLIMITED: f32 = 1e6;
+
+/// Of a tolerance.
+const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
+
+/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
+/// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
+const PART: [f32; 2] = [0.93, 0.85];
+/// See [`PART`].
+const PART_PTP: [f32; 2] = [0.975, 0.96];
+
+/// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
+const NORMAL: f32 = 0.8;
+const TWISTED: f32 = 0.25;
+
+/// How long it takes to go through a corner at the speed `through` on a curve over arc length that begins and ends at the
+/// distance `c` and is so long, from where the curve over time begins to where it ends: with the speed, acceleration and jerk
+/// of the lines.
+fn even_time([through, c, length]: [f32; 3], way: &Overlap, [v, a, j]: [f32; 3]) -> f32 {
+    let reach = way.rise.distance() as f32;
+    let change = v - through;
+    let time = if change >= a * a / j { change / a + a / j } else { 2.0 * sqrt_f32(max(change, 0.0) / j) };
+    let ramps = 0.5 * (v + through) * time;
+    2.0 * (time + (reach - c - ramps) / v) + length / through
+}
+
+/// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
+/// speed if ACC_MAX is not enough.
+fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3]) -> Option<Rise> {
+    let [least, most] = rule.acc;
+    let ramp = max(rule.ramp_time, 1e-4) * a / j;
+    // D = v·T/2 with T = v/a' + ramp, or 2·√(v·ramp/a') if a' is not reached.
+    let mut part = v * v * v * ramp / (a * distance * distance);
+    let hold = distance - 0.5 * v * ramp;
+    if v > part * a * ramp && hold > 0.0 {
+        part = v * v / (2.0 * a * hold);
+    }
+    let part = min(max(part, least), most);
+    if part <= 0.0 || distance <= 0.0 {
+        return None;
+    }
+    let a = part * a;
+    Some(Rise::within(distance, v, a, min(a / ramp, j)))
+}

@@ -1,0 +1,237 @@
+//! The curve of a corner over its arc length, cut into elements.
+//!
+//! One polynomial of the fifth degree, or two that meet where the interim point is given. Elements are cut from it at places of which
+//! position, direction and curvature are computed once for both neighbours, and each is again a polynomial, now over
+//! its own arc length; as many of them as it takes for the right path speed.
+use super::curve::{Main, Quintic, Site, even_speed, plus, size};
+use super::{LSB_32, ONE_32};
+use crate::lookahead::{max, min};
+use crate::math::float::to_f32;
+use crate::path::poly::{Draft, Knot};
+use crate::path::{Element, End};
+use crate::quantity::Position;
+
+/// Largest relative difference between path speed and speed along the curve; half of it where the speed is to be
+/// constant.
+pub const EVEN: f32 = 9e-4;
+/// See [`EVEN`].
+pub const CONSTANT: f32 = 4e-4;
+
+/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
+const HEAVIEST: f32 = 4096.0;
+
+/// Elements of half a curve at most.
+const MOST_PARTS: u32 = 16;
+
+const ONE_40: f32 = (1u64 << 40) as f32;
+
+/// A curve that is handed out element by element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course<const AXES: usize> {
+    main: Main,
+    origin: [Position; AXES],
+    /// Both halves, and the part of each that belongs to the course.
+    halves: [(Quintic<AXES>, [f32; 2]); 2],
+    /// Where the last element ended, and its site.
+    at: Knot<AXES>,
+    last: Knot<AXES>,
+    /// Elements of each half, and those of both that are found fine, later those handed out.
+    parts: u32,
+    done: u32,
+    /// Through a given point: the curve is what it is, as evenly as it can be.
+    given: bool,
+    /// More elements would not help: they only have to fit the format.
+    any: bool,
+}
+
+/// How fitting goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// There is more to do.
+    Working,
+    /// The course is ready to be handed out.
+    Ready,
+    /// It cannot be made.
+    Failed,
+}
+
+/// Length of the halves of a course through a given point that is tried first, and how often it is improved.
+const LENGTHS: usize = 3;
+
+impl<const AXES: usize> Course<AXES> {
+    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `None` where it cannot be
+    /// made. Before it is handed out: [`Self::fit`].
+    pub fn new(
+        main: &Main,
+        origin: &[Position; AXES],
+        from: &Knot<AXES>,
+        to: &Knot<AXES>,
+        interim: Option<&[f32; AXES]>,
+    ) -> Option<Self> {
+        let [a, b] = [from, to].map(|knot| site_of(knot, origin));
+        let halves = if let Some(point) = interim {
+            let [first, second] = through(main, &a, point, &b)?;
+            [(first, [0.0, 1.0]), (second, [0.0, 1.0])]
+        } else {
+            let speed = even_speed(main, &a, &b);
+            if speed <= 0.0 {
+                return None;
+            }
+            let curve = Quintic::new(&a, &b, speed);
+            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as planned.
+            let u = min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+            [(curve, [0.0, u]), (curve, [u, 1.0])]
+        };
+        let (at, last, given) = (*from, *to, interim.is_some());
+        Some(Self { main: *main, origin: *origin, halves, at, last, parts: 1, done: 0, given, any: false })
+    }
+
+    /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
+    /// `slack` (mm) beside it.
+    pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
+        if self.is_fine(self.done, even, slack) {
+            self.done += 1;
+            if !self.is_done() {
+                return Fit::Working;
+            }
+            self.done = 0;
+            return Fit::Ready;
+        }
+        if self.any || (self.parts >= MOST_PARTS && !self.given) {
+            return Fit::Failed;
+        }
+        self.done = 0;
+        if self.parts < MOST_PARTS {
+            self.parts *= 2;
+        } else {
+            self.any = true;
+        }
+        Fit::Working
+    }
+
+    /// The curve of element `i`, and its parameter at the share `t` of the element.
+    fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
+        let [first, second] = &self.halves;
+        let ((curve, [u0, u1]), within) = if i < self.parts { (first, i) } else { (second, i - self.parts) };
+        (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
+    }
+
+    /// Ends and arc length of element `i`.
+    fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
+        let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
+        ([u0, u1].map(|u| curve.site(&self.main, u)), curve.length(&self.main, u0, u1))
+    }
+
+    /// Whether element `i` has the right path speed, and is not too far beside the curve.
+    fn is_fine(&self, i: u32, even: f32, slack: f32) -> bool {
+        let ([a, b], length) = self.part(i);
+        let element = Quintic::new(&a, &b, length);
+        if element.weight() >= HEAVIEST {
+            return false;
+        }
+        let is_even = || {
+            let [above, below] = element.unevenness(&self.main, length);
+            max(above, below) <= even
+        };
+        let beside = |t: f32| {
+            let (curve, u) = self.place(i, t);
+            curve.distance(&self.main, &element.at(t)[0], u)
+        };
+        self.any
+            || (is_even()
+                && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack))
+    }
+
+    /// Whether the next element belongs to the first half.
+    pub fn is_before(&self) -> bool {
+        self.done < self.parts
+    }
+
+    /// Whether all elements are handed out.
+    pub fn is_done(&self) -> bool {
+        self.done >= 2 * self.parts
+    }
+}
+
+impl<const AXES: usize> Course<AXES> {
+    /// The next element, with its axes to be made.
+    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
+        if self.is_done() {
+            return None;
+        }
+        let ([a, b], length) = self.part(self.done);
+        let [above, _] = Quintic::new(&a, &b, length).unevenness(&self.main, length);
+        self.done += 1;
+        let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
+        let from = core::mem::replace(&mut self.at, to);
+        Draft::new(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
+    }
+}
+
+/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their arc
+/// lengths follow in a few rounds, beginning with the straight lines.
+fn through<const AXES: usize>(
+    main: &Main,
+    a: &Site<AXES>,
+    point: &[f32; AXES],
+    b: &Site<AXES>,
+) -> Option<[Quintic<AXES>; 2]> {
+    let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
+    let chords = [size(main, &travel[0]), size(main, &travel[1])];
+    let mut lengths = chords;
+    let mut curves = None;
+    for _ in 0..=LENGTHS {
+        let [h1, h2] = lengths;
+        if h1 <= 0.0 || h2 <= 0.0 {
+            return None;
+        }
+        let (r1, r2) = (1.0 / h1, 1.0 / h2);
+        // Third and fourth derivative of both at the point agree: two equations for slope and second derivative.
+        let m11 = 36.0 * (r2 * r2 - r1 * r1);
+        let m12 = 9.0 * (r1 + r2);
+        let m21 = -192.0 * (r1 * r1 * r1 + r2 * r2 * r2);
+        let m22 = -m11;
+        let det = m11 * m22 - m12 * m21;
+        let mut middle = Site { offset: *point, tangent: [0.0; AXES], curvature: [0.0; AXES] };
+        for k in 0..AXES {
+            let get = |x: &[f32; AXES]| x.get(k).copied().unwrap_or(0.0);
+            let (d1, d2) = (get(&travel[0]) * r1, get(&travel[1]) * r2);
+            let (t0, t3, k0, k3) = (get(&a.tangent), get(&b.tangent), get(&a.curvature), get(&b.curvature));
+            let e1 = 60.0 * (d2 * r2 * r2 - d1 * r1 * r1) - 24.0 * (t3 * r2 * r2 - t0 * r1 * r1)
+                + 3.0 * (k3 * r2 + k0 * r1);
+            let e2 = -360.0 * (d2 * r2 * r2 * r2 + d1 * r1 * r1 * r1)
+                + 168.0 * (t3 * r2 * r2 * r2 + t0 * r1 * r1 * r1)
+                - 24.0 * (k3 * r2 * r2 - k0 * r1 * r1);
+            if let (Some(t), Some(c)) = (middle.tangent.get_mut(k), middle.curvature.get_mut(k)) {
+                *t = (e1 * m22 - m12 * e2) / det;
+                *c = (m11 * e2 - m21 * e1) / det;
+            }
+        }
+        let first = Quintic::new(a, &middle, h1);
+        let second = Quintic::new(&middle, b, h2);
+        // No longer than twice the way: what is longer would swing out the further.
+        lengths = [
+            min(first.length(main, 0.0, 1.0), 2.0 * chords[0]),
+            min(second.length(main, 0.0, 1.0), 2.0 * chords[1]),
+        ];
+        curves = Some([first, second]);
+    }
+    curves
+}
+
+fn site_of<const AXES: usize>(knot: &Knot<AXES>, origin: &[Position; AXES]) -> Site<AXES> {
+    let mut offset = [0.0; AXES];
+    for (offset, (x, origin)) in offset.iter_mut().zip(knot.position.iter().zip(origin)) {
+        *offset = to_f32(x.to_bits().wrapping_sub(origin.to_bits())) * LSB_32;
+    }
+    Site { offset, tangent: knot.end.tangent.map(|t| to_f32(t) / ONE_40), curvature: knot.end.curvature }
+}
+
+fn knot_of<const AXES: usize>(site: &Site<AXES>, origin: &[Position; AXES]) -> Knot<AXES> {
+    let mut position = *origin;
+    for (x, offset) in position.iter_mut().zip(site.offset) {
+        *x = Position::from_bits(x.to_bits().saturating_add((offset * ONE_32) as i64));
+    }
+    let end = End { tangent: site.tangent.map(|t| (t * ONE_40) as i64), curvature: site.curvature };
+    Knot { position, end }
+}

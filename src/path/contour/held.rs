@@ -1,0 +1,155 @@
+//! A block that waits for the next one, and the blocks behind it that are left out because they are short.
+use super::curve::{Main, segment_distance, size};
+use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
+use crate::lookahead::{max, min};
+use crate::math::float::to_f32;
+use crate::nc::ContourMethod;
+use crate::path::{Element, PathError, arc, line};
+use crate::quantity::Position;
+
+/// A block whose end waits for the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Held<const AXES: usize> {
+    pub block: Block<AXES>,
+    /// Path length as programmed, LSB 2^-44 mm.
+    pub length: i64,
+    /// How its end is rounded; not at all without.
+    pub rule: Option<Parameters>,
+    /// How far the contour that a line stands for may be from it, mm.
+    pub stray: f32,
+    /// The blocks left out behind it.
+    pub skipped: Option<Skipped<AXES>>,
+}
+
+/// Blocks left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Skipped<const AXES: usize> {
+    /// Where they end.
+    pub to: [Position; AXES],
+    /// What goes with the last of them.
+    pub data: Data,
+    /// How far they may be from the straight line over them, and from its start, mm.
+    pub stray: f32,
+    pub radius: f32,
+}
+
+/// A line that stands for several blocks.
+pub(super) struct Standing {
+    /// It begins where the one held back begins, not where that ends.
+    pub whole: bool,
+    /// How far they may be from it, mm.
+    pub stray: f32,
+}
+
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
+const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
+
+/// The way from one point to another, mm.
+pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
+    let mut travel = [0.0; AXES];
+    for (travel, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
+        *travel = to_f32(to.to_bits().saturating_sub(from.to_bits())) * LSB_32;
+    }
+    travel
+}
+
+impl<const AXES: usize> Held<AXES> {
+    /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
+    fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
+        let travel = travel(from, to);
+        let mut others = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+        let [path, track] = rule.relevant();
+        size(main, &travel) <= path && others.all(|(_, x)| max(*x, -*x) <= track)
+    }
+
+    /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end of this one. Where there is a
+    /// tolerance only as long as a straight line over them keeps a part of it; the corner has the rest.
+    pub fn leave_out(&self, next: &Block<AXES>, rule: &Parameters, main: &Main) -> Option<Skipped<AXES>> {
+        let length = to_f32(next.element.shape.length.to_bits()) * LSB_44;
+        let arc = next.form != Form::Line;
+        let short = !arc || length <= rule.relevant()[0];
+        if rule.method == ContourMethod::Pos
+            || !short
+            || !Self::is_irrelevant(&next.from, &next.to, rule, main)
+            || !Self::is_irrelevant(&self.block.to, &next.to, rule, main)
+        {
+            return None;
+        }
+        // An arc is no further from its chord than half its length.
+        let bent = if arc { 0.5 * length } else { 0.0 };
+        let over = travel(&self.block.to, &next.to);
+        let radius = max(size(main, &over), self.skipped.map_or(0.0, |skipped| skipped.radius)) + bent;
+        let before = self.skipped.map_or(0.0, |skipped| {
+            skipped.stray + segment_distance(main, &over, &travel(&self.block.to, &skipped.to))
+        });
+        let stray = min(max(before, bent), radius);
+        (stray <= rule.stray()).then_some(Skipped { to: next.to, data: next.data, stray, radius })
+    }
+
+    /// Whether a line to `to` stands for blocks held back or left out together with the next one, which is so long: this one is too
+    /// short to begin a curve, or the next one is to end it.
+    pub fn stands(
+        &self,
+        to: &[Position; AXES],
+        (straight, length): (bool, i64),
+        rule: &Parameters,
+        main: &Main,
+    ) -> Option<Standing> {
+        let short = to_f32(self.length) * LSB_44 <= rule.relevant()[0];
+        let whole = straight && self.is_line() && short && rule.method != ContourMethod::Pos;
+        let standing = match &self.skipped {
+            _ if whole => {
+                let over = travel(&self.block.from, to);
+                let off = |point: &[Position; AXES]| {
+                    segment_distance(main, &over, &travel(&self.block.from, point))
+                };
+                let behind = self.skipped.map_or(0.0, |skipped| skipped.stray + off(&skipped.to));
+                let corner = off(&self.block.to);
+                Standing { whole, stray: max(self.stray + corner, behind + corner) }
+            }
+            Some(skipped) if length < SYSTEM_LEAST => {
+                let over = travel(&self.block.to, to);
+                let off = segment_distance(main, &over, &travel(&self.block.to, &skipped.to));
+                Standing { whole, stray: skipped.stray + off }
+            }
+            _ => return None,
+        };
+        (standing.stray <= rule.stray()).then_some(standing)
+    }
+
+    /// Whether it is straight.
+    pub fn is_line(&self) -> bool {
+        self.block.form == Form::Line
+    }
+
+    /// Whether it is a rapid one.
+    pub fn is_rapid(&self) -> bool {
+        self.block.data.feed.is_none()
+    }
+
+    /// The block on its way out.
+    pub fn outgoing(&self) -> Outgoing<AXES> {
+        let Block { element, data, .. } = self.block;
+        Outgoing { element, data, curving: None, due: data.number }
+    }
+
+    /// The line in place of the blocks left out.
+    pub fn bridge(&self, main: &Main) -> Option<Outgoing<AXES>> {
+        let Skipped { to, data, .. } = self.skipped?;
+        let element = line(&self.block.to, &to, main).ok().flatten()?;
+        Some(Outgoing { element, data, curving: None, due: data.number })
+    }
+
+    /// The rest of the block from a point on it.
+    pub fn renewed(&self, from: &[Position; AXES], main: &Main) -> Result<Element<AXES>, PathError> {
+        if *from == self.block.from {
+            return Ok(self.block.element);
+        }
+        match self.block.form {
+            Form::Line => Ok(line(from, &self.block.to, main)?.unwrap_or(self.block.element)),
+            Form::Arc { centre, plane, clockwise } => {
+                arc(from, &self.block.to, centre, plane, clockwise, main)
+            }
+        }
+    }
+}

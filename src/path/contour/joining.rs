@@ -1,0 +1,367 @@
+//! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
+//! it reaches into the blocks, and the elements that it is cut into.
+use super::choice::Candidate;
+use super::corner::{Corner, Reach, turn};
+use super::course::{CONSTANT, Course, EVEN, Fit};
+use super::curve::{Main, Side};
+use super::held::{Held, travel};
+use super::timed::{Overlap, Timed};
+use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
+use crate::lookahead::{Curving, Dynamics, max, min};
+use crate::math::float::to_f32;
+use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
+use crate::path::Element;
+use crate::path::poly::Knot;
+use crate::quantity::{Distance, Position};
+
+/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
+/// tolerance has to spare.
+const SLIVER: u32 = 14;
+
+/// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
+const UNSEEN: f32 = 1.0 / 256.0;
+
+/// How often a corner is made smaller.
+const SMALLER: u8 = 8;
+
+/// Shortest corner distance worth a curve, mm.
+const SHORTEST: f32 = 1e-5;
+
+/// π/2.
+const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
+
+/// What holds for a corner beside its blocks and their rule.
+pub struct Setting<'a, const AXES: usize> {
+    /// Main axes.
+    pub main: &'a Main,
+    /// CHECK_JERK and CONST_VEL as they stand now.
+    pub parameters: &'a Parameters,
+    /// Limits of the axes.
+    pub dynamics: &'a Dynamics<AXES>,
+}
+
+/// How far a curve may reach into both blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Room {
+    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a turn.
+    most: [f32; 2],
+    whole: [bool; 2],
+    /// Corner distances that are asked for.
+    distances: [f32; 2],
+}
+
+/// What a corner takes from its blocks, LSB 2^-44 mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cut {
+    before: i64,
+    behind: i64,
+}
+
+/// What is done next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage<const AXES: usize> {
+    /// Blocks and rule say which curves come into question.
+    Choosing(Room),
+    /// Corner distances are searched for, those of a curve over arc length.
+    Reaching { room: Room, reach: Reach<AXES>, candidate: Option<Candidate> },
+    /// The curve over time is better, if it is quicker than the other with this part of the distances.
+    Comparing { room: Room, candidate: Candidate, found: Option<(f32, f32)> },
+    /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
+    Cutting { cut: Cut, slack: f32, smaller: u8 },
+    /// Its elements are.
+    Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    /// They are: both blocks become what is left of them.
+    Joining { cut: Cut, course: Course<AXES> },
+    /// A curve over time is made.
+    Overlapping(Overlap),
+    /// There is no curve.
+    Sharp,
+}
+
+/// A corner between the block `held` and the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joining<const AXES: usize> {
+    /// The block before the corner; at the end what is left of it.
+    pub held: Held<AXES>,
+    stage: Stage<AXES>,
+}
+
+fn corner<'a, const AXES: usize>(held: &Held<AXES>, next: &Held<AXES>, main: &'a Main) -> Corner<'a, AXES> {
+    let before = Side::new(&held.block.element, &held.block.element.exit);
+    let behind = Side::new(&next.block.element, &next.block.element.entry);
+    let gap = held.skipped.map(|skipped| travel(&held.block.to, &skipped.to));
+    Corner { main, before, behind, gap }
+}
+
+impl<const AXES: usize> Joining<AXES> {
+    /// Whether a curve comes into question between both, and what is to be said about it.
+    pub fn new(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> (Self, Option<NcWarningKind>) {
+        let mut remark = None;
+        let stage = held.rule.and_then(|rule| Self::begin(held, next, &rule, setting, &mut remark));
+        (Self { held: *held, stage: stage.unwrap_or(Stage::Sharp) }, remark)
+    }
+
+    fn begin(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        remark: &mut Option<NcWarningKind>,
+    ) -> Option<Stage<AXES>> {
+        let corner = corner(held, next, setting.main);
+        let (before, behind) = (&corner.before, &corner.behind);
+        let turn = turn(setting.main, before.tangent(), behind.tangent())?;
+        let position = rule.method == ContourMethod::Pos;
+        if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            return None;
+        }
+        if !(held.is_line() && next.is_line()) {
+            match rule.method {
+                ContourMethod::Ptp => return None,
+                ContourMethod::DistSoft => *remark = Some(NcWarningKind::SoftArc),
+                _ => {}
+            }
+        }
+        Some(Stage::Choosing(Room::new([(held.length, before), (next.length, behind)], rule)))
+    }
+
+    /// Which kinds of curve come into question.
+    fn choose(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        room: Room,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Stage<AXES>> {
+        let corner = corner(held, next, setting.main);
+        let mut tolerance = rule.tolerance();
+        if let Some(path) = &mut tolerance.path {
+            // What straight lines that stand for several blocks have already taken.
+            let left_out = held.skipped.map_or(0.0, |skipped| skipped.stray);
+            *path -= max(max(held.stray, next.stray), left_out);
+            if corner.gap.is_some() {
+                *path *= 1.0 - UNSEEN;
+            }
+        }
+        let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
+        if let Some(Candidate { way, limits: None }) = candidate {
+            return Some(Stage::Overlapping(way));
+        }
+        let position = rule.method == ContourMethod::Pos;
+        if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
+            return room.cut(held, next, rule, None);
+        }
+        // With a curve over time to choose instead: the same search.
+        let reach = Reach::new(&corner, tolerance, room.distances);
+        Some(Stage::Reaching { room, reach, candidate })
+    }
+
+    /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
+    pub fn go_on(
+        &mut self,
+        next: &mut Held<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Option<Turning<AXES>>> {
+        let Self { held, stage } = self;
+        let Some(rule) = held.rule else { return Some(None) };
+        let following = match stage {
+            Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
+            Stage::Reaching { room, reach, candidate } => {
+                let found = reach.go_on(&corner(held, next, setting.main))?;
+                match *candidate {
+                    Some(candidate) => Some(Stage::Comparing { room: *room, candidate, found }),
+                    None => found.and_then(|found| room.cut(held, next, &rule, Some(found))),
+                }
+            }
+            Stage::Comparing { room, candidate, found } => {
+                let corner = corner(held, next, setting.main);
+                let part = found.map_or(0.0, |(part, _)| part);
+                if candidate.is_better(&corner, [room.distances[0], part], held.is_rapid(), setting) {
+                    Some(Stage::Overlapping(candidate.way))
+                } else {
+                    found.and_then(|found| room.cut(held, next, &rule, Some(found)))
+                }
+            }
+            Stage::Cutting { cut, slack, smaller } => {
+                let (cut, slack, smaller) = (*cut, *slack, *smaller);
+                Self::course(held, next, cut, &rule, setting).map(|course| match course {
+                    Some(course) => Stage::Fitting { cut, slack, smaller, course },
+                    None => cut.smaller(slack, smaller),
+                })
+            }
+            Stage::Fitting { cut, slack, smaller, course } => {
+                let even = if setting.parameters.const_vel { CONSTANT } else { EVEN };
+                match course.fit(even, *slack) {
+                    Fit::Working => return None,
+                    Fit::Failed => Some(cut.smaller(*slack, *smaller)),
+                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course }),
+                }
+            }
+            Stage::Joining { cut, course } => {
+                let (cut, course) = (*cut, *course);
+                let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
+                return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
+            }
+            Stage::Overlapping(overlap) => {
+                let overlap = *overlap;
+                let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+                // What is left of a halved line may be some LSB less than its half.
+                let before = reach.min(held.block.element.shape.length.to_bits());
+                let cut = Cut { before, behind: reach.min(next.length / 2) };
+                let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
+                if overlap.rise.v <= 0.0 {
+                    return Some(None);
+                }
+                let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
+                return Some(Some(ends.join(held, next, course, setting)));
+            }
+            Stage::Sharp => return Some(None),
+        };
+        *stage = following.unwrap_or(Stage::Sharp);
+        None
+    }
+
+    /// The curve over arc length with a cut, if there is one; nothing at all if nothing can be cut.
+    fn course(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        cut: Cut,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Option<Course<AXES>>> {
+        let ends = Ends::new(held, next, cut, setting.main)?;
+        let mut point = [0.0; AXES];
+        for (k, value) in setting.main.iter().zip(rule.point) {
+            let (Some(k), Some(value)) = (*k, value) else { continue };
+            if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
+                *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
+            }
+        }
+        let interim = (rule.method == ContourMethod::Pos).then_some(&point);
+        Some(Course::new(setting.main, &held.block.to, &ends.from, &ends.to(), interim))
+    }
+}
+
+impl Room {
+    /// Between blocks of these programmed lengths, LSB 2^-44 mm: a share of each, a quarter of a turn.
+    fn new<const AXES: usize>(lengths: [(i64, &Side<AXES>); 2], rule: &Parameters) -> Self {
+        let mut most = [0.0; 2];
+        let mut whole = [false; 2];
+        for ((most, whole), (length, side)) in most.iter_mut().zip(&mut whole).zip(lengths) {
+            *most = to_f32(length) * LSB_44 * rule.share;
+            *whole = true;
+            if side.rate * *most > QUARTER {
+                *most = QUARTER / side.rate;
+                *whole = false;
+            }
+        }
+        Self { most, whole, distances: rule.distances(most) }
+    }
+
+    /// The smaller of both.
+    fn least(&self) -> f32 {
+        min(self.most[0], self.most[1])
+    }
+
+    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the distances, and how
+    /// far its elements may be beside it.
+    fn cut<const AXES: usize>(
+        &self,
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        found: Option<(f32, f32)>,
+    ) -> Option<Stage<AXES>> {
+        let (part, slack) = found.unwrap_or((1.0, f32::MAX));
+        let distances = self.distances.map(|c| c * part);
+        if rule.method != ContourMethod::Pos && max(distances[0], distances[1]) < SHORTEST {
+            return None;
+        }
+        let bits = |i: usize, length: i64| {
+            if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
+                length / 2
+            } else {
+                ((distances[i] * ONE_44) as i64).min(length / 2)
+            }
+        };
+        let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];
+        let left = held.block.element.shape.length.to_bits();
+        if left - before <= held.length >> SLIVER {
+            before = left;
+        }
+        Some(Stage::Cutting { cut: Cut { before, behind }, slack, smaller: 0 })
+    }
+}
+
+impl Cut {
+    /// An arc may come back so near to the other block that no even curve joins them there: with less of both.
+    fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> Stage<AXES> {
+        if smaller + 1 >= SMALLER {
+            return Stage::Sharp;
+        }
+        let [before, behind] = [self.before, self.behind].map(|c| c - c / 4);
+        Stage::Cutting { cut: Self { before, behind }, slack, smaller: smaller + 1 }
+    }
+}
+
+/// Where a curve leaves one block and enters the other.
+struct Ends<const AXES: usize> {
+    /// What is left of the block before, LSB 2^-44 mm.
+    rest: i64,
+    from: Knot<AXES>,
+    /// What is left of the block behind, and where it begins.
+    renewed: Element<AXES>,
+    begin: [Position; AXES],
+}
+
+impl<const AXES: usize> Ends<AXES> {
+    fn new(held: &Held<AXES>, next: &Held<AXES>, cut: Cut, main: &Main) -> Option<Self> {
+        let element = &held.block.element;
+        let rest = element.shape.length.to_bits() - cut.before;
+        let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
+        let mut from = Knot { position: held.block.from, end: element.entry };
+        if rest > 0 {
+            element.shape.at(rest, &base, &mut from.position);
+            from.end = element.end_at(rest);
+        }
+        let mut begin = next.block.from;
+        if cut.behind > 0 {
+            next.block.element.shape.at(cut.behind, &next_base, &mut begin);
+        }
+        let renewed = next.renewed(&begin, main).ok()?;
+        Some(Self { rest, from, renewed, begin })
+    }
+
+    fn to(&self) -> Knot<AXES> {
+        Knot { position: self.begin, end: self.renewed.entry }
+    }
+
+    /// The curve between both blocks, which become what is left of them.
+    fn join(
+        &self,
+        held: &mut Held<AXES>,
+        next: &mut Held<AXES>,
+        course: Curve<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> Turning<AXES> {
+        let [first, second] = [held.block.data, next.block.data];
+        let due = match held.rule.map(|rule| rule.action) {
+            Some(ContourAction::Pre) => [second.number; 2],
+            Some(ContourAction::Post) => [first.number; 2],
+            _ => [first.number, second.number],
+        };
+        next.block.element = self.renewed;
+        next.block.from = self.begin;
+        held.block.element.shape.length = Distance::from_bits(self.rest);
+        if self.rest > 0 {
+            held.block.element.exit = self.from.end;
+        }
+        let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
+        let curving = Curving { jerk: check_jerk, constant: const_vel };
+        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
+    }
+}
