@@ -6,10 +6,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 5] = [
+const LIMITS: [(&str, u64); 7] = [
     ("total.tick_max_3_axes", 400),
+    ("total.tick_max_6_axes", 650),
     ("case.contour.tick_max", 600),
     ("case.corners.tick_max", 600),
+    ("case.six_corners.tick_max", 1000),
     ("case.hsc.block_mean", 8000),
     ("size.bytes_per_block_3_axes", 160),
 ];
@@ -24,7 +26,7 @@ const LONG_LINES: [&str; 1] = ["micro"];
 const GOALS: [(&str, u64); 1] = [("total.block_mean_3_axes", 6000)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
-const CURVES: [&str; 2] = ["contour", "corners"];
+const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
 
 /// Programs with other slopes than TRAPEZ: their plans have figures of their own.
 const SLOPES: [&str; 3] = ["step", "sin2", "hsc"];
@@ -56,7 +58,7 @@ impl Figures {
             set("poll_max", run.plan.max);
             set("wait_max", run.wait.max);
         }
-        for axes in [3, 4] {
+        for axes in [3, 4, 6] {
             let runs = || {
                 let of_axes = runs.iter().filter(move |run| run.axes == axes);
                 of_axes.filter(|run| !CURVES.contains(&run.name.as_str()))
@@ -184,7 +186,7 @@ impl Figures {
             }
             text += "|\n";
         }
-        for axes in [3, 4] {
+        for axes in [3, 4, 6] {
             let total = |key: &str| get(&format!("total.{key}_{axes}_axes"));
             let _ = writeln!(
                 text,
