@@ -196,6 +196,29 @@ fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
 }
 
 #[test]
+fn ptp_makes_one_of_blocks_that_go_straight_on() {
+    let text = |merge: &str, between: &str| {
+        format!(
+            "#CONTOUR MODE ON [PTP PATH_DEV=5 {merge}]\nN10 G01 X10 Y5 F20000\nN20 X30 Y15\n{between}N30 X40 Y20\nN40 G260 X40 Y80\nM30\n"
+        )
+    };
+    let one = run_from(&text("", ""), [Position::ZERO; 3], &quick(1000));
+    let apart = run_from(&text("MERGE=0", ""), [Position::ZERO; 3], &quick(1000));
+    // The corner has half of all three blocks to begin in, not of the last one.
+    let off = |run: &Run| run.distance([40.0, 20.0]);
+    assert!(off(&one) > 1.5 * off(&apart) && one.time() < apart.time(), "{} {}", off(&one), off(&apart));
+    assert!(one.lengths(10).is_empty() && one.lengths(20).is_empty(), "{:?}", one.lengths(10));
+    assert_eq!(one.blocks.iter().map(|span| span.blocks).sum::<u32>(), 4);
+    assert!(!apart.lengths(10).is_empty() || !apart.lengths(20).is_empty());
+    // A function between the blocks keeps its point; another feed its block.
+    let held = run_from(&text("", "M25\n"), [Position::ZERO; 3], &quick(1000));
+    let [(row, _)] = held.events[..] else { panic!("{:?}", held.events) };
+    assert!((held.trace.mm(row)[0] - 30.0).abs() < 0.4, "{:?}", held.trace.mm(row));
+    let slower = run_from(&text("", "F10000\n"), [Position::ZERO; 3], &quick(1000));
+    assert!(off(&slower) < 1.1 * off(&apart), "{}", off(&slower));
+}
+
+#[test]
 fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
     let text = "#CONTOUR MODE ON [PTP PATH_DEV=0.5]\nN10 G01 X40 F20000\nN20 Y40\nN30 G02 X60 Y60 I20\nN40 G01 X90\nN50 Y0\nM30\n";
     let run = run_from(text, [Position::ZERO; 3], &quick(1000));

@@ -246,12 +246,17 @@ impl<const AXES: usize> Contouring<AXES> {
         self.held.is_none() && !self.on && !self.once
     }
 
-    /// Takes in the next block; only when [`Self::outgoing`] has no more.
+    /// Takes in the next block; only when [`Self::outgoing`] has no more. `parted`: functions stand between it and the block before.
     ///
     /// # Errors
     /// The line in place of blocks left out is too long.
     #[inline(never)]
-    pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>) -> Result<(), PathError> {
+    pub fn take(
+        &mut self,
+        block: &Block<AXES>,
+        dynamics: &Dynamics<AXES>,
+        parted: bool,
+    ) -> Result<(), PathError> {
         let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
         if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
             self.on = false;
@@ -286,6 +291,15 @@ impl<const AXES: usize> Contouring<AXES> {
                     }
                 }
             }
+        }
+        let merged = self
+            .held
+            .as_ref()
+            .filter(|_| !parted)
+            .and_then(|held| held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.main)));
+        if let Some(merged) = merged {
+            self.held = Some(merged);
+            return Ok(());
         }
         if let Some(held) = self.held.take() {
             let setting = Setting { main: &self.main, parameters: &self.parameters, dynamics };

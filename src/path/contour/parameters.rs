@@ -42,6 +42,8 @@ pub struct Parameters {
     pub acc: [f32; 2],
     /// RAMP_TIME, factor.
     pub ramp_time: f32,
+    /// MERGE.
+    pub merge: bool,
     /// PTP: which of PATH_DEV and PATH_DIST was given since it was chosen.
     pub given: [bool; 2],
     /// Interim point; where it is not given, the corner's coordinate.
@@ -86,6 +88,7 @@ impl Parameters {
             sym_dist: 1.0,
             acc: [0.5, 1.0],
             ramp_time: 1.0,
+            merge: true,
             given: [false; 2],
             point: [None; 3],
             action: ContourAction::Inter,
@@ -123,6 +126,9 @@ impl Parameters {
         }
         if let Some(constant) = contour.const_vel {
             self.const_vel = constant;
+        }
+        if let Some(merge) = contour.merge {
+            self.merge = merge;
         }
         if let Some(action) = contour.action {
             self.action = action;
