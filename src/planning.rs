@@ -352,7 +352,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let data =
             Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
         let parted = self.functions.are_open();
-        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics, parted)?;
+        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics, parted);
         self.functions.settle(true, self.contouring.rounds());
         Ok(())
     }

@@ -313,6 +313,41 @@ fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
 }
 
 #[test]
+fn distances_are_divided_by_the_neighbours_lengths() {
+    // N20 is 20 mm between 60 mm and 30 mm: half of it for each corner, or two thirds and one.
+    let soft = |weight: &str, rest: &str| {
+        let text = format!(
+            "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=-1 ACC_MIN=1 ACC_MAX=5 {weight}]\nN10 G01 X60 F20000\nN20 Y20\n{rest}"
+        );
+        run_from(&text, [Position::ZERO; 3], &quick(1000))
+    };
+    let rest = "N30 G260 X90\nN40 Y90\nM30\n";
+    let left = |run: &Run| [60.0 - run.lengths(10)[0], 30.0 - *run.lengths(30).last().unwrap()];
+    for (weight, expected) in [
+        ("", [10.0, 10.0]),
+        ("DIST_WEIGHT=0", [10.0, 10.0]),
+        ("DIST_WEIGHT=50", [10.0 + 5.0 / 3.0, 10.0 - 5.0 / 3.0]),
+        ("DIST_WEIGHT=100", [40.0 / 3.0, 20.0 / 3.0]),
+    ] {
+        let run = soft(weight, rest);
+        let seen = left(&run);
+        assert!(seen.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{weight}: {seen:?}");
+        let end = run.trace.mm(run.trace.len() - 1);
+        assert_eq!(end, [90.0, 90.0, 0.0]);
+    }
+    // N20 is divided no other way if nothing follows, or its end is not rounded.
+    for rest in ["M30\n", "G260\nN30 X90\nM30\n", "G04 X0.1\nN30 X90\nM30\n", "N30 G260 X60 Y50\nM30\n"] {
+        let run = soft("DIST_WEIGHT=100", rest);
+        let expected = if rest.contains("Y50") { 40.0 / 3.0 } else { 10.0 };
+        assert!((60.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
+    }
+    // A weight that changes from corner to corner gives no block away twice.
+    let changing = "#CONTOUR MODE [DIST_WEIGHT=0]\nN30 X90\n#CONTOUR MODE [DIST_WEIGHT=100]\nN40 Y90\nN50 X0\nN60 G260 Y0\nM30\n";
+    let run = soft("DIST_WEIGHT=100", changing);
+    assert_eq!(run.trace.mm(run.trace.len() - 1), [0.0; 3]);
+}
+
+#[test]
 fn a_soft_corner_is_calmer_than_one_by_deviation() {
     // The programs of DIST_SOFT 12 mm against DEV 0.2 mm: 2.5 m/min.
     let text = |mode: &str| {
@@ -625,6 +660,7 @@ fn every_axis_stays_inside_its_limits() {
         limits_hold::<3>(&program(seed, mix), &quick(1000), "DEV PATH_DEV=0.05 MAX_ANGLE=180");
         limits_hold::<3>(&program(seed, mix), &mill, "DEV PATH_DEV=0.02");
         limits_hold::<3>(&program(seed, mix), &quick(1000), "DIST_SOFT PATH_DIST=1");
+        limits_hold::<3>(&program(seed, mix), &quick(1000), "DIST_SOFT PATH_DIST=5 DIST_WEIGHT=70");
         mill.channel.slope_profile = 2;
         limits_hold::<3>(&program(seed, mix), &mill, "DIST_SOFT PATH_DIST=-1 ACC_MIN=100");
         mill.channel.slope_profile = 0;

@@ -17,6 +17,8 @@ pub(super) struct Held<const AXES: usize> {
     pub rule: Option<Parameters>,
     /// How far the contour that a line stands for may be from it, mm.
     pub stray: f32,
+    /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
+    pub previous: Option<i64>,
     /// The blocks left out behind it.
     pub skipped: Option<Skipped<AXES>>,
 }
@@ -165,6 +167,11 @@ impl<const AXES: usize> Held<AXES> {
         }
         let block = Block { element, from: self.block.from, ..*block };
         Some(Self { block, length: self.length.saturating_add(next.length), stray, ..*next })
+    }
+
+    /// Whether its part of the corner before it depends on the block behind it.
+    pub fn weighs(&self) -> bool {
+        self.rule.is_some_and(|rule| rule.weighs())
     }
 
     /// Whether it is straight.
