@@ -650,6 +650,25 @@ fn functions_between_the_blocks_are_due_in_the_middle_of_the_curve() {
 }
 
 #[test]
+fn actions_of_curves_over_time_have_their_place() {
+    for mode in ["PTP PATH_DEV=0.5", "DIST_SOFT PATH_DIST=5", "DEV PATH_DEV=0.5"] {
+        for (action, x, y) in [
+            ("PRE_ACTION", 90.0..99.5, 0.0..0.01),
+            ("INTER_ACTION", 99.0..100.0, 0.01..1.0),
+            ("POST_ACTION", 99.99..100.01, 0.5..10.0),
+        ] {
+            let text =
+                format!("#CONTOUR MODE ON [{mode} {action}]\nN10 G01 X100 M25 F6000\nN20 G260 Y100\nM30\n");
+            let run = run_from(&text, [Position::ZERO; 3], &quick(1000));
+            let [(row, event)] = run.events[..] else { panic!("{:?}", run.events) };
+            assert_eq!(event.function, Function::M(25));
+            let at = run.trace.mm(row);
+            assert!(x.contains(&at[0]) && y.contains(&at[1]), "{mode} {action}: {at:?}");
+        }
+    }
+}
+
+#[test]
 fn every_axis_stays_inside_its_limits() {
     for seed in 0..24 {
         let mix = Mix { length: [0.05, 40.0], knee: 3.0, ..Mix::general(3, 40) };
