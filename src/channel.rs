@@ -509,6 +509,5 @@ fn not_available(contour: &Contour) -> Option<&'static str> {
     if contour.method == Some(ContourMethod::DistMaster) {
         return Some("#CONTOUR MODE [DIST_MASTER]");
     }
-    let weighted = contour.dist_weight.is_some_and(|weight| weight.to_bits() != 0);
-    (weighted || contour.sym_dist.is_some()).then_some("DIST_WEIGHT or SYM_DIST in #CONTOUR MODE")
+    contour.sym_dist.is_some().then_some("SYM_DIST in #CONTOUR MODE")
 }

@@ -2,7 +2,9 @@
 #![no_std]
 
 mod counter;
+mod record;
 mod report;
 
 pub use counter::{Counter, UNIT};
+pub use record::record;
 pub use report::{Report, exit};

@@ -230,7 +230,7 @@ pub fn round<const AXES: usize>(
         }
     };
     for block in blocks {
-        stage.take(block, &dynamics).expect("a corner");
+        stage.take(block, &dynamics, false);
         drain(&mut stage);
     }
     stage.release(false);

@@ -196,6 +196,29 @@ fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
 }
 
 #[test]
+fn ptp_makes_one_of_blocks_that_go_straight_on() {
+    let text = |merge: &str, between: &str| {
+        format!(
+            "#CONTOUR MODE ON [PTP PATH_DEV=5 {merge}]\nN10 G01 X10 Y5 F20000\nN20 X30 Y15\n{between}N30 X40 Y20\nN40 G260 X40 Y80\nM30\n"
+        )
+    };
+    let one = run_from(&text("", ""), [Position::ZERO; 3], &quick(1000));
+    let apart = run_from(&text("MERGE=0", ""), [Position::ZERO; 3], &quick(1000));
+    // The corner has half of all three blocks to begin in, not of the last one.
+    let off = |run: &Run| run.distance([40.0, 20.0]);
+    assert!(off(&one) > 1.5 * off(&apart) && one.time() < apart.time(), "{} {}", off(&one), off(&apart));
+    assert!(one.lengths(10).is_empty() && one.lengths(20).is_empty(), "{:?}", one.lengths(10));
+    assert_eq!(one.blocks.iter().map(|span| span.blocks).sum::<u32>(), 4);
+    assert!(!apart.lengths(10).is_empty() || !apart.lengths(20).is_empty());
+    // A function between the blocks keeps its point; another feed its block.
+    let held = run_from(&text("", "M25\n"), [Position::ZERO; 3], &quick(1000));
+    let [(row, _)] = held.events[..] else { panic!("{:?}", held.events) };
+    assert!((held.trace.mm(row)[0] - 30.0).abs() < 0.4, "{:?}", held.trace.mm(row));
+    let slower = run_from(&text("", "F10000\n"), [Position::ZERO; 3], &quick(1000));
+    assert!(off(&slower) < 1.1 * off(&apart), "{}", off(&slower));
+}
+
+#[test]
 fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
     let text = "#CONTOUR MODE ON [PTP PATH_DEV=0.5]\nN10 G01 X40 F20000\nN20 Y40\nN30 G02 X60 Y60 I20\nN40 G01 X90\nN50 Y0\nM30\n";
     let run = run_from(text, [Position::ZERO; 3], &quick(1000));
@@ -287,6 +310,41 @@ fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
     let run = run_from(text, [Position::ZERO; 3], &quick(1000));
     assert_eq!(run.warnings, [(3, NcWarningKind::SoftArc)]);
     assert!((run.lengths(10)[0] - 37.0).abs() < 1e-4, "{:?}", run.lengths(10));
+}
+
+#[test]
+fn distances_are_divided_by_the_neighbours_lengths() {
+    // N20 is 20 mm between 60 mm and 30 mm: half of it for each corner, or two thirds and one.
+    let soft = |weight: &str, rest: &str| {
+        let text = format!(
+            "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=-1 ACC_MIN=1 ACC_MAX=5 {weight}]\nN10 G01 X60 F20000\nN20 Y20\n{rest}"
+        );
+        run_from(&text, [Position::ZERO; 3], &quick(1000))
+    };
+    let rest = "N30 G260 X90\nN40 Y90\nM30\n";
+    let left = |run: &Run| [60.0 - run.lengths(10)[0], 30.0 - *run.lengths(30).last().unwrap()];
+    for (weight, expected) in [
+        ("", [10.0, 10.0]),
+        ("DIST_WEIGHT=0", [10.0, 10.0]),
+        ("DIST_WEIGHT=50", [10.0 + 5.0 / 3.0, 10.0 - 5.0 / 3.0]),
+        ("DIST_WEIGHT=100", [40.0 / 3.0, 20.0 / 3.0]),
+    ] {
+        let run = soft(weight, rest);
+        let seen = left(&run);
+        assert!(seen.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{weight}: {seen:?}");
+        let end = run.trace.mm(run.trace.len() - 1);
+        assert_eq!(end, [90.0, 90.0, 0.0]);
+    }
+    // N20 is divided no other way if nothing follows, or its end is not rounded.
+    for rest in ["M30\n", "G260\nN30 X90\nM30\n", "G04 X0.1\nN30 X90\nM30\n", "N30 G260 X60 Y50\nM30\n"] {
+        let run = soft("DIST_WEIGHT=100", rest);
+        let expected = if rest.contains("Y50") { 40.0 / 3.0 } else { 10.0 };
+        assert!((60.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
+    }
+    // A weight that changes from corner to corner gives no block away twice.
+    let changing = "#CONTOUR MODE [DIST_WEIGHT=0]\nN30 X90\n#CONTOUR MODE [DIST_WEIGHT=100]\nN40 Y90\nN50 X0\nN60 G260 Y0\nM30\n";
+    let run = soft("DIST_WEIGHT=100", changing);
+    assert_eq!(run.trace.mm(run.trace.len() - 1), [0.0; 3]);
 }
 
 #[test]
@@ -592,6 +650,25 @@ fn functions_between_the_blocks_are_due_in_the_middle_of_the_curve() {
 }
 
 #[test]
+fn actions_of_curves_over_time_have_their_place() {
+    for mode in ["PTP PATH_DEV=0.5", "DIST_SOFT PATH_DIST=5", "DEV PATH_DEV=0.5"] {
+        for (action, x, y) in [
+            ("PRE_ACTION", 90.0..99.5, 0.0..0.01),
+            ("INTER_ACTION", 99.0..100.0, 0.01..1.0),
+            ("POST_ACTION", 99.99..100.01, 0.5..10.0),
+        ] {
+            let text =
+                format!("#CONTOUR MODE ON [{mode} {action}]\nN10 G01 X100 M25 F6000\nN20 G260 Y100\nM30\n");
+            let run = run_from(&text, [Position::ZERO; 3], &quick(1000));
+            let [(row, event)] = run.events[..] else { panic!("{:?}", run.events) };
+            assert_eq!(event.function, Function::M(25));
+            let at = run.trace.mm(row);
+            assert!(x.contains(&at[0]) && y.contains(&at[1]), "{mode} {action}: {at:?}");
+        }
+    }
+}
+
+#[test]
 fn every_axis_stays_inside_its_limits() {
     for seed in 0..24 {
         let mix = Mix { length: [0.05, 40.0], knee: 3.0, ..Mix::general(3, 40) };
@@ -602,6 +679,7 @@ fn every_axis_stays_inside_its_limits() {
         limits_hold::<3>(&program(seed, mix), &quick(1000), "DEV PATH_DEV=0.05 MAX_ANGLE=180");
         limits_hold::<3>(&program(seed, mix), &mill, "DEV PATH_DEV=0.02");
         limits_hold::<3>(&program(seed, mix), &quick(1000), "DIST_SOFT PATH_DIST=1");
+        limits_hold::<3>(&program(seed, mix), &quick(1000), "DIST_SOFT PATH_DIST=5 DIST_WEIGHT=70");
         mill.channel.slope_profile = 2;
         limits_hold::<3>(&program(seed, mix), &mill, "DIST_SOFT PATH_DIST=-1 ACC_MIN=100");
         mill.channel.slope_profile = 0;

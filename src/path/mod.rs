@@ -250,20 +250,29 @@ impl<const AXES: usize> Shape<AXES> {
                 out[p] = add(base[p], x);
                 out[q] = add(base[q], y);
             }
-            Curve::Poly { power, down } => {
-                let linear = base.iter().zip(&self.gain);
-                for ((x, (base, gain)), (power, down)) in
-                    out.iter_mut().zip(linear).zip(power.iter().zip(down))
-                {
-                    *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
-                }
-                return;
-            }
+            Curve::Poly { power, down } => return self.bent(w, (power, down), base, out),
         }
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
                 *x = add(*base, mul_near(w, *gain));
             }
+        }
+    }
+
+    /// A polynomial at `w`. Not inlined: lines would pay for its registers.
+    #[inline(never)]
+    fn bent(
+        &self,
+        w: i64,
+        (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
+        base: &[Position; AXES],
+        out: &mut [Position; AXES],
+    ) {
+        let linear = base.iter().zip(&self.gain);
+        for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
+            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
+            let w = core::hint::black_box(w);
+            *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
         }
     }
 

@@ -204,7 +204,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (from, to) = (self.programmed, motion.target);
         let data =
             Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
-        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics)?;
+        let parted = self.functions.are_open();
+        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics, parted);
         self.functions.settle(true, self.contouring.rounds());
         Ok(())
     }

@@ -6,20 +6,23 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 9] = [
+const LIMITS: [(&str, u64); 12] = [
     ("total.tick_max_3_axes", 400),
+    ("total.tick_max_6_axes", 650),
     ("total.block_mean_3_axes", 6000),
     ("total.poll_max_3_axes", 40_000),
     ("total.poll_max_4_axes", 40_000),
+    ("total.poll_max_6_axes", 40_000),
     ("case.contour.tick_max", 600),
     ("case.corners.tick_max", 600),
+    ("case.six_corners.tick_max", 1000),
     ("case.short_arcs.tick_max", 470),
     ("case.hsc.block_mean", 8000),
     ("size.bytes_per_block_3_axes", 160),
 ];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
-const CURVES: [&str; 2] = ["contour", "corners"];
+const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
 
 /// Programs with several arcs in a tick: their ticks and plans have figures of their own.
 const SHORT_ARCS: [&str; 1] = ["short_arcs"];
@@ -54,7 +57,7 @@ impl Figures {
             set("poll_max", run.plan.max);
             set("wait_max", run.wait.max);
         }
-        for axes in [3, 4] {
+        for axes in [3, 4, 6] {
             let runs = || runs.iter().filter(move |run| run.axes == axes);
             let own = |name: &str| CURVES.contains(&name) || SHORT_ARCS.contains(&name);
             let ticks = || runs().filter(|run| !own(&run.name));
@@ -166,7 +169,7 @@ impl Figures {
             }
             text += "|\n";
         }
-        for axes in [3, 4] {
+        for axes in [3, 4, 6] {
             let total = |key: &str| get(&format!("total.{key}_{axes}_axes"));
             let _ = writeln!(
                 text,

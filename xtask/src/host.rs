@@ -2,7 +2,7 @@
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
-use hil_cases::{AXES_3, AXES_4, BLOCKS, CASES_3, CASES_4, Case, Outcome, Watch, run};
+use hil_cases::{AXES_3, AXES_4, AXES_6, BLOCKS, CASES_3, CASES_4, CASES_6, Case, Outcome, Watch, run};
 
 /// A case as the host ran it.
 pub struct HostRun {
@@ -30,7 +30,8 @@ impl<const AXES: usize> Watch<AXES> for Collector<'_> {
 pub fn run_all() -> Result<Vec<HostRun>, String> {
     let three = CASES_3.iter().map(|case| run_one(case, &AXES_3));
     let four = CASES_4.iter().map(|case| run_one(case, &AXES_4));
-    three.chain(four).collect()
+    let six = CASES_6.iter().map(|case| run_one(case, &AXES_6));
+    three.chain(four).chain(six).collect()
 }
 
 fn run_one<const AXES: usize>(case: &Case, machine: &MachineData<AXES>) -> Result<HostRun, String> {

@@ -5,7 +5,7 @@
 mod machines;
 mod run;
 
-pub use machines::{AXES_3, AXES_4};
+pub use machines::{AXES_3, AXES_4, AXES_6};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
 
 /// Blocks of look-ahead in every case, the default of the language.
@@ -48,3 +48,6 @@ pub const CASES_3: &[Case] = cases!(
 
 /// Programs for [`AXES_4`].
 pub const CASES_4: &[Case] = cases!("rotary");
+
+/// Programs for [`AXES_6`].
+pub const CASES_6: &[Case] = cases!("six", "six_corners");

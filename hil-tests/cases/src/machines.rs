@@ -45,3 +45,9 @@ pub const AXES_3: MachineData<3> =
 /// X, Y, Z and the rotary axis C.
 pub const AXES_4: MachineData<4> =
     MachineData { axes: [linear("X"), linear("Y"), linear("Z"), rotary("C")], channel: CHANNEL };
+
+/// X, Y, Z and the rotary axes A, B and C, with PTP.
+pub const AXES_6: MachineData<6> = MachineData {
+    axes: [linear("X"), linear("Y"), linear("Z"), rotary("A"), rotary("B"), rotary("C")],
+    channel: ChannelData { ptp: true, ..CHANNEL },
+};

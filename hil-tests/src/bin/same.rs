@@ -1,113 +1,16 @@
-//! Every set point of every tick of every case, and what tick and planner cost.
+//! Every set point of every tick of every case with three and four axes, and what tick and planner cost.
 #![no_std]
 #![no_main]
 use core::fmt::Write;
 use cortex_m_rt::entry;
-use glidepath::channel::{Channel, Error, Progress};
-use glidepath::machine::MachineData;
-use glidepath::nc::{Decoder, NcError, Setup, Step};
-use glidepath::quantity::Position;
-use hil_cases::{AXES_3, AXES_4, BLOCKS, CASES_3, CASES_4, Case, Watch, run};
-use hil_tests::{Counter, Report, UNIT, exit};
+use glidepath::channel::Channel;
+use hil_cases::{AXES_3, AXES_4, BLOCKS, CASES_3, CASES_4};
+use hil_tests::{Counter, Report, UNIT, exit, record};
 use panic_semihosting as _;
 use static_cell::ConstStaticCell;
 
 static CHANNEL_3: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Channel::new());
 static CHANNEL_4: ConstStaticCell<Channel<4, BLOCKS>> = ConstStaticCell::new(Channel::new());
-
-/// Number, sum and largest of something counted.
-#[derive(Default)]
-struct Cost {
-    calls: u32,
-    sum: u64,
-    max: u32,
-}
-
-impl Cost {
-    fn add(&mut self, cost: u32) {
-        self.calls += 1;
-        self.sum += u64::from(cost);
-        self.max = self.max.max(cost);
-    }
-}
-
-struct Recorder<'a> {
-    counter: &'a Counter,
-    report: &'a mut Report,
-    tick: Cost,
-    plan: Cost,
-    wait: Cost,
-}
-
-impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
-    #[inline(always)]
-    fn now(&mut self) -> u32 {
-        self.counter.now()
-    }
-
-    fn polled(&mut self, cost: u32, result: &Result<Progress, Error>) {
-        let cost = self.counter.net(cost);
-        match result {
-            Ok(Progress::Waiting) => self.wait.add(cost),
-            _ => self.plan.add(cost),
-        }
-    }
-
-    fn ticked(&mut self, cost: u32, set_points: &[Position; AXES]) {
-        self.tick.add(self.counter.net(cost));
-        self.report.set_points(set_points);
-    }
-}
-
-fn record<const AXES: usize>(
-    channel: &mut Channel<AXES, BLOCKS>,
-    machine: &MachineData<AXES>,
-    case: &Case,
-    counter: &Counter,
-    report: &mut Report,
-) -> bool {
-    let _ = writeln!(report, "case {} axes {AXES}", case.name);
-    let (tick, plan, wait) = Default::default();
-    let mut recorder = Recorder { counter, report, tick, plan, wait };
-    let result = run(channel, machine, case.text, &mut recorder);
-    let Recorder { report, tick, plan, wait, .. } = recorder;
-    let decode = decode(machine, case, counter);
-    for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
-        let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
-    }
-    let _ = match &result {
-        Ok(o) => writeln!(
-            report,
-            "end ticks {} starved {} blocks {} digest {:016x}",
-            o.ticks,
-            o.starved,
-            o.blocks,
-            o.digest.value()
-        ),
-        Err(failure) => writeln!(report, "failed {failure:?}"),
-    };
-    report.flush();
-    result.is_ok()
-}
-
-/// The decoder alone, to tell its share of the planner's work.
-fn decode<const AXES: usize>(machine: &MachineData<AXES>, case: &Case, counter: &Counter) -> Cost {
-    let mut decoder = Decoder::new(Setup::new(machine, [Position::ZERO; AXES]), case.text);
-    let mut cost = Cost::default();
-    loop {
-        let before = counter.now();
-        let step = step(&mut decoder);
-        cost.add(counter.net(counter.now().wrapping_sub(before)));
-        if matches!(step, Ok(Step::End) | Err(_)) {
-            return cost;
-        }
-    }
-}
-
-#[inline(never)]
-fn step<const AXES: usize>(decoder: &mut Decoder<&'static [u8], AXES>) -> Result<Step<AXES>, NcError> {
-    decoder.step()
-}
 
 #[entry]
 fn main() -> ! {

@@ -180,7 +180,7 @@ fn through<const AXES: usize>(
     let chords = [size(main, &travel[0]), size(main, &travel[1])];
     let mut lengths = chords;
     let mut curves = None;
-    for _ in 0..=LENGTHS {
+    for round in 0..=LENGTHS {
         let [h1, h2] = lengths;
         if h1 <= 0.0 || h2 <= 0.0 {
             return None;
@@ -209,12 +209,15 @@ fn through<const AXES: usize>(
         }
         let first = Quintic::new(a, &middle, h1);
         let second = Quintic::new(&middle, b, h2);
+        curves = Some([first, second]);
+        if round == LENGTHS {
+            break;
+        }
         // No longer than twice the way: what is longer would swing out the further.
         lengths = [
             min(first.length(main, 0.0, 1.0), 2.0 * chords[0]),
             min(second.length(main, 0.0, 1.0), 2.0 * chords[1]),
         ];
-        curves = Some([first, second]);
     }
     curves
 }

@@ -1,7 +1,7 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, segment_distance, size};
 use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
-use crate::lookahead::{max, min};
+use crate::lookahead::{Dynamics, max, min};
 use crate::math::float::to_f32;
 use crate::nc::ContourMethod;
 use crate::path::{Element, PathError, arc, line};
@@ -17,6 +17,8 @@ pub(super) struct Held<const AXES: usize> {
     pub rule: Option<Parameters>,
     /// How far the contour that a line stands for may be from it, mm.
     pub stray: f32,
+    /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
+    pub previous: Option<i64>,
     /// The blocks left out behind it.
     pub skipped: Option<Skipped<AXES>>,
 }
@@ -43,6 +45,16 @@ pub(super) struct Standing {
 
 /// A block below 16 µm behind blocks left out is replaced by a line from where they began.
 const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
+
+/// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much the direction may
+/// change, LSB 2^-40. And how far blocks may be from a line over many.
+const STRAIGHT: f64 = 4096.0;
+const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
+const TURN: i64 = 1 << 20;
+const MERGED_STRAY: f32 = 64.0 * STRAIGHT_MM;
+
+/// Ticks that a line over several blocks takes at most.
+const LONGEST_TICKS: f32 = (1 << 25) as f32;
 
 /// The way from one point to another, mm.
 pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
@@ -115,6 +127,51 @@ impl<const AXES: usize> Held<AXES> {
             _ => return None,
         };
         (standing.stray <= rule.stray()).then_some(standing)
+    }
+
+    /// The line over this block and the next one, if PTP makes one of both: the next one goes straight on with the same feed.
+    ///
+    /// Of the tangential joints that MERGE is for, those between lines are all that PTP has: an arc switches it off.
+    pub fn merged(
+        &self,
+        next: &Self,
+        rule: &Parameters,
+        dynamics: &Dynamics<AXES>,
+        main: &Main,
+    ) -> Option<Self> {
+        let (block, data) = (&next.block, &next.block.data);
+        if rule.method != ContourMethod::Ptp
+            || !rule.merge
+            || !(self.is_line() && next.is_line())
+            || self.skipped.is_some()
+            || self.block.data.feed != data.feed
+        {
+            return None;
+        }
+        let element = line(&self.block.from, &block.to, main).ok()??;
+        let [first, both] = [&self.block.element, &element].map(|element| element.shape.length.to_bits());
+        let part = first as f64 / both as f64;
+        let ways = self.block.from.iter().zip(&self.block.to).zip(&block.to);
+        let on_it = ways.fold(true, |on_it, ((from, corner), to)| {
+            let [way, all] = [corner, to].map(|x| x.to_bits().saturating_sub(from.to_bits()) as f64);
+            let off = way - part * all;
+            on_it && -STRAIGHT < off && off < STRAIGHT
+        });
+        let tangents = self.block.element.entry.tangent.iter().zip(&element.entry.tangent);
+        let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
+        // No longer than what one block may take.
+        let in_time = to_f32(both) * LSB_44 < dynamics.element(&element, data.feed).0.v * LONGEST_TICKS;
+        let stray = max(self.stray, next.stray) + STRAIGHT_MM;
+        if !on_it || turns > TURN || both <= first.max(next.length) || !in_time || stray > MERGED_STRAY {
+            return None;
+        }
+        let block = Block { element, from: self.block.from, ..*block };
+        Some(Self { block, length: self.length.saturating_add(next.length), stray, ..*next })
+    }
+
+    /// Whether its part of the corner before it depends on the block behind it.
+    pub fn weighs(&self) -> bool {
+        self.rule.is_some_and(|rule| rule.weighs())
     }
 
     /// Whether it is straight.

@@ -94,20 +94,22 @@ fn corner<'a, const AXES: usize>(held: &Held<AXES>, next: &Held<AXES>, main: &'a
 }
 
 impl<const AXES: usize> Joining<AXES> {
-    /// Whether a curve comes into question between both, and what is to be said about it.
+    /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of the block behind
+    /// both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn new(
         held: &Held<AXES>,
         next: &Held<AXES>,
+        behind: Option<i64>,
         setting: &Setting<'_, AXES>,
     ) -> (Self, Option<NcWarningKind>) {
         let mut remark = None;
-        let stage = held.rule.and_then(|rule| Self::begin(held, next, &rule, setting, &mut remark));
+        let stage = held.rule.and_then(|rule| Self::begin(held, (next, behind), &rule, setting, &mut remark));
         (Self { held: *held, stage: stage.unwrap_or(Stage::Sharp) }, remark)
     }
 
     fn begin(
         held: &Held<AXES>,
-        next: &Held<AXES>,
+        (next, following): (&Held<AXES>, Option<i64>),
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
         remark: &mut Option<NcWarningKind>,
@@ -126,7 +128,15 @@ impl<const AXES: usize> Joining<AXES> {
                 _ => {}
             }
         }
-        Some(Stage::Choosing(Room::new([(held.length, before), (next.length, behind)], rule)))
+        let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
+        let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
+        if rule.weighs() {
+            // The corner before may have had another weight.
+            let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
+            room.most[0] = min(room.most[0], left);
+            room.distances = rule.distances(room.most);
+        }
+        Some(Stage::Choosing(room))
     }
 
     /// Which kinds of curve come into question.
@@ -211,7 +221,8 @@ impl<const AXES: usize> Joining<AXES> {
                 let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
                 // What is left of a halved line may be some LSB less than its half.
                 let before = reach.min(held.block.element.shape.length.to_bits());
-                let cut = Cut { before, behind: reach.min(next.length / 2) };
+                let half = if rule.weighs() { next.length } else { next.length / 2 };
+                let cut = Cut { before, behind: reach.min(half) };
                 let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
                 if overlap.rise.v <= 0.0 {
                     return Some(None);
@@ -247,13 +258,14 @@ impl<const AXES: usize> Joining<AXES> {
 }
 
 impl Room {
-    /// Between blocks of these programmed lengths, LSB 2^-44 mm: a share of each, a quarter of a turn.
-    fn new<const AXES: usize>(lengths: [(i64, &Side<AXES>); 2], rule: &Parameters) -> Self {
+    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a quarter of a turn.
+    fn new<const AXES: usize>(lengths: [(i64, &Side<AXES>); 2], parts: [f32; 2], rule: &Parameters) -> Self {
         let mut most = [0.0; 2];
         let mut whole = [false; 2];
-        for ((most, whole), (length, side)) in most.iter_mut().zip(&mut whole).zip(lengths) {
-            *most = to_f32(length) * LSB_44 * rule.share;
-            *whole = true;
+        for (((most, whole), (length, side)), part) in most.iter_mut().zip(&mut whole).zip(lengths).zip(parts)
+        {
+            *most = to_f32(length) * LSB_44 * (2.0 * part * rule.share);
+            *whole = part == 0.5;
             if side.rate * *most > QUARTER {
                 *most = QUARTER / side.rate;
                 *whole = false;
@@ -284,12 +296,15 @@ impl Room {
         let bits = |i: usize, length: i64| {
             if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
                 length / 2
+            } else if rule.weighs() {
+                (distances[i] * ONE_44) as i64
             } else {
                 ((distances[i] * ONE_44) as i64).min(length / 2)
             }
         };
         let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];
         let left = held.block.element.shape.length.to_bits();
+        before = before.min(left);
         if left - before <= held.length >> SLIVER {
             before = left;
         }

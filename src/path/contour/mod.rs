@@ -31,7 +31,7 @@ use self::held::Held;
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use super::poly::Draft;
-use super::{Element, PathError, line};
+use super::{Element, line};
 use crate::lookahead::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
 use crate::quantity::{Distance, Position};
@@ -142,7 +142,9 @@ pub struct Contouring<const AXES: usize> {
     bridge: Option<Outgoing<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
-    /// The corner before that, while it is worked on.
+    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one.
+    waiting: Option<Held<AXES>>,
+    /// The corner before the block held back, while it is worked on.
     joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
@@ -208,6 +210,7 @@ impl<const AXES: usize> Contouring<AXES> {
             bridge: None,
             course: None,
             held: None,
+            waiting: None,
             joining: None,
             remark: None,
         }
@@ -215,7 +218,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
-        if self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
+        if self.waiting.is_none() && self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
             // Blocks left out: the corner ends here.
             self.cancel();
         }
@@ -235,48 +238,68 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// No curve at the end of the block held back.
     pub fn cancel(&mut self) {
-        if let Some(held) = &mut self.held {
-            held.rule = None;
+        if let Some(last) = self.last() {
+            last.rule = None;
         }
+    }
+
+    /// The block that came last, if it is held back.
+    fn last(&mut self) -> Option<&mut Held<AXES>> {
+        self.waiting.as_mut().or(self.held.as_mut())
     }
 
     /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only when
     /// [`Self::outgoing`] has no more.
     pub fn is_idle(&self) -> bool {
-        self.held.is_none() && !self.on && !self.once
+        self.held.is_none() && self.waiting.is_none() && !self.on && !self.once
     }
 
-    /// Takes in the next block; only when [`Self::outgoing`] has no more.
-    ///
-    /// # Errors
-    /// The line in place of blocks left out is too long.
+    /// Takes in the next block; only when [`Self::outgoing`] has no more. `parted`: functions stand between it and the block before.
     #[inline(never)]
-    pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>) -> Result<(), PathError> {
+    pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>, parted: bool) {
         let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
         if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
             self.on = false;
             rounds = false;
             self.remark = Some(NcWarningKind::PtpArc);
         }
-        let mut next = Held {
+        let next = Held {
             block: *block,
             length: block.element.shape.length.to_bits(),
             rule: if rounds { Some(self.parameters) } else { None },
             stray: 0.0,
+            previous: None,
             skipped: None,
         };
+        if let Some(waiting) = self.waiting.take() {
+            let behind = waiting.rule.map(|_| next.length);
+            self.waiting = Some(next);
+            self.enter(waiting, behind, true, dynamics);
+            return;
+        }
+        if next.weighs() {
+            self.waiting = Some(next);
+            return;
+        }
+        self.enter(next, None, parted, dynamics);
+    }
+
+    /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`: length of the one
+    /// after it, LSB 2^-44 mm, if the corner between them is rounded and that is known.
+    fn enter(&mut self, mut next: Held<AXES>, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
+        let (block, rounds) = (next.block, next.rule.is_some());
         if let Some(held) = &mut self.held
             && let Some(rule) = held.rule
         {
             if rounds && let Some(skipped) = held.leave_out(&next.block, &rule, &self.main) {
                 held.skipped = Some(skipped);
-                return Ok(());
+                return;
             }
             let next_is = (next.is_line(), next.length);
             if let Some(standing) = held.stands(&block.to, next_is, &rule, &self.main) {
                 let from = if standing.whole { held.block.from } else { held.block.to };
-                if let Some(element) = line(&from, &block.to, &self.main)? {
-                    next.block = Block { element, from, form: Form::Line, ..*block };
+                if let Ok(Some(element)) = line(&from, &block.to, &self.main) {
+                    next.block = Block { element, from, form: Form::Line, ..block };
                     next.length = element.shape.length.to_bits();
                     next.stray = standing.stray;
                     held.skipped = None;
@@ -287,16 +310,25 @@ impl<const AXES: usize> Contouring<AXES> {
                 }
             }
         }
+        let merged = self
+            .held
+            .as_ref()
+            .filter(|_| !parted)
+            .and_then(|held| held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.main)));
+        if let Some(merged) = merged {
+            self.held = Some(merged);
+            return;
+        }
         if let Some(held) = self.held.take() {
             let setting = Setting { main: &self.main, parameters: &self.parameters, dynamics };
-            let (joining, remark) = Joining::new(&held, &next, &setting);
+            next.previous = held.rule.map(|_| held.length);
+            let (joining, remark) = Joining::new(&held, &next, behind, &setting);
             self.joining = Some(joining);
             if remark.is_some() {
                 self.remark = remark;
             }
         }
         self.held = Some(next);
-        Ok(())
     }
 
     /// What is to be said about the curve that the last block led to, once.
@@ -306,7 +338,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Lets go of the block held back; `stop` demands a standstill at its end.
     pub fn release(&mut self, stop: bool) {
-        if let Some(held) = &mut self.held {
+        if let Some(held) = self.last() {
             held.rule = None;
             held.skipped.as_mut().map_or(&mut held.block.data, |skipped| &mut skipped.data).stop |= stop;
         }
@@ -314,19 +346,19 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Forgets what it holds.
     pub fn clear(&mut self) {
-        (self.held, self.joining) = (None, None);
+        (self.held, self.waiting, self.joining) = (None, None, None);
         (self.before, self.course, self.bridge) = (None, None, None);
         self.once = false;
     }
 
     /// Whether the end of the last block is to be rounded.
     pub fn rounds(&self) -> bool {
-        self.held.as_ref().is_some_and(|held| held.rule.is_some())
+        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.rule.is_some())
     }
 
     /// Whether a block is held back.
     pub fn holds(&self) -> bool {
-        self.held.is_some()
+        self.held.is_some() || self.waiting.is_some()
     }
 }
 
@@ -335,7 +367,7 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
-        self.held.is_none() && self.bridge.is_none()
+        self.held.is_none() && self.bridge.is_none() && self.waiting.is_none()
     }
 
     /// Goes on with the corner before the block held back: a bounded piece of work. `false` if nothing is to be done, and only then
@@ -353,7 +385,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.joining = None;
             return true;
         }
-        let Some(turning) = &mut self.course else { return false };
+        let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
         match &mut self.before {
             // The block before the corner, or an element that is made.
             Some(_) if turning.draft.is_none() => return false,
@@ -368,6 +400,17 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.before.is_none() {
             self.course = None;
         }
+        true
+    }
+
+    /// The block that waits comes in, when what is before it is done and it need not wait for another one; whether it does.
+    fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        let ready = self.bridge.is_none() && self.held.is_none_or(|held| held.rule.is_some());
+        if !ready || self.waiting.is_none_or(|waiting| waiting.weighs()) {
+            return false;
+        }
+        let Some(waiting) = self.waiting.take() else { return false };
+        self.enter(waiting, None, true, dynamics);
         true
     }
 

@@ -42,6 +42,10 @@ pub struct Parameters {
     pub acc: [f32; 2],
     /// RAMP_TIME, factor.
     pub ramp_time: f32,
+    /// DIST_WEIGHT, as a part.
+    pub dist_weight: f32,
+    /// MERGE.
+    pub merge: bool,
     /// PTP: which of PATH_DEV and PATH_DIST was given since it was chosen.
     pub given: [bool; 2],
     /// Interim point; where it is not given, the corner's coordinate.
@@ -86,6 +90,8 @@ impl Parameters {
             sym_dist: 1.0,
             acc: [0.5, 1.0],
             ramp_time: 1.0,
+            dist_weight: 0.0,
+            merge: true,
             given: [false; 2],
             point: [None; 3],
             action: ContourAction::Inter,
@@ -124,6 +130,9 @@ impl Parameters {
         if let Some(constant) = contour.const_vel {
             self.const_vel = constant;
         }
+        if let Some(merge) = contour.merge {
+            self.merge = merge;
+        }
         if let Some(action) = contour.action {
             self.action = action;
         }
@@ -141,6 +150,7 @@ impl Parameters {
         part(least, contour.acc_min);
         part(most, contour.acc_max);
         part(&mut self.ramp_time, contour.ramp_time);
+        part(&mut self.dist_weight, contour.dist_weight);
         let [pre, post] = &mut self.dist;
         set(pre, contour.pre_dist);
         set(post, contour.post_dist);
@@ -175,6 +185,19 @@ impl Parameters {
             ContourMethod::Ptp => [min(self.ptp_distance(), least); 2],
             ContourMethod::Dev => [least; 2],
         }
+    }
+
+    /// Whether the neighbours decide how a block is divided among its corners.
+    pub(super) fn weighs(&self) -> bool {
+        self.dist_weight > 0.0 && matches!(self.method, ContourMethod::DistSoft | ContourMethod::DistMaster)
+    }
+
+    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT as much as the neighbour in this corner (`own`) is
+    /// of both neighbours; between 0 and 100 % a mix. The lengths are those programmed, LSB 2^-44 mm.
+    pub(super) fn part(&self, own: i64, other: Option<i64>) -> f32 {
+        let Some(other) = other.filter(|_| self.weighs()) else { return 0.5 };
+        let (own, other) = (to_f32(own), to_f32(other));
+        0.5 + self.dist_weight * (own / (own + other) - 0.5)
     }
 
     /// PTP: PATH_DIST if it is given and monitored.
