@@ -16,7 +16,7 @@ fn polygon(seed: u64, count: usize, [least, most]: [f64; 2]) -> (Program, Vec<[f
     let mut heading = [r.between(-180.0, 180.0), 0.0];
     let mut at = [0.0; 3];
     let mut points = vec![at];
-    let mut program = Program::new(&format!("polygon {seed}"), 3);
+    let mut program = Program::new(format!("polygon {seed}"), 3);
     for _ in 0..count {
         heading[0] += r.between(-knee, knee);
         heading[1] = if flat { 0.0 } else { r.between(-80.0, 80.0) };
