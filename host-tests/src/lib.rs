@@ -9,6 +9,7 @@
 //! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
+//! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
@@ -30,3 +31,5 @@ pub mod corner;
 pub mod deviation;
 
 pub mod operate;
+
+pub mod rounded;

@@ -1,5 +1,5 @@
 //! Contour mode in rows of short blocks: the moved contour stays inside the tolerance, whatever is left out.
-use glidepath::nc::{Contour, ContourMethod};
+use glidepath::nc::{Contour, ContourMethod, Value};
 use glidepath::quantity::Position;
 use host_tests::cases::machines;
 use host_tests::cases::random::Random;
@@ -16,7 +16,7 @@ fn polygon(seed: u64, count: usize, [least, most]: [f64; 2]) -> (Program, Vec<[f
     let mut heading = [r.between(-180.0, 180.0), 0.0];
     let mut at = [0.0; 3];
     let mut points = vec![at];
-    let mut program = Program::new(&format!("polygon {seed}"), 3);
+    let mut program = Program::new(format!("polygon {seed}"), 3);
     for _ in 0..count {
         heading[0] += r.between(-knee, knee);
         heading[1] = if flat { 0.0 } else { r.between(-80.0, 80.0) };
@@ -37,9 +37,10 @@ fn mm(x: f64) -> Option<Position> {
 }
 
 /// Every method with the tolerance or distance `d`, in mm.
-fn methods(d: f64) -> [(&'static str, Contour); 7] {
+fn methods(d: f64) -> [(&'static str, Contour); 8] {
     let method = |method| Contour { method: Some(method), ..Contour::default() };
     let dev = Contour { path_dev: mm(d), ..method(ContourMethod::Dev) };
+    let soft = Contour { path_dist: mm(d), ..method(ContourMethod::DistSoft) };
     let max_angle = Some(Position::const_from_int(180));
     [
         ("DEV", dev),
@@ -47,7 +48,8 @@ fn methods(d: f64) -> [(&'static str, Contour); 7] {
         ("DEV RELEVANT_PATH", Contour { relevant_path: mm(0.2), ..dev }),
         ("PTP", Contour { method: Some(ContourMethod::Ptp), ..dev }),
         ("DIST", Contour { pre_dist: mm(d), post_dist: mm(d), ..method(ContourMethod::Dist) }),
-        ("DIST_SOFT", Contour { path_dist: mm(d), ..method(ContourMethod::DistSoft) }),
+        ("DIST_SOFT", soft),
+        ("DIST_SOFT DIST_WEIGHT", Contour { dist_weight: Some(Value::const_from_int(100)), ..soft }),
         ("POS", Contour { pre_dist: mm(d), post_dist: mm(d), ..method(ContourMethod::Pos) }),
     ]
 }

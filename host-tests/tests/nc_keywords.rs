@@ -128,9 +128,7 @@ fn refused(text: &str) -> Option<Error> {
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
-        "#CONTOUR MODE [DIST_SOFT PATH_DIST=1 DIST_WEIGHT=50]",
         "#CONTOUR MODE [DIST_MASTER SYM_DIST=1]",
-        "#CONTOUR MODE [DIST_WEIGHT=100]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
         "#SLOPE [TYPE=HSC NO_OPT=0]",

@@ -142,7 +142,8 @@ pub struct Contouring<const AXES: usize> {
     bridge: Option<Outgoing<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
-    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one.
+    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one. Only
+    /// behind a block whose end is rounded.
     waiting: Option<Held<AXES>>,
     /// The corner before the block held back, while it is worked on.
     joining: Option<Joining<AXES>>,
@@ -251,7 +252,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only when
     /// [`Self::outgoing`] has no more.
     pub fn is_idle(&self) -> bool {
-        self.held.is_none() && self.waiting.is_none() && !self.on && !self.once
+        self.held.is_none() && !self.on && !self.once
     }
 
     /// Takes in the next block; only when [`Self::outgoing`] has no more. `parted`: functions stand between it and the block before.
@@ -277,7 +278,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.enter(waiting, behind, true, dynamics);
             return;
         }
-        if next.weighs() {
+        if next.weighs() && self.held.is_some() {
             self.waiting = Some(next);
             return;
         }
@@ -358,7 +359,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether a block is held back.
     pub fn holds(&self) -> bool {
-        self.held.is_some() || self.waiting.is_some()
+        self.held.is_some()
     }
 }
 
@@ -367,7 +368,7 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
-        self.held.is_none() && self.bridge.is_none() && self.waiting.is_none()
+        self.held.is_none() && self.bridge.is_none()
     }
 
     /// Goes on with the corner before the block held back: a bounded piece of work. `false` if nothing is to be done, and only then
@@ -405,8 +406,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block that waits comes in, when what is before it is done and it need not wait for another one; whether it does.
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let ready = self.bridge.is_none() && self.held.is_none_or(|held| held.rule.is_some());
-        if !ready || self.waiting.is_none_or(|waiting| waiting.weighs()) {
+        if self.bridge.is_some() || self.waiting.is_none_or(|waiting| waiting.weighs()) {
             return false;
         }
         let Some(waiting) = self.waiting.take() else { return false };

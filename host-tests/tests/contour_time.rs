@@ -1,0 +1,270 @@
+//! Contour mode over time: DIST_SOFT, PTP, and DEV with HSC.
+use glidepath::channel::{Channel, Progress};
+use glidepath::nc::NcWarningKind;
+use glidepath::quantity::Position;
+use glidepath::queue::Function;
+use host_tests::cases::machines;
+use host_tests::check;
+use host_tests::corner::{judge, random};
+use host_tests::properties::permitted;
+use host_tests::rounded::{Run, quick, run_from};
+
+#[test]
+fn random_corners_over_time_are_smooth_and_use_their_tolerance() {
+    let machine = quick::<3>(1000);
+    let [mut timed, mut free] = [0; 2];
+    for seed in 0..4000 {
+        let seen = judge(&random(seed), &machine).unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
+        if !seen.timed {
+            continue;
+        }
+        timed += 1;
+        assert!(seen.used <= 1.0 && seen.uneven <= 1e-6, "corner {seed}: {seen:?}");
+        if !seen.limited {
+            free += 1;
+            assert!(seen.used >= 0.999, "corner {seed}: {seen:?}");
+        }
+    }
+    assert!(timed > 200 && free > 100, "{timed}, {free}");
+}
+
+#[test]
+fn a_square_is_faster_rounded_than_with_stops() {
+    let text =
+        |mode: &str| format!("{mode}\nN10 G01 X80 Y0 F20000\nN20 X80 Y80\nN30 X0 Y80\nN40 G260 X0 Y0\nM30\n");
+    let machine = quick::<3>(1000);
+    let square = |mode: &str| {
+        let run = run_from(&text(mode), [Position::ZERO; 3], &machine);
+        let limits =
+            machine.axes.iter().map(|axis| permitted(axis, 3, false, true, true)).collect::<Vec<_>>();
+        check::limits(&run.trace, &limits).unwrap_or_else(|fault| panic!("{mode}: {fault}"));
+        for corner in [[80.0, 0.0], [80.0, 80.0], [0.0, 80.0]] {
+            assert!(run.distance(corner) > 0.0999, "{mode}: {}", run.distance(corner));
+        }
+        run.time()
+    };
+    // With stops 1.827 s; the optimum on this curve is 1.695 s.
+    let dev = square("#CONTOUR MODE ON [DEV PATH_DEV=0.1]");
+    assert!((1.7..1.745).contains(&dev), "{dev}");
+    let ptp = square("#CONTOUR MODE ON [PTP PATH_DEV=0.1]");
+    assert!((1.69..1.71).contains(&ptp), "{ptp}");
+    // The distance at which that curve leaves the line; of both the smaller corner.
+    let by_dist = square("#CONTOUR MODE ON [PTP PATH_DIST=0.566]");
+    assert!((by_dist - ptp).abs() < 1e-3, "{by_dist}");
+    let both = square("#CONTOUR MODE ON [PTP PATH_DEV=0.1 PATH_DIST=5]");
+    assert_eq!(both, ptp);
+}
+
+#[test]
+fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
+    let text = |mode: &str| format!("#CONTOUR MODE ON [{mode}]\nN10 G01 X80 F20000\nN20 G260 Y80\nM30\n");
+    let ptp = run_from(&text("PTP PATH_DEV=0.1"), [Position::ZERO; 3], &quick(1000));
+    let dev = run_from(&text("DEV PATH_DEV=0.1"), [Position::ZERO; 3], &quick(1000));
+    assert!(ptp.time() < dev.time(), "{} {}", ptp.time(), dev.time());
+    // All rows between the one where Y begins and the one where X ends: X with its jerk, and still slowing down.
+    let row = |i: usize| ptp.trace.mm(i);
+    let begins = (0..ptp.trace.len()).find(|&i| row(i)[1] > 0.0).expect("Y moves");
+    let ends = (0..ptp.trace.len()).find(|&i| row(i)[0] >= 80.0).expect("X arrives");
+    assert!(ends > begins + 20, "{begins} {ends}");
+    let second = |i: usize, k: usize| (row(i + 1)[k] - 2.0 * row(i)[k] + row(i - 1)[k]) * 1e6;
+    let (first, last) = (second(begins, 0), second(ends - 1, 0));
+    assert!(first < -1500.0 && last > -100.0, "{first} {last}");
+    for i in begins + 2..ends - 2 {
+        let jerk = (second(i + 1, 0) - second(i, 0)) * 1e3;
+        assert!((37_000.0..40_000.0).contains(&jerk), "{jerk} at {i} of {begins}..{ends}");
+    }
+}
+
+#[test]
+fn ptp_makes_one_of_blocks_that_go_straight_on() {
+    let text = |merge: &str, between: &str| {
+        format!(
+            "#CONTOUR MODE ON [PTP PATH_DEV=5 {merge}]\nN10 G01 X10 Y5 F20000\nN20 X30 Y15\n{between}N30 X40 Y20\nN40 G260 X40 Y80\nM30\n"
+        )
+    };
+    let one = run_from(&text("", ""), [Position::ZERO; 3], &quick(1000));
+    let apart = run_from(&text("MERGE=0", ""), [Position::ZERO; 3], &quick(1000));
+    // The corner has half of all three blocks to begin in, not of the last one.
+    let off = |run: &Run| run.distance([40.0, 20.0]);
+    assert!(off(&one) > 1.5 * off(&apart) && one.time() < apart.time(), "{} {}", off(&one), off(&apart));
+    assert!(one.lengths(10).is_empty() && one.lengths(20).is_empty(), "{:?}", one.lengths(10));
+    assert_eq!(one.blocks.iter().map(|span| span.blocks).sum::<u32>(), 4);
+    assert!(!apart.lengths(10).is_empty() || !apart.lengths(20).is_empty());
+    // A function between the blocks keeps its point; another feed its block.
+    let held = run_from(&text("", "M25\n"), [Position::ZERO; 3], &quick(1000));
+    let [(row, _)] = held.events[..] else { panic!("{:?}", held.events) };
+    assert!((held.trace.mm(row)[0] - 30.0).abs() < 0.4, "{:?}", held.trace.mm(row));
+    let slower = run_from(&text("", "F10000\n"), [Position::ZERO; 3], &quick(1000));
+    assert!(off(&slower) < 1.1 * off(&apart), "{}", off(&slower));
+}
+
+#[test]
+fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
+    let text = "#CONTOUR MODE ON [PTP PATH_DEV=0.5]\nN10 G01 X40 F20000\nN20 Y40\nN30 G02 X60 Y60 I20\nN40 G01 X90\nN50 Y0\nM30\n";
+    let run = run_from(text, [Position::ZERO; 3], &quick(1000));
+    assert_eq!(run.warnings, [(4, NcWarningKind::PtpArc)]);
+    assert!((run.distance([40.0, 0.0]) - 0.5).abs() < 1e-3);
+    // The corner before the arc, and all behind it.
+    for corner in [[40.0, 40.0], [60.0, 60.0], [90.0, 60.0]] {
+        assert!(run.distance(corner) < 0.2, "{corner:?}");
+    }
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let (mut planner, _) =
+        channel.split(&machines::even(1000), [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+    let error = loop {
+        match planner.poll() {
+            Ok(Progress::Working) => {}
+            Ok(other) => panic!("{other:?}"),
+            Err(error) => break error,
+        }
+    };
+    assert_eq!(error.place().line, 1);
+    assert!(error.to_string().contains("P-CHAN-00600"), "{error}");
+}
+
+#[test]
+fn soft_corners_keep_their_distance_and_change_speed_evenly() {
+    let soft = |rest: &str, feed: u32| {
+        let text = format!("#CONTOUR MODE ON [DIST_SOFT {rest}]\nN10 G01 X80 F{feed}\nN20 G260 Y80\nM30\n");
+        run_from(&text, [Position::ZERO; 3], &quick(1000))
+    };
+    // Where Y leaves 0 and X arrives at 80: never further than the distance.
+    let distance = |run: &Run| {
+        let row = |i: usize| run.trace.mm(i);
+        let begins = (0..run.trace.len()).find(|&i| row(i)[1] > 0.0).expect("Y moves");
+        let arrives = (0..run.trace.len()).find(|&i| row(i)[0] >= 80.0).expect("X arrives");
+        (80.0 - row(begins - 1)[0]).max(row(arrives)[1])
+    };
+    let speeds = |run: &Run| {
+        let (row, cycle) = (|i: usize| run.trace.mm(i), run.trace.cycle);
+        let middle = (1..run.trace.len())
+            .filter(|&i| row(i)[1] > 0.0 && row(i)[0] < 80.0)
+            .map(|i| (row(i)[0] - row(i - 1)[0] + row(i)[1] - row(i - 1)[1]) / cycle);
+        middle.fold([f64::INFINITY, 0.0], |[low, high], v| [v.min(low), v.max(high)])
+    };
+    let wide = soft("PATH_DIST=12", 12_000);
+    let [low, high] = speeds(&wide);
+    // Both axes change their speed by the same law: their sum stays.
+    assert!(high - low < 0.01 * high, "{low} {high}");
+    assert!((11.9..=12.0 + 0.2).contains(&distance(&wide)), "{}", distance(&wide));
+    // With less distance more acceleration, up to ACC_MAX; then less speed.
+    let half = soft("PATH_DIST=20", 6000);
+    assert!((peaks_inside(&half) - 0.5).abs() < 0.05, "{}", peaks_inside(&half));
+    let most = soft("PATH_DIST=2 ACC_MAX=80", 12_000);
+    assert!(
+        peaks_inside(&most) < 0.8 && distance(&most) <= 2.1,
+        "{} {}",
+        peaks_inside(&most),
+        distance(&most)
+    );
+    assert!(speeds(&most)[1] < 0.6 * high && most.time() > wide.time());
+    // Not monitored: half the block.
+    let off = soft("PATH_DIST=-1 ACC_MIN=1 ACC_MAX=10", 12_000);
+    assert!((30.0..40.2).contains(&distance(&off)), "{}", distance(&off));
+    // A longer ramp: less jerk.
+    let slow = soft("PATH_DIST=-1 RAMP_TIME=200", 6000);
+    assert!(jerk_inside(&slow) < 0.6 * jerk_inside(&half), "{} {}", jerk_inside(&slow), jerk_inside(&half));
+}
+
+/// Largest acceleration of X in the corner, as a part of 2000 mm/s².
+fn peaks_inside(run: &Run) -> f64 {
+    let row = |i: usize| run.trace.mm(i);
+    (1..run.trace.len() - 1)
+        .filter(|&i| row(i)[1] > 0.0 && row(i)[0] < 80.0)
+        .map(|i| (row(i + 1)[0] - 2.0 * row(i)[0] + row(i - 1)[0]).abs() * 1e6 / 2000.0)
+        .fold(0.0, f64::max)
+}
+
+/// Largest jerk of X in the corner, mm/s³.
+fn jerk_inside(run: &Run) -> f64 {
+    let row = |i: usize| run.trace.mm(i);
+    (2..run.trace.len() - 1)
+        .filter(|&i| row(i - 1)[1] > 0.0 && row(i)[0] < 80.0)
+        .map(|i| (row(i + 1)[0] - 3.0 * row(i)[0] + 3.0 * row(i - 1)[0] - row(i - 2)[0]).abs() * 1e9)
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
+    let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=3]\nN10 G01 X40 F6000\nN20 G260 G02 X60 Y20 I20\nM30\n";
+    let run = run_from(text, [Position::ZERO; 3], &quick(1000));
+    assert_eq!(run.warnings, [(3, NcWarningKind::SoftArc)]);
+    assert!((run.lengths(10)[0] - 37.0).abs() < 1e-4, "{:?}", run.lengths(10));
+}
+
+#[test]
+fn distances_are_divided_by_the_neighbours_lengths() {
+    // N20 is 20 mm between 60 mm and 30 mm: half of it for each corner, or two thirds and one.
+    let soft = |weight: &str, rest: &str| {
+        let text = format!(
+            "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=-1 ACC_MIN=1 ACC_MAX=5 {weight}]\nN10 G01 X60 F20000\nN20 Y20\n{rest}"
+        );
+        run_from(&text, [Position::ZERO; 3], &quick(1000))
+    };
+    let rest = "N30 G260 X90\nN40 Y90\nM30\n";
+    let left = |run: &Run| [60.0 - run.lengths(10)[0], 30.0 - *run.lengths(30).last().unwrap()];
+    for (weight, expected) in [
+        ("", [10.0, 10.0]),
+        ("DIST_WEIGHT=0", [10.0, 10.0]),
+        ("DIST_WEIGHT=50", [10.0 + 5.0 / 3.0, 10.0 - 5.0 / 3.0]),
+        ("DIST_WEIGHT=100", [40.0 / 3.0, 20.0 / 3.0]),
+    ] {
+        let run = soft(weight, rest);
+        let seen = left(&run);
+        assert!(seen.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{weight}: {seen:?}");
+        let end = run.trace.mm(run.trace.len() - 1);
+        assert_eq!(end, [90.0, 90.0, 0.0]);
+    }
+    // N20 is divided no other way if nothing follows, or its end is not rounded.
+    for rest in ["M30\n", "G260\nN30 X90\nM30\n", "G04 X0.1\nN30 X90\nM30\n", "N30 G260 X60 Y50\nM30\n"] {
+        let run = soft("DIST_WEIGHT=100", rest);
+        let expected = if rest.contains("Y50") { 40.0 / 3.0 } else { 10.0 };
+        assert!((60.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
+    }
+    // A weight that changes from corner to corner gives no block away twice.
+    let changing = "#CONTOUR MODE [DIST_WEIGHT=0]\nN30 X90\n#CONTOUR MODE [DIST_WEIGHT=100]\nN40 Y90\nN50 X0\nN60 G260 Y0\nM30\n";
+    let run = soft("DIST_WEIGHT=100", changing);
+    assert_eq!(run.trace.mm(run.trace.len() - 1), [0.0; 3]);
+}
+
+#[test]
+fn a_soft_corner_is_calmer_than_one_by_deviation() {
+    // The programs of DIST_SOFT 12 mm against DEV 0.2 mm: 2.5 m/min.
+    let text = |mode: &str| {
+        format!(
+            "N1 #CONTOUR MODE [{mode}]\nN2 G00 X0 Y0\nN3 G261\nN4 G01 X80 Y0 F2500\nN5 X80 Y80\nN6 G260\nM30\n"
+        )
+    };
+    // As in the README: s, mm/s², mm/s³, mm.
+    for (mode, expected) in [
+        ("DIST_SOFT PATH_DIST=12", [3.905, 835.0, 17_000.0, 0.486]),
+        ("DEV PATH_DEV=0.2", [3.917, 1176.0, 33_996.0, 0.2]),
+        ("PTP PATH_DEV=0.2", [3.915, 1249.0, 38_396.0, 0.2]),
+    ] {
+        let run = run_from(&text(mode), [Position::ZERO; 3], &quick(1000));
+        let [a, j] = [2000.0 * peaks_inside(&run), jerk_inside(&run)];
+        let seen = [run.time(), a, j, run.distance([80.0, 0.0])];
+        for (seen, expected) in seen.into_iter().zip(expected) {
+            assert!((seen - expected).abs() < 2e-3 * expected, "{mode}: {seen} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn actions_of_curves_over_time_have_their_place() {
+    for mode in ["PTP PATH_DEV=0.5", "DIST_SOFT PATH_DIST=5", "DEV PATH_DEV=0.5"] {
+        for (action, x, y) in [
+            ("PRE_ACTION", 90.0..99.5, 0.0..0.01),
+            ("INTER_ACTION", 99.0..100.0, 0.01..1.0),
+            ("POST_ACTION", 99.99..100.01, 0.5..10.0),
+        ] {
+            let text =
+                format!("#CONTOUR MODE ON [{mode} {action}]\nN10 G01 X100 M25 F6000\nN20 G260 Y100\nM30\n");
+            let run = run_from(&text, [Position::ZERO; 3], &quick(1000));
+            let [(row, event)] = run.events[..] else { panic!("{:?}", run.events) };
+            assert_eq!(event.function, Function::M(25));
+            let at = run.trace.mm(row);
+            assert!(x.contains(&at[0]) && y.contains(&at[1]), "{mode} {action}: {at:?}");
+        }
+    }
+}
