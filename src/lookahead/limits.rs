@@ -1,5 +1,6 @@
 //! Permitted path speed, acceleration and jerk of one element, and how those of several become one.
 use super::dynamics::Set;
+use super::ease::Ease;
 use super::pace::Headroom;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::quantity::Speed;
@@ -115,6 +116,16 @@ impl Limits {
                 *change_over = min(*change_over, *other);
             }
             _ => {}
+        }
+    }
+
+    /// Uses less than permitted.
+    pub(super) fn ease(&mut self, ease: Ease) {
+        if ease != Ease::NONE {
+            let [up, down, speed] = ease.parts();
+            self.a_up *= up;
+            self.a_down *= down;
+            self.v *= speed;
         }
     }
 

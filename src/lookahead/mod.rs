@@ -14,6 +14,7 @@
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod dynamics;
+mod ease;
 mod limits;
 mod pace;
 mod span;
@@ -33,6 +34,7 @@ use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use heapless::Deque;
+use ease::Ease;
 use span::Pass;
 
 /// A block in the ring.
@@ -58,6 +60,8 @@ pub struct Block<const AXES: usize> {
     pub ahead: u16,
     /// How far the transition at its start lets `cap` rise: LSB 2^-7, at most twice.
     rises: u8,
+    /// How gently the span that begins with it changes its speed.
+    ease: Ease,
     marks: Marks,
 }
 
@@ -68,39 +72,43 @@ const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 
 /// What is said of a block with yes or no.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Marks(u8);
+struct Marks(u16);
 
 impl Marks {
     /// The speed at its start was planned for a lower end speed than the one that is planned now.
-    const KEPT: u8 = 1;
+    const KEPT: u16 = 1;
     /// Acceleration is zero at its start.
-    const ANCHOR: u8 = 2;
+    const ANCHOR: u16 = 2;
     /// It became an anchor after the last complete plan.
-    const FRESH: u8 = 4;
+    const FRESH: u16 = 4;
     /// Its span does not rise above the speeds at its ends.
-    const FLAT: u8 = 8;
+    const FLAT: u16 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
-    const CHECKED: u8 = 16;
+    const CHECKED: u16 = 16;
     /// Functions come out where it begins.
-    const FUNCTIONS: u8 = 32;
+    const FUNCTIONS: u16 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
-    const GATE: u8 = 64;
+    const GATE: u16 = 64;
     /// It stands for several blocks, and is twice as long as the way to a standstill.
-    const LONG: u8 = 128;
+    const LONG: u16 = 128;
+    /// Acceleration may pass its start: if that is an anchor, because of the speed there only.
+    const OPEN: u16 = 256;
+    /// The plan was tried without this anchor.
+    const TRIED: u16 = 512;
 
     #[inline(always)]
-    const fn has(self, mark: u8) -> bool {
+    const fn has(self, mark: u16) -> bool {
         self.0 & mark != 0
     }
 
     #[inline(always)]
-    fn set(&mut self, mark: u8, on: bool) {
+    fn set(&mut self, mark: u16, on: bool) {
         self.0 = if on { self.0 | mark } else { self.0 & !mark };
     }
 }
 
 impl<const AXES: usize> Block<AXES> {
-    fn is(&self, mark: u8) -> bool {
+    fn is(&self, mark: u16) -> bool {
         self.marks.has(mark)
     }
 
@@ -150,6 +158,8 @@ pub struct Release {
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
     pub limits: Limits,
+    /// Deceleration that all of its blocks permit: a law may be gentler, see `limits`.
+    pub a_down: f32,
     /// The lowest of their speeds.
     pub v_least: f32,
     /// Speed at its start.
@@ -178,6 +188,7 @@ impl Release {
         ahead: [0; 2],
         length: Distance::ZERO,
         limits: Limits::WIDEST,
+        a_down: f32::MAX,
         v_least: 0.0,
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
@@ -195,6 +206,11 @@ impl Release {
         self.limits.v = risen(self.limits.v, self.headroom);
         self.v_next = risen(self.v_next, self.next);
         self.level = level;
+    }
+
+    /// Its limits, and the deceleration of a slowing down that takes the place of its law.
+    pub const fn braking(&self) -> (&Limits, f32) {
+        (&self.limits, self.a_down)
     }
 
     /// Whether it is long enough to slow down from `v_in` to `v_out`.
@@ -434,6 +450,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::OPEN, !anchor && slope == SlopeType::Hsc);
         marks.set(Marks::FUNCTIONS, functions);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
@@ -449,6 +466,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             n,
             headroom,
             rises: (rises * ONE) as u8,
+            ease: Ease::NONE,
             ahead,
             marks,
         });
@@ -513,6 +531,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 next => break next,
             }
         };
+        release.a_down = limits.a_down;
+        limits.ease(first.ease);
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
         release.v_next = 0.0;

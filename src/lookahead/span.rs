@@ -9,7 +9,8 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter.
-use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED};
+use super::ease::{Ease, Trial};
+use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max};
 use crate::math::float::to_f32;
 use crate::path::Shape;
 use crate::quantity::Speed;
@@ -47,6 +48,8 @@ pub(super) enum Pass {
     Forward(Forward),
     /// The blocks of one span against its law.
     Inside(Inside),
+    /// Two spans against one law.
+    Trial(Trial),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +74,10 @@ pub(super) struct Forward {
     v_in: Speed,
     /// All speeds up to here are final, whatever comes.
     firm: bool,
+    /// The last anchor with a final speed.
+    last: usize,
+    /// Trials are done.
+    tried: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +136,13 @@ impl Span {
         self.length += block.shape.length.to_bits();
     }
 
+    /// Takes in the span behind it.
+    pub fn append(&mut self, other: &Self) {
+        self.limits.join(&other.limits);
+        self.kept = true;
+        self.length += other.length;
+    }
+
     fn millimetres(&self) -> f32 {
         to_f32(self.length) * LSB_44
     }
@@ -137,13 +151,14 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
+    /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
+    pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
 }
 
 impl Law {
-    fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
+    pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
         let (up, down) = (span.limits.speed_up(), span.limits.brake());
         let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
         let low = v_in.max(v_out);
@@ -152,13 +167,30 @@ impl Law {
         Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
     }
 
+    /// Highest speed.
+    pub fn peak(&self) -> f32 {
+        self.peak
+    }
+
+    /// Duration, ticks.
+    pub fn time(&self) -> f32 {
+        let [gained, lost] = [self.peak - self.v_in, self.peak - self.v_out];
+        let way = self.up.distance(self.v_in, gained)[0] + self.down.distance(self.v_out, lost)[0];
+        self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
+    }
+
+    /// Where the speeding up ends.
+    pub fn reaches_at(&self) -> f32 {
+        self.up.distance(self.v_in, self.peak - self.v_in)[0]
+    }
+
     /// Where the slowing down begins.
-    fn brakes_at(&self) -> f32 {
+    pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
 
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
-    fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
+    pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
             return true;
         }
@@ -228,6 +260,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 }
                 next
             }
+            Pass::Trial(mut pass) => {
+                let next = self.trial(&mut pass);
+                if next.is_none() {
+                    self.pass = Pass::Trial(pass);
+                }
+                next
+            }
             _ => None,
         };
         if let Some(next) = next {
@@ -283,6 +322,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
+            let ease = block.ease;
+            pass.span.limits.ease(ease);
             // The first block's start is already decided.
             if left == 0 {
                 self.raise_first_span(pass);
@@ -330,8 +371,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     fn start_forward(&self) -> Pass {
+        self.start_forward_again(false)
+    }
+
+    pub(super) fn start_forward_again(&self, tried: bool) -> Pass {
         let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
-        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true })
+        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true, last: 0, tried })
     }
 
     /// The same.
@@ -339,6 +384,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
+                None if !pass.tried && pass.last > 0 => return Some(Pass::Trial(Trial::new(pass.last))),
                 None => return Some(self.complete()),
             };
             if let Some(block) = self.blocks.get(pass.next)
@@ -354,7 +400,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             // The span is complete.
             let end = self.blocks.get(pass.next);
-            pass.firm &= !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            let last = !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            pass.firm &= last;
+            if last {
+                pass.last = pass.next;
+            }
             if checked {
                 pass.v_in = end.map_or(Speed::ZERO, |end| end.v_reached);
                 (pass.from, pass.span) = (pass.next, Span::default());
@@ -367,6 +417,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Plans a span that has changed.
     fn span(&mut self, mut pass: Forward) -> Pass {
+        let ease = self.blocks.get(pass.from).map_or(Ease::NONE, |first| first.ease);
+        pass.span.limits.ease(ease);
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
@@ -497,6 +549,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if flat {
                 return self.slow_down(&pass.forward);
             }
+            if let Some(first) = self.blocks.get_mut(from)
+                && first.ease != Ease::NONE
+            {
+                first.ease = Ease::NONE;
+                return self.plan_again(from, to);
+            }
             let [enters, leaves] = self.too_fast(pass, first, behind, v);
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
                 if needed && from < block && block < to {
@@ -545,7 +603,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         Pass::Backward(Backward { left: to, span: Span::default(), v_out, until: from, changed: true })
     }
 
-    fn complete(&mut self) -> Pass {
+    pub(super) fn complete(&mut self) -> Pass {
         self.end = self.blocks.len();
         self.free = None;
         for block in self.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {

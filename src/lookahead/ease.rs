@@ -1,0 +1,374 @@
+//! Knees: anchors that a gentler law does without.
+//!
+//! A block on the way up, or down, stops the gain of speed where it ends, or begins: acceleration is zero at such an anchor,
+//! and has to be built up again behind it. Where speed goes on in the same direction, one law for both spans may be
+//! faster, with so little acceleration that it passes the slow block at just its speed. That is tried for every
+//! anchor once, as soon as the speeds around it are final: the greatest acceleration, in steps of 2^-8, with which
+//! the law keeps the limits of all blocks; the anchor goes if the law is the faster one.
+use super::span::{Law, Pass, Span};
+use super::{Lookahead, Marks, Share, UNPLANNED};
+use crate::math::float::to_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::speed_f32;
+
+/// How much less than permitted a span uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ease {
+    /// Of acceleration and of deceleration, LSB 2^-8.
+    less: [u8; 2],
+    /// Of speed, LSB 2^-16.
+    slower: u16,
+}
+
+impl Ease {
+    /// All of it is used.
+    pub const NONE: Self = Self { less: [0; 2], slower: 0 };
+
+    /// The parts used: of acceleration, deceleration and speed.
+    pub fn parts(self) -> [f32; 3] {
+        let [up, down] = self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0));
+        [up, down, 1.0 - f32::from(self.slower) * (1.0 / 65_536.0)]
+    }
+
+    /// No faster than `v`, of the speed `of`.
+    fn slow_down(&mut self, v: f32, of: f32) {
+        // Rounded down.
+        self.slower = ((1.0 - v / of) * 65_536.0) as u16 + 1;
+    }
+}
+
+/// The least acceleration used: a sixteenth.
+const MOST: u8 = 240;
+/// Blocks per call that are only counted, and that are compared with a law.
+const WALK: usize = 32;
+const STEPS: usize = 8;
+/// Laws per call.
+const LAWS: usize = 4;
+/// Blocks for which the acceleration is lowered, at most.
+const ROUNDS: u8 = 4;
+/// Longest span made of two, as a part of the ring.
+const PART: usize = 2;
+/// Less than that is no gain, and no rise of speed.
+const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A limit inside a span: the distance over which speed changes between an end of the span and it, and the speed.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    way: f32,
+    v: f32,
+    /// The acceleration that it leaves, roughly.
+    a: f32,
+}
+
+/// What to do next.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// Look for the next anchor to try, from block `next` on.
+    Seek,
+    /// Take in the blocks of both spans.
+    Gather,
+    /// Compare the law with the blocks.
+    Compare,
+    /// Lower the acceleration (0: up, 1: down): it is too great at the first number, not at the second.
+    Lower(usize, [u8; 2]),
+}
+
+/// Trying to do without anchors, from the front to the last one whose speed is final.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    step: Step,
+    /// First block of the first span, the anchor behind it, and the one behind the second span.
+    from: usize,
+    at: usize,
+    to: usize,
+    /// Block to look at, and its distance from the start.
+    next: usize,
+    way: i64,
+    /// The last anchor with a final speed.
+    last: usize,
+    /// Both spans, then in the first one all of it.
+    spans: [Span; 2],
+    /// Speeds at their ends.
+    speeds: [Speed; 3],
+    /// Time of the plan as it is.
+    time: f32,
+    ease: Ease,
+    law: Option<Law>,
+    worst: [Option<Mark>; 2],
+    rounds: u8,
+    /// A speed behind has changed.
+    changed: bool,
+}
+
+impl Trial {
+    pub fn new(last: usize) -> Self {
+        Self {
+            step: Step::Seek,
+            from: 0,
+            at: 0,
+            to: 0,
+            next: 1,
+            way: 0,
+            last,
+            spans: [Span::default(); 2],
+            speeds: [Speed::ZERO; 3],
+            time: 0.0,
+            ease: Ease::NONE,
+            law: None,
+            worst: [None; 2],
+            rounds: 0,
+            changed: false,
+        }
+    }
+
+    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed planned at the end.
+    fn law(&self, ease: Ease, planned: Speed) -> Option<(Law, Speed)> {
+        let [v_in, _, v_end] = self.speeds;
+        let mut span = self.spans[0];
+        span.limits.ease(ease);
+        let v_out = span.leave(v_in, planned)?;
+        (v_out >= v_end).then(|| (Law::new(&span, v_in, v_out, true), v_out))
+    }
+
+    /// Begins to compare a law with all blocks.
+    fn compare(&mut self, law: Law) {
+        self.step = Step::Compare;
+        self.law = Some(law);
+        (self.next, self.way) = (self.from, 0);
+        self.worst = [None; 2];
+    }
+
+    /// The limit `v` between two distances is exceeded. `false` where less acceleration is no help.
+    fn exceeds(&mut self, law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> bool {
+        let [v_in, v_out] = [self.speeds[0], self.speeds[2]].map(|v| speed_f32(v.to_bits()));
+        let (side, way, low) = if to <= law.reaches_at() {
+            (0, to, v_in)
+        } else if from >= law.brakes_at() {
+            (1, length - from, v_out)
+        } else {
+            return false;
+        };
+        if v <= low {
+            return false;
+        }
+        let a = (v - low) * (v + low) / way;
+        let worst = &mut self.worst[side & 1];
+        if worst.is_none_or(|worst| a < worst.a) {
+            *worst = Some(Mark { way, v, a });
+        }
+        true
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    /// Goes on; the next pass, or none if this one goes on.
+    #[inline(never)]
+    pub(super) fn trial(&mut self, pass: &mut Trial) -> Option<Pass> {
+        match pass.step {
+            Step::Seek => self.seek(pass),
+            Step::Gather => {
+                self.gather(pass);
+                None
+            }
+            Step::Compare => {
+                self.compare(pass);
+                None
+            }
+            Step::Lower(side, between) => {
+                self.lower_acceleration(pass, side, between);
+                None
+            }
+        }
+    }
+
+    fn trials_done(&mut self, pass: &Trial) -> Pass {
+        if pass.changed { self.start_forward_again(true) } else { self.complete() }
+    }
+
+    fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
+        for _ in 0..WALK {
+            if pass.next >= pass.last {
+                return Some(self.trials_done(pass));
+            }
+            let Some(block) = self.blocks.get(pass.next) else { return Some(self.trials_done(pass)) };
+            let (anchor, try_it) = (block.is(Marks::ANCHOR), block.is(Marks::OPEN) && !block.is(Marks::TRIED));
+            let flat = |k: usize| self.blocks.get(k).is_some_and(|block| block.is(Marks::FLAT) || !block.is(Marks::CHECKED));
+            if anchor && try_it && !flat(pass.from) && !flat(pass.next) {
+                pass.at = pass.next;
+                pass.next = pass.from;
+                pass.spans = [Span::default(); 2];
+                pass.step = Step::Gather;
+                return None;
+            }
+            if anchor {
+                pass.from = pass.next;
+            }
+            pass.next += 1;
+        }
+        None
+    }
+
+    /// The anchor stays.
+    fn keep_anchor(&mut self, pass: &mut Trial) {
+        if let Some(block) = self.blocks.get_mut(pass.at) {
+            block.marks.set(Marks::TRIED, true);
+        }
+        pass.from = pass.at;
+        pass.next = pass.at + 1;
+        pass.step = Step::Seek;
+    }
+
+    fn gather(&mut self, pass: &mut Trial) {
+        for _ in 0..WALK {
+            match self.blocks.get(pass.next) {
+                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => {
+                    let last = self.open && pass.next + 1 == self.blocks.len();
+                    let share: Option<&Share> = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    let [first, second] = &mut pass.spans;
+                    if pass.next < pass.at { first } else { second }.add(block, share);
+                    pass.next += 1;
+                }
+                _ => return self.weigh(pass),
+            }
+        }
+    }
+
+    /// Both spans are known, the second one ends at block `next`.
+    fn weigh(&mut self, pass: &mut Trial) {
+        let to = pass.next;
+        pass.to = to;
+        let speed = |k: usize| match self.blocks.get(k) {
+            Some(block) if k == 0 => block.v_in,
+            Some(block) => block.v_reached,
+            None => Speed::ZERO,
+        };
+        let speeds = [pass.from, pass.at, to].map(speed);
+        let ease = |k: usize| self.blocks.get(k).map_or(Ease::NONE, |block| block.ease);
+        let eases = [ease(pass.from), ease(pass.at)];
+        if to > pass.last || to - pass.from > self.depth / PART {
+            return self.keep_anchor(pass);
+        }
+        let [mut first, mut second] = pass.spans;
+        first.limits.ease(eases[0]);
+        second.limits.ease(eases[1]);
+        let before = Law::new(&first, speeds[0], speeds[1], true);
+        let behind = Law::new(&second, speeds[1], speeds[2], true);
+        let v = speed_f32(speeds[1].to_bits()) * RISE;
+        if before.peak() > v && behind.peak() > v {
+            return self.keep_anchor(pass);
+        }
+        let [first, second] = &mut pass.spans;
+        first.append(second);
+        pass.speeds = speeds;
+        pass.time = (before.time() + behind.time()) * GAIN;
+        (pass.ease, pass.rounds) = (Ease::NONE, ROUNDS);
+        self.try_law(pass, to);
+    }
+
+    /// Speed planned at the start of a block.
+    fn planned(&self, block: usize) -> Speed {
+        self.blocks.get(block).map_or(Speed::ZERO, |block| block.v_in)
+    }
+
+    /// The law with the acceleration at hand, if it gains anything, against all blocks.
+    fn try_law(&mut self, pass: &mut Trial, to: usize) {
+        match pass.law(pass.ease, self.planned(to)) {
+            Some((law, _)) if law.time() < pass.time => pass.compare(law),
+            _ => self.keep_anchor(pass),
+        }
+    }
+
+    fn compare(&mut self, pass: &mut Trial) {
+        let Some(mut law) = pass.law else { return self.keep_anchor(pass) };
+        let length = to_f32(pass.spans[0].length) * LSB_44;
+        for _ in 0..STEPS {
+            let block = match self.blocks.get(pass.next) {
+                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => block,
+                _ => return self.compared(pass),
+            };
+            let start = to_f32(pass.way) * LSB_44;
+            pass.way += block.shape.length.to_bits();
+            let end = to_f32(pass.way) * LSB_44;
+            let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
+            for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
+                if !law.keeps(v, places[0], places[1]) && !pass.exceeds(&law, v, places, length) {
+                    return self.slow_peak(pass, v);
+                }
+            }
+            pass.next += 1;
+        }
+        pass.law = Some(law);
+    }
+
+    /// The peak lies in a block of that speed.
+    fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
+        let ends = pass.speeds[0].max(pass.speeds[2]);
+        if pass.rounds == 0 || v <= speed_f32(ends.to_bits()) {
+            return self.keep_anchor(pass);
+        }
+        pass.rounds -= 1;
+        pass.ease.slow_down(v, pass.spans[0].limits.v);
+        self.try_law(pass, pass.to);
+    }
+
+    /// All blocks are compared.
+    fn compared(&mut self, pass: &mut Trial) {
+        let [up, down] = pass.worst;
+        if up.is_none() && down.is_none() {
+            return self.do_without(pass);
+        }
+        if pass.rounds == 0 {
+            return self.keep_anchor(pass);
+        }
+        pass.rounds -= 1;
+        let side = usize::from(up.is_none());
+        pass.step = Step::Lower(side, [pass.ease.less[side], MOST]);
+    }
+
+    fn lower_acceleration(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
+        let planned = self.planned(pass.next);
+        let Some(Mark { way, v, .. }) = pass.worst.get(side).copied().flatten() else { return self.keep_anchor(pass) };
+        let length = to_f32(pass.spans[0].length) * LSB_44;
+        let at = if side == 0 { way } else { length - way };
+        for _ in 0..LAWS {
+            if slow - fast <= 1 {
+                pass.ease.less[side & 1] = slow;
+                return self.try_law(pass, pass.next);
+            }
+            let middle = fast + (slow - fast) / 2;
+            let mut ease = pass.ease;
+            ease.less[side & 1] = middle;
+            // Where it does not get as fast as planned, it keeps the limit.
+            let keeps = pass.law(ease, planned).is_none_or(|(mut law, _)| law.keeps(v, at, at));
+            if keeps { slow = middle } else { fast = middle }
+        }
+        pass.step = Step::Lower(side, [fast, slow]);
+    }
+
+    /// The law keeps all limits, and is faster.
+    fn do_without(&mut self, pass: &mut Trial) {
+        let to = pass.next;
+        let Some((_, v_out)) = pass.law(pass.ease, self.planned(to)) else { return self.keep_anchor(pass) };
+        if let Some(block) = self.blocks.get_mut(pass.at) {
+            block.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+            block.marks.set(Marks::TRIED, true);
+            block.v_old = UNPLANNED;
+            self.through += 1;
+        }
+        if let Some(first) = self.blocks.get_mut(pass.from) {
+            first.ease = pass.ease;
+        }
+        if let Some(end) = self.blocks.get_mut(to)
+            && end.v_reached != v_out
+        {
+            end.v_reached = v_out;
+            end.marks.set(Marks::CHECKED, false);
+            pass.changed = true;
+        }
+        pass.next = pass.at + 1;
+        pass.step = Step::Seek;
+    }
+}
