@@ -12,28 +12,21 @@ use crate::quantity::Speed;
 use crate::slope::profile::speed_f32;
 
 /// How much less than permitted a span uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
     /// Of acceleration and of deceleration, LSB 2^-8.
     less: [u8; 2],
-    /// Of speed, LSB 2^-16.
-    slower: u16,
+    /// Highest speed.
+    v: f32,
 }
 
 impl Ease {
     /// All of it is used.
-    pub const NONE: Self = Self { less: [0; 2], slower: 0 };
+    pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// The parts used: of acceleration, deceleration and speed.
-    pub fn parts(self) -> [f32; 3] {
-        let [up, down] = self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0));
-        [up, down, 1.0 - f32::from(self.slower) * (1.0 / 65_536.0)]
-    }
-
-    /// No faster than `v`, of the speed `of`.
-    fn slow_down(&mut self, v: f32, of: f32) {
-        // Rounded down.
-        self.slower = ((1.0 - v / of) * 65_536.0) as u16 + 1;
+    /// The parts of acceleration and deceleration that are used, and the highest speed.
+    pub fn parts(self) -> ([f32; 2], f32) {
+        (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
     }
 }
 
@@ -185,7 +178,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     fn trials_done(&mut self, pass: &Trial) -> Pass {
-        if pass.changed { self.start_forward_again(true) } else { self.complete() }
+        if pass.changed { self.start_forward() } else { self.complete() }
     }
 
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
@@ -306,11 +299,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The peak lies in a block of that speed.
     fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
         let ends = pass.speeds[0].max(pass.speeds[2]);
-        if pass.rounds == 0 || v <= speed_f32(ends.to_bits()) {
+        if pass.rounds == 0 || v < speed_f32(ends.to_bits()) {
             return self.keep_anchor(pass);
         }
         pass.rounds -= 1;
-        pass.ease.slow_down(v, pass.spans[0].limits.v);
+        pass.ease.v = v;
         self.try_law(pass, pass.to);
     }
 

@@ -121,12 +121,10 @@ impl Limits {
 
     /// Uses less than permitted.
     pub(super) fn ease(&mut self, ease: Ease) {
-        if ease != Ease::NONE {
-            let [up, down, speed] = ease.parts();
-            self.a_up *= up;
-            self.a_down *= down;
-            self.v *= speed;
-        }
+        let ([up, down], v) = ease.parts();
+        self.a_up *= up;
+        self.a_down *= down;
+        self.v = min(self.v, v);
     }
 
     /// Permits no speed above those.

@@ -76,8 +76,6 @@ pub(super) struct Forward {
     firm: bool,
     /// The last anchor with a final speed.
     last: usize,
-    /// Trials are done.
-    tried: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -370,13 +368,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         block.v_in = v;
     }
 
-    fn start_forward(&self) -> Pass {
-        self.start_forward_again(false)
-    }
-
-    pub(super) fn start_forward_again(&self, tried: bool) -> Pass {
+    pub(super) fn start_forward(&self) -> Pass {
         let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
-        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true, last: 0, tried })
+        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true, last: 0 })
     }
 
     /// The same.
@@ -384,7 +378,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
-                None if !pass.tried && pass.last > 0 => return Some(Pass::Trial(Trial::new(pass.last))),
+                None if pass.last > 1 => return Some(Pass::Trial(Trial::new(pass.last))),
                 None => return Some(self.complete()),
             };
             if let Some(block) = self.blocks.get(pass.next)
@@ -548,12 +542,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some((first, behind, v)) = pass.worst {
             if flat {
                 return self.slow_down(&pass.forward);
-            }
-            if let Some(first) = self.blocks.get_mut(from)
-                && first.ease != Ease::NONE
-            {
-                first.ease = Ease::NONE;
-                return self.plan_again(from, to);
             }
             let [enters, leaves] = self.too_fast(pass, first, behind, v);
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
