@@ -1,10 +1,13 @@
 //! Knees: anchors that a gentler law does without.
 //!
-//! A block on the way up, or down, stops the gain of speed where it ends, or begins: acceleration is zero at such an anchor,
-//! and has to be built up again behind it. Where speed goes on in the same direction, one law for both spans may be
-//! faster, with so little acceleration that it passes the slow block at just its speed. That is tried for every
-//! anchor once, as soon as the speeds around it are final: the greatest acceleration, in steps of 2^-8, with which
-//! the law keeps the limits of all blocks; the anchor goes if the law is the faster one.
+//! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to zero there and has
+//! to be built up again behind it. One law for the spans on both sides may be faster: with so little acceleration, or
+//! deceleration, that it passes the slow block at just its speed, or with the speed of a slow block as its highest.
+//!
+//! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all that the
+//! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
+//! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
+//! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
 use super::span::{Law, Pass, Span};
 use super::{Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
@@ -41,18 +44,20 @@ const LAWS: usize = 4;
 const ROUNDS: u8 = 4;
 /// Longest span made of two, as a part of the ring.
 const PART: usize = 2;
-/// Less than that is no gain, and no rise of speed.
+/// Less is no gain, and no rise of speed.
 const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// A limit inside a span: the distance over which speed changes between an end of the span and it, and the speed.
+/// A limit that a law exceeds while its speed changes.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct Excess {
+    /// Its distance from the end of the span where that change of speed begins, or ends.
     way: f32,
+    /// The speed it permits.
     v: f32,
-    /// The acceleration that it leaves, roughly.
+    /// The acceleration that leaves, twice, without the ramps.
     a: f32,
 }
 
@@ -65,11 +70,12 @@ enum Step {
     Gather,
     /// Compare the law with the blocks.
     Compare,
-    /// Lower the acceleration (0: up, 1: down): it is too great at the first number, not at the second.
-    Lower(usize, [u8; 2]),
+    /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
+    /// number, enough with the second.
+    Search(usize, [u8; 2]),
 }
 
-/// Trying to do without anchors, from the front to the last one whose speed is final.
+/// Tries to do without one anchor after the other, from the front to the last one whose speed is final.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     step: Step,
@@ -90,9 +96,9 @@ pub(super) struct Trial {
     time: f32,
     ease: Ease,
     law: Option<Law>,
-    worst: [Option<Mark>; 2],
+    worst: [Option<Excess>; 2],
     rounds: u8,
-    /// A speed behind has changed.
+    /// A speed at the end of such a law has changed.
     changed: bool,
 }
 
@@ -134,7 +140,7 @@ impl Trial {
         self.worst = [None; 2];
     }
 
-    /// The limit `v` between two distances is exceeded. `false` where less acceleration is no help.
+    /// Takes note that the limit `v` between two distances is exceeded; `false` where less acceleration is no help.
     fn exceeds(&mut self, law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> bool {
         let [v_in, v_out] = [self.speeds[0], self.speeds[2]].map(|v| speed_f32(v.to_bits()));
         let (side, way, low) = if to <= law.reaches_at() {
@@ -148,9 +154,10 @@ impl Trial {
             return false;
         }
         let a = (v - low) * (v + low) / way;
-        let worst = &mut self.worst[side & 1];
-        if worst.is_none_or(|worst| a < worst.a) {
-            *worst = Some(Mark { way, v, a });
+        if let Some(worst) = self.worst.get_mut(side)
+            && worst.is_none_or(|worst| a < worst.a)
+        {
+            *worst = Some(Excess { way, v, a });
         }
         true
     }
@@ -170,26 +177,31 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 self.compare(pass);
                 None
             }
-            Step::Lower(side, between) => {
-                self.lower_acceleration(pass, side, between);
+            Step::Search(side, between) => {
+                self.search(pass, side, between);
                 None
             }
         }
     }
 
+    /// Speeds that have changed are planned once more; anchors that were tried are not tried again.
     fn trials_done(&mut self, pass: &Trial) -> Pass {
         if pass.changed { self.start_forward() } else { self.complete() }
     }
 
+    /// Goes on to the next anchor that may be tried.
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
         for _ in 0..WALK {
             if pass.next >= pass.last {
                 return Some(self.trials_done(pass));
             }
             let Some(block) = self.blocks.get(pass.next) else { return Some(self.trials_done(pass)) };
-            let (anchor, try_it) = (block.is(Marks::ANCHOR), block.is(Marks::OPEN) && !block.is(Marks::TRIED));
-            let flat = |k: usize| self.blocks.get(k).is_some_and(|block| block.is(Marks::FLAT) || !block.is(Marks::CHECKED));
-            if anchor && try_it && !flat(pass.from) && !flat(pass.next) {
+            let anchor = block.is(Marks::ANCHOR);
+            let untried = block.is(Marks::OPEN) && !block.is(Marks::TRIED);
+            let planned = |k: usize| {
+                self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+            };
+            if anchor && untried && planned(pass.from) && planned(pass.next) {
                 pass.at = pass.next;
                 pass.next = pass.from;
                 pass.spans = [Span::default(); 2];
@@ -214,6 +226,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         pass.step = Step::Seek;
     }
 
+    /// Takes in the blocks of both spans.
     fn gather(&mut self, pass: &mut Trial) {
         for _ in 0..WALK {
             match self.blocks.get(pass.next) {
@@ -258,7 +271,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         pass.speeds = speeds;
         pass.time = (before.time() + behind.time()) * GAIN;
         (pass.ease, pass.rounds) = (Ease::NONE, ROUNDS);
-        self.try_law(pass, to);
+        self.try_law(pass);
     }
 
     /// Speed planned at the start of a block.
@@ -267,13 +280,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The law with the acceleration at hand, if it gains anything, against all blocks.
-    fn try_law(&mut self, pass: &mut Trial, to: usize) {
-        match pass.law(pass.ease, self.planned(to)) {
+    fn try_law(&mut self, pass: &mut Trial) {
+        match pass.law(pass.ease, self.planned(pass.to)) {
             Some((law, _)) if law.time() < pass.time => pass.compare(law),
             _ => self.keep_anchor(pass),
         }
     }
 
+    /// Compares the law with some of the blocks.
     fn compare(&mut self, pass: &mut Trial) {
         let Some(mut law) = pass.law else { return self.keep_anchor(pass) };
         let length = to_f32(pass.spans[0].length) * LSB_44;
@@ -304,7 +318,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         pass.rounds -= 1;
         pass.ease.v = v;
-        self.try_law(pass, pass.to);
+        self.try_law(pass);
     }
 
     /// All blocks are compared.
@@ -318,18 +332,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         pass.rounds -= 1;
         let side = usize::from(up.is_none());
-        pass.step = Step::Lower(side, [pass.ease.less[side], MOST]);
+        pass.step = Step::Search(side, [pass.ease.less[side], MOST]);
     }
 
-    fn lower_acceleration(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
-        let planned = self.planned(pass.next);
-        let Some(Mark { way, v, .. }) = pass.worst.get(side).copied().flatten() else { return self.keep_anchor(pass) };
+    /// Some steps of the search.
+    fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
+        let planned = self.planned(pass.to);
+        let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
+            return self.keep_anchor(pass);
+        };
         let length = to_f32(pass.spans[0].length) * LSB_44;
         let at = if side == 0 { way } else { length - way };
         for _ in 0..LAWS {
             if slow - fast <= 1 {
                 pass.ease.less[side & 1] = slow;
-                return self.try_law(pass, pass.next);
+                return self.try_law(pass);
             }
             let middle = fast + (slow - fast) / 2;
             let mut ease = pass.ease;
@@ -338,12 +355,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let keeps = pass.law(ease, planned).is_none_or(|(mut law, _)| law.keeps(v, at, at));
             if keeps { slow = middle } else { fast = middle }
         }
-        pass.step = Step::Lower(side, [fast, slow]);
+        pass.step = Step::Search(side, [fast, slow]);
     }
 
     /// The law keeps all limits, and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
-        let to = pass.next;
+        let to = pass.to;
         let Some((_, v_out)) = pass.law(pass.ease, self.planned(to)) else { return self.keep_anchor(pass) };
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, false);

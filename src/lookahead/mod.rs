@@ -9,7 +9,7 @@
 //! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both sides have the same
 //! limits, as it is in a circle of several arcs), the blocks on both sides belong to one *span*: one change of speed after the
 //! other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
-//! which transitions are anchors.
+//! which transitions are anchors, `ease` does without some of them.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.

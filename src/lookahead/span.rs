@@ -3,7 +3,8 @@
 //! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
 //! block inside, those ends of the slowest such block become anchors at which it is too fast (both, if it is too fast only
 //! between them), and all sides are planned again. Acceleration
-//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring.
+//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring, unless
+//! [`super::ease`] finds a faster law without it.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a

@@ -348,7 +348,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.mode.stopping || too_fast {
             let target = if self.mode.stopping { 0 } else { speed_bits(v) };
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), target) {
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), target)
+            {
                 self.brake(k, &brake);
                 return None;
             }
