@@ -14,7 +14,7 @@ use crate::math::float::to_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_f32;
 
-/// How much less than permitted a span uses.
+/// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
     /// Of acceleration and of deceleration, LSB 2^-8.
@@ -26,6 +26,21 @@ pub(super) struct Ease {
 impl Ease {
     /// All of it is used.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
+
+    /// Takes over what a block inside the span says.
+    #[inline(always)]
+    pub fn take(&mut self, said: Speed) {
+        if said > UNPLANNED {
+            let [up, down, _, _, v @ ..] = said.to_bits().to_le_bytes();
+            *self = Self { less: [up, down], v: f32::from_le_bytes(v) };
+        }
+    }
+
+    /// The same to be kept there.
+    fn kept(self) -> Speed {
+        let ([up, down], [v0, v1, v2, v3]) = (self.less, self.v.to_le_bytes());
+        Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
+    }
 
     /// The parts of acceleration and deceleration that are used, and the highest speed.
     pub fn parts(self) -> ([f32; 2], f32) {
@@ -197,7 +212,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             let Some(block) = self.blocks.get(pass.next) else { return Some(self.trials_done(pass)) };
             let anchor = block.is(Marks::ANCHOR);
-            let untried = block.is(Marks::OPEN) && !block.is(Marks::TRIED);
+            let untried = block.joint.is_open();
             let planned = |k: usize| {
                 self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
             };
@@ -219,7 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
-            block.marks.set(Marks::TRIED, true);
+            block.joint.close();
         }
         pass.from = pass.at;
         pass.next = pass.at + 1;
@@ -252,14 +267,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             None => Speed::ZERO,
         };
         let speeds = [pass.from, pass.at, to].map(speed);
-        let ease = |k: usize| self.blocks.get(k).map_or(Ease::NONE, |block| block.ease);
-        let eases = [ease(pass.from), ease(pass.at)];
         if to > pass.last || to - pass.from > self.depth / PART {
             return self.keep_anchor(pass);
         }
         let [mut first, mut second] = pass.spans;
-        first.limits.ease(eases[0]);
-        second.limits.ease(eases[1]);
+        first.limits.ease(first.ease);
+        second.limits.ease(second.ease);
         let before = Law::new(&first, speeds[0], speeds[1], true);
         let behind = Law::new(&second, speeds[1], speeds[2], true);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
@@ -363,13 +376,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let to = pass.to;
         let Some((_, v_out)) = pass.law(pass.ease, self.planned(to)) else { return self.keep_anchor(pass) };
         if let Some(block) = self.blocks.get_mut(pass.at) {
-            block.marks.set(Marks::ANCHOR | Marks::FRESH, false);
-            block.marks.set(Marks::TRIED, true);
-            block.v_old = UNPLANNED;
+            block.give_way();
+            block.joint.close();
             self.through += 1;
         }
-        if let Some(first) = self.blocks.get_mut(pass.from) {
-            first.ease = pass.ease;
+        // What the second span said no longer holds.
+        if pass.at + 1 < to
+            && let Some(second) = self.blocks.get_mut(pass.at + 1)
+        {
+            second.v_reached = UNPLANNED;
+        }
+        if let Some(second) = self.blocks.get_mut(pass.from + 1) {
+            second.v_reached = if pass.ease == Ease::NONE { UNPLANNED } else { pass.ease.kept() };
         }
         if let Some(end) = self.blocks.get_mut(to)
             && end.v_reached != v_out

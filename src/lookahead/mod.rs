@@ -33,8 +33,8 @@ use crate::nc::SlopeType;
 use crate::path::{Element, End, Shape};
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
-use heapless::Deque;
 use ease::Ease;
+use heapless::Deque;
 use span::Pass;
 
 /// A block in the ring.
@@ -48,7 +48,7 @@ pub struct Block<const AXES: usize> {
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
-    /// Speed at its start as far as it can be reached from the first block; only of an anchor.
+    /// Speed at its start as far as it can be reached from the first block. Not of an anchor: [`Ease`], if any.
     v_reached: Speed,
     /// The speed that the last complete plan had there: it stays possible.
     v_old: Speed,
@@ -58,57 +58,77 @@ pub struct Block<const AXES: usize> {
     headroom: Headroom,
     /// Motion blocks from the one before it to its own: none where a motion block goes on.
     pub ahead: u16,
-    /// How far the transition at its start lets `cap` rise: LSB 2^-7, at most twice.
-    rises: u8,
-    /// How gently the span that begins with it changes its speed.
-    ease: Ease,
+    joint: Joint,
     marks: Marks,
 }
 
-/// 1 in [`Block::rises`].
-const ONE: f32 = 128.0;
+/// What else is said of the transition at the start of a block: in the upper bit, whether it may be tried to do without an
+/// anchor there; below, how far it lets [`Block::cap`] rise beyond once: LSB 2^-7.
+#[derive(Clone, Copy, Debug)]
+struct Joint(u8);
+
+impl Joint {
+    const ONE: f32 = 128.0;
+    const OPEN: u8 = 128;
+
+    /// `rises`: 1…2.
+    fn new(rises: f32, open: bool) -> Self {
+        let rises = ((rises - 1.0) * Self::ONE) as u8;
+        Self(rises.min(Self::OPEN - 1) | if open { Self::OPEN } else { 0 })
+    }
+
+    fn rises(self) -> f32 {
+        1.0 + f32::from(self.0 & (Self::OPEN - 1)) * (1.0 / Self::ONE)
+    }
+
+    const fn is_open(self) -> bool {
+        self.0 & Self::OPEN != 0
+    }
+
+    /// The anchor was tried.
+    const fn close(&mut self) {
+        self.0 &= Self::OPEN - 1;
+    }
+}
+
 /// A speed that was lowered by this stays below its limit, whatever rounding.
 const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 
 /// What is said of a block with yes or no.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Marks(u16);
+struct Marks(u8);
 
 impl Marks {
     /// The speed at its start was planned for a lower end speed than the one that is planned now.
-    const KEPT: u16 = 1;
+    const KEPT: u8 = 1;
     /// Acceleration is zero at its start.
-    const ANCHOR: u16 = 2;
+    const ANCHOR: u8 = 2;
     /// It became an anchor after the last complete plan.
-    const FRESH: u16 = 4;
+    const FRESH: u8 = 4;
     /// Its span does not rise above the speeds at its ends.
-    const FLAT: u16 = 8;
+    const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
-    const CHECKED: u16 = 16;
+    const CHECKED: u8 = 16;
     /// Functions come out where it begins.
-    const FUNCTIONS: u16 = 32;
+    const FUNCTIONS: u8 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
-    const GATE: u16 = 64;
+    const GATE: u8 = 64;
     /// It stands for several blocks, and is twice as long as the way to a standstill.
-    const LONG: u16 = 128;
-    /// Acceleration may pass its start: if that is an anchor, because of the speed there only.
-    const OPEN: u16 = 256;
-    /// The plan was tried without this anchor.
-    const TRIED: u16 = 512;
+    const LONG: u8 = 128;
 
     #[inline(always)]
-    const fn has(self, mark: u16) -> bool {
+    const fn has(self, mark: u8) -> bool {
         self.0 & mark != 0
     }
 
     #[inline(always)]
-    fn set(&mut self, mark: u16, on: bool) {
+    fn set(&mut self, mark: u8, on: bool) {
         self.0 = if on { self.0 | mark } else { self.0 & !mark };
     }
 }
 
 impl<const AXES: usize> Block<AXES> {
-    fn is(&self, mark: u16) -> bool {
+    fn is(&self, mark: u8) -> bool {
         self.marks.has(mark)
     }
 
@@ -129,6 +149,12 @@ impl<const AXES: usize> Block<AXES> {
 }
 
 impl<const AXES: usize> Block<AXES> {
+    /// It is no anchor any more.
+    fn give_way(&mut self) {
+        self.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+        (self.v_reached, self.v_old) = (UNPLANNED, UNPLANNED);
+    }
+
     /// It begins at the speed `v_in`, lower than planned or as planned.
     fn start_at(&mut self, v_in: Speed) {
         self.v_in = v_in;
@@ -329,9 +355,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.marks.set(Marks::CHECKED, false);
             if k > 0 {
                 // From the highest speed that the transition permits, of which no more than the double is known.
-                let highest = block.cap * (f32::from(block.rises) * (1.0 / ONE));
+                let highest = block.cap * block.joint.rises();
                 block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
-                block.rises = (min(highest / block.cap, 2.0) * ONE) as u8;
+                block.joint = Joint::new(min(highest / block.cap, 2.0), block.joint.is_open());
             }
             last = block.limits.v;
         }
@@ -450,7 +476,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
-        marks.set(Marks::OPEN, !anchor && slope == SlopeType::Hsc);
         marks.set(Marks::FUNCTIONS, functions);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
@@ -465,8 +490,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             v_old: UNPLANNED,
             n,
             headroom,
-            rises: (rises * ONE) as u8,
-            ease: Ease::NONE,
+            joint: Joint::new(rises, !anchor && slope == SlopeType::Hsc),
             ahead,
             marks,
         });
@@ -517,7 +541,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
         let mut headroom = first.headroom;
-        let mut limits = first.limits;
+        let (mut limits, mut ease) = (first.limits, Ease::NONE);
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
@@ -525,6 +549,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
                     length += block.shape.length.to_bits();
+                    ease.take(block.v_reached);
                     (blocks, kept) = (blocks + 1, true);
                     ahead[1] += u32::from(block.ahead);
                 }
@@ -532,7 +557,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
         };
         release.a_down = limits.a_down;
-        limits.ease(first.ease);
+        limits.ease(ease);
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
         release.v_next = 0.0;

@@ -25,13 +25,15 @@ pub(super) struct Span {
     pub length: i64,
     /// What all of them permit; of the speeds the highest.
     pub limits: Limits,
+    /// What its law leaves unused of that.
+    pub ease: Ease,
     /// The speed at its start may have been planned for another end speed.
     kept: bool,
 }
 
 impl Default for Span {
     fn default() -> Self {
-        Self { length: 0, limits: Limits::WIDEST, kept: false }
+        Self { length: 0, limits: Limits::WIDEST, ease: Ease::NONE, kept: false }
     }
 }
 
@@ -130,6 +132,9 @@ impl Span {
             self.limits = limits;
         } else {
             self.limits.join(&limits);
+        }
+        if !block.is(Marks::ANCHOR) {
+            self.ease.take(block.v_reached);
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
@@ -321,8 +326,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
-            let ease = block.ease;
-            pass.span.limits.ease(ease);
+            pass.span.limits.ease(pass.span.ease);
             // The first block's start is already decided.
             if left == 0 {
                 self.raise_first_span(pass);
@@ -412,8 +416,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Plans a span that has changed.
     fn span(&mut self, mut pass: Forward) -> Pass {
-        let ease = self.blocks.get(pass.from).map_or(Ease::NONE, |first| first.ease);
-        pass.span.limits.ease(ease);
+        pass.span.limits.ease(pass.span.ease);
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
@@ -455,7 +458,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
-                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+                end.give_way();
                 self.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
                     first.marks.set(Marks::FLAT, true);
@@ -473,7 +476,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
-                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+                end.give_way();
                 self.through += 1;
                 self.plan_again(from, to)
             }
@@ -582,6 +585,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
+            block.v_reached = UNPLANNED;
             self.through -= 1;
         }
     }
