@@ -371,6 +371,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         pass.step = Step::Search(side, [fast, slow]);
     }
 
+    /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`: what that
+    /// permits at its start.
+    fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
+        let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
+        if block > 0
+            && let Some(block) = self.blocks.get_mut(block)
+        {
+            block.v_in = span.faster(&span.limits.brake(), v_out, cap).max(block.v_reached);
+        }
+    }
+
     /// The law keeps all limits, and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
@@ -380,6 +391,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.joint.close();
             self.through += 1;
         }
+        let mut span = pass.spans[0];
+        span.limits.ease(pass.ease);
+        self.renew(pass.from, &span, self.planned(to));
         // What the second span said no longer holds.
         if pass.at + 1 < to
             && let Some(second) = self.blocks.get_mut(pass.at + 1)

@@ -151,7 +151,7 @@ impl Span {
         to_f32(self.length) * LSB_44
     }
 
-    fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
+    pub fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
         faster(ramp, self.millimetres(), low, cap)
     }
 
