@@ -113,8 +113,6 @@ pub(super) struct Trial {
     law: Option<Law>,
     worst: [Option<Excess>; 2],
     rounds: u8,
-    /// A speed at the end of such a law has changed.
-    changed: bool,
 }
 
 impl Trial {
@@ -134,17 +132,16 @@ impl Trial {
             law: None,
             worst: [None; 2],
             rounds: 0,
-            changed: false,
         }
     }
 
-    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed planned at the end.
-    fn law(&self, ease: Ease, planned: Speed) -> Option<(Law, Speed)> {
+    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the end. That stays as
+    /// it is: what follows relies on it.
+    fn law(&self, ease: Ease) -> Option<Law> {
         let [v_in, _, v_end] = self.speeds;
         let mut span = self.spans[0];
         span.limits.ease(ease);
-        let v_out = span.leave(v_in, planned)?;
-        (v_out >= v_end).then(|| (Law::new(&span, v_in, v_out, true), v_out))
+        (span.leave(v_in, v_end)? == v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
     /// Begins to compare a law with all blocks.
@@ -199,18 +196,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// Speeds that have changed are planned once more; anchors that were tried are not tried again.
-    fn trials_done(&mut self, pass: &Trial) -> Pass {
-        if pass.changed { self.start_forward() } else { self.complete() }
-    }
-
     /// Goes on to the next anchor that may be tried.
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
         for _ in 0..WALK {
             if pass.next >= pass.last {
-                return Some(self.trials_done(pass));
+                return Some(self.complete());
             }
-            let Some(block) = self.blocks.get(pass.next) else { return Some(self.trials_done(pass)) };
+            let Some(block) = self.blocks.get(pass.next) else { return Some(self.complete()) };
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open();
             let planned = |k: usize| {
@@ -287,15 +279,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// Speed planned at the start of a block.
-    fn planned(&self, block: usize) -> Speed {
-        self.blocks.get(block).map_or(Speed::ZERO, |block| block.v_in)
-    }
-
     /// The law with the acceleration at hand, if it gains anything, against all blocks.
     fn try_law(&mut self, pass: &mut Trial) {
-        match pass.law(pass.ease, self.planned(pass.to)) {
-            Some((law, _)) if law.time() < pass.time => pass.compare(law),
+        match pass.law(pass.ease) {
+            Some(law) if law.time() < pass.time => pass.compare(law),
             _ => self.keep_anchor(pass),
         }
     }
@@ -350,7 +337,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Some steps of the search.
     fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
-        let planned = self.planned(pass.to);
         let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
             return self.keep_anchor(pass);
         };
@@ -365,7 +351,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let mut ease = pass.ease;
             ease.less[side & 1] = middle;
             // Where it does not get as fast as planned, it keeps the limit.
-            let keeps = pass.law(ease, planned).is_none_or(|(mut law, _)| law.keeps(v, at, at));
+            let keeps = pass.law(ease).is_none_or(|mut law| law.keeps(v, at, at));
             if keeps { slow = middle } else { fast = middle }
         }
         pass.step = Step::Search(side, [fast, slow]);
@@ -378,14 +364,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if block > 0
             && let Some(block) = self.blocks.get_mut(block)
         {
-            block.v_in = span.faster(&span.limits.brake(), v_out, cap).max(block.v_reached);
+            let v = span.faster(&span.limits.brake(), v_out, cap);
+            block.v_in = v.min(block.v_in).max(block.v_reached);
         }
     }
 
     /// The law keeps all limits, and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
-        let Some((_, v_out)) = pass.law(pass.ease, self.planned(to)) else { return self.keep_anchor(pass) };
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();
@@ -393,7 +379,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         let mut span = pass.spans[0];
         span.limits.ease(pass.ease);
-        self.renew(pass.from, &span, self.planned(to));
+        self.renew(pass.from, &span, pass.speeds[2]);
         // What the second span said no longer holds.
         if pass.at + 1 < to
             && let Some(second) = self.blocks.get_mut(pass.at + 1)
@@ -403,12 +389,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some(second) = self.blocks.get_mut(pass.from + 1) {
             second.v_reached = if pass.ease == Ease::NONE { UNPLANNED } else { pass.ease.kept() };
         }
-        if let Some(end) = self.blocks.get_mut(to)
-            && end.v_reached != v_out
-        {
-            end.v_reached = v_out;
-            end.marks.set(Marks::CHECKED, false);
-            pass.changed = true;
+        // It gets no faster there, although the new law might.
+        if let Some(end) = self.blocks.get_mut(to) {
+            end.v_in = end.v_reached;
         }
         pass.next = pass.at + 1;
         pass.step = Step::Seek;

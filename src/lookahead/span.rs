@@ -373,7 +373,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         block.v_in = v;
     }
 
-    pub(super) fn start_forward(&self) -> Pass {
+    fn start_forward(&self) -> Pass {
         let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
         Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true, last: 0 })
     }
