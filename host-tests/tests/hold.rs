@@ -3,6 +3,7 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Position, Speed};
 use glidepath::queue::{Phase, Rings, Segment, Slot, clock};
 use glidepath::tick::{Interpolator, State};
+use host_tests::cases::feeds::Feeds;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines};
 use host_tests::check;
@@ -109,6 +110,20 @@ fn random_commands_in_random_programs() {
             let first = run(&program, &machine, &acts, polls);
             let again = run(&program, &machine, &acts, polls);
             assert_eq!(first.trace, again.trace, "seed {seed}");
+        }
+    }
+}
+
+/// Where a law uses less deceleration than permitted, a standstill and a change of pace use all of it.
+#[test]
+fn random_commands_along_changing_feeds() {
+    for number in [30, 55, 58, 113, 120, 126, 192, 198] {
+        let program = Feeds::new(number).program(format!("feeds {number}"), 3);
+        let machine = machine(3);
+        let ticks = operate::<3, 120>(&program, &machine, &[], 1000).expect("runs").trace.len();
+        let mut random = Random::new(number);
+        for _ in 0..40 {
+            run(&program, &machine, &random_acts(&mut random, ticks), 1000);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
 use super::limits::{Share, min};
-use super::{Before, Block, Dynamics, Lookahead, Marks, ONE, Permitted, UNPLANNED};
+use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{Element, End};
@@ -109,7 +109,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             v_old: UNPLANNED,
             n,
             headroom,
-            rises: (rises * ONE) as u8,
+            joint: Joint::new(rises, !anchor && slope == SlopeType::Hsc),
             ahead,
             marks,
         });

@@ -1,5 +1,6 @@
 //! Permitted path speed, acceleration and jerk of one element, and how those of several become one.
 use super::dynamics::Set;
+use super::ease::Ease;
 use super::pace::Headroom;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::quantity::Speed;
@@ -116,6 +117,14 @@ impl Limits {
             }
             _ => {}
         }
+    }
+
+    /// Uses less than permitted.
+    pub(super) fn ease(&mut self, ease: Ease) {
+        let ([up, down], v) = ease.parts();
+        self.a_up *= up;
+        self.a_down *= down;
+        self.v = min(self.v, v);
     }
 
     /// Permits no speed above those.

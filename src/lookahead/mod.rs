@@ -9,12 +9,13 @@
 //! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both sides have the same
 //! limits, as it is in a circle of several arcs), the blocks on both sides belong to one *span*: one change of speed after the
 //! other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
-//! which transitions are anchors.
+//! which transitions are anchors, `ease` does without some of them.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod append;
 mod dynamics;
+mod ease;
 mod limits;
 mod pace;
 mod span;
@@ -32,6 +33,7 @@ use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
+use ease::Ease;
 use heapless::Deque;
 use span::Pass;
 
@@ -46,7 +48,7 @@ pub struct Block<const AXES: usize> {
     cap: f32,
     /// Planned speed at its start.
     v_in: Speed,
-    /// Speed at its start as far as it can be reached from the first block; only of an anchor.
+    /// Speed at its start as far as it can be reached from the first block. Not of an anchor: [`Ease`], if any.
     v_reached: Speed,
     /// The speed that the last complete plan had there: it stays possible.
     v_old: Speed,
@@ -56,13 +58,39 @@ pub struct Block<const AXES: usize> {
     headroom: Headroom,
     /// Motion blocks from the one before it to its own: none where a motion block goes on.
     pub ahead: u16,
-    /// How far the transition at its start lets `cap` rise: LSB 2^-7, at most twice.
-    rises: u8,
+    joint: Joint,
     marks: Marks,
 }
 
-/// 1 in [`Block::rises`].
-const ONE: f32 = 128.0;
+/// What else is said of the transition at the start of a block: in the upper bit, whether it may be tried to do without an
+/// anchor there; below, how far it lets [`Block::cap`] rise beyond once: LSB 2^-7.
+#[derive(Clone, Copy, Debug)]
+struct Joint(u8);
+
+impl Joint {
+    const ONE: f32 = 128.0;
+    const OPEN: u8 = 128;
+
+    /// `rises`: 1…2.
+    fn new(rises: f32, open: bool) -> Self {
+        let rises = ((rises - 1.0) * Self::ONE) as u8;
+        Self(rises.min(Self::OPEN - 1) | if open { Self::OPEN } else { 0 })
+    }
+
+    fn rises(self) -> f32 {
+        1.0 + f32::from(self.0 & (Self::OPEN - 1)) * (1.0 / Self::ONE)
+    }
+
+    const fn is_open(self) -> bool {
+        self.0 & Self::OPEN != 0
+    }
+
+    /// The anchor was tried.
+    const fn close(&mut self) {
+        self.0 &= Self::OPEN - 1;
+    }
+}
+
 /// A speed that was lowered by this stays below its limit, whatever rounding.
 const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 
@@ -121,6 +149,12 @@ impl<const AXES: usize> Block<AXES> {
 }
 
 impl<const AXES: usize> Block<AXES> {
+    /// It is no anchor any more.
+    fn give_way(&mut self) {
+        self.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+        (self.v_reached, self.v_old) = (UNPLANNED, UNPLANNED);
+    }
+
     /// It begins at the speed `v_in`, lower than planned or as planned.
     fn start_at(&mut self, v_in: Speed) {
         self.v_in = v_in;
@@ -150,6 +184,8 @@ pub struct Release {
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
     pub limits: Limits,
+    /// Deceleration that all of its blocks permit: a law may be gentler, see `limits`.
+    pub a_down: f32,
     /// The lowest of their speeds.
     pub v_least: f32,
     /// Speed at its start.
@@ -178,6 +214,7 @@ impl Release {
         ahead: [0; 2],
         length: Distance::ZERO,
         limits: Limits::WIDEST,
+        a_down: f32::MAX,
         v_least: 0.0,
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
@@ -195,6 +232,11 @@ impl Release {
         self.limits.v = risen(self.limits.v, self.headroom);
         self.v_next = risen(self.v_next, self.next);
         self.level = level;
+    }
+
+    /// Its limits, and the deceleration of a slowing down that takes the place of its law.
+    pub const fn braking(&self) -> (&Limits, f32) {
+        (&self.limits, self.a_down)
     }
 
     /// Whether it is long enough to slow down from `v_in` to `v_out`.
@@ -296,9 +338,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.marks.set(Marks::CHECKED, false);
             if k > 0 {
                 // From the highest speed that the transition permits, of which no more than the double is known.
-                let highest = block.cap * (f32::from(block.rises) * (1.0 / ONE));
+                let highest = block.cap * block.joint.rises();
                 block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
-                block.rises = (min(highest / block.cap, 2.0) * ONE) as u8;
+                block.joint = Joint::new(min(highest / block.cap, 2.0), block.joint.is_open());
             }
             last = block.limits.v;
         }
@@ -389,7 +431,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
         let mut headroom = first.headroom;
-        let mut limits = first.limits;
+        let (mut limits, mut ease) = (first.limits, Ease::NONE);
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
@@ -397,12 +439,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
                     length += block.shape.length.to_bits();
+                    ease.take(block.v_reached);
                     (blocks, kept) = (blocks + 1, true);
                     ahead[1] += u32::from(block.ahead);
                 }
                 next => break next,
             }
         };
+        release.a_down = limits.a_down;
+        limits.ease(ease);
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
         release.v_next = 0.0;

@@ -3,13 +3,15 @@
 //! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
 //! block inside, those ends of the slowest such block become anchors at which it is too fast (both, if it is too fast only
 //! between them), and all sides are planned again. Acceleration
-//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring.
+//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring, unless
+//! [`super::ease`] finds a faster law without it.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter.
-use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED};
+use super::ease::{Ease, Trial};
+use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max};
 use crate::math::float::to_f32;
 use crate::path::Shape;
 use crate::quantity::Speed;
@@ -23,13 +25,15 @@ pub(super) struct Span {
     pub length: i64,
     /// What all of them permit; of the speeds the highest.
     pub limits: Limits,
+    /// What its law leaves unused of that.
+    pub ease: Ease,
     /// The speed at its start may have been planned for another end speed.
     kept: bool,
 }
 
 impl Default for Span {
     fn default() -> Self {
-        Self { length: 0, limits: Limits::WIDEST, kept: false }
+        Self { length: 0, limits: Limits::WIDEST, ease: Ease::NONE, kept: false }
     }
 }
 
@@ -47,6 +51,8 @@ pub(super) enum Pass {
     Forward(Forward),
     /// The blocks of one span against its law.
     Inside(Inside),
+    /// Two spans against one law.
+    Trial(Trial),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +77,8 @@ pub(super) struct Forward {
     v_in: Speed,
     /// All speeds up to here are final, whatever comes.
     firm: bool,
+    /// The last anchor with a final speed.
+    last: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -125,25 +133,36 @@ impl Span {
         } else {
             self.limits.join(&limits);
         }
+        if !block.is(Marks::ANCHOR) {
+            self.ease.take(block.v_reached);
+        }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
+    }
+
+    /// Takes in the span behind it.
+    pub fn append(&mut self, other: &Self) {
+        self.limits.join(&other.limits);
+        self.kept = true;
+        self.length += other.length;
     }
 
     fn millimetres(&self) -> f32 {
         to_f32(self.length) * LSB_44
     }
 
-    fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
+    pub fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
+    /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
+    pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
 }
 
 impl Law {
-    fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
+    pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
         let (up, down) = (span.limits.speed_up(), span.limits.brake());
         let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
         let low = v_in.max(v_out);
@@ -152,13 +171,30 @@ impl Law {
         Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
     }
 
+    /// Highest speed.
+    pub fn peak(&self) -> f32 {
+        self.peak
+    }
+
+    /// Duration, ticks.
+    pub fn time(&self) -> f32 {
+        let [gained, lost] = [self.peak - self.v_in, self.peak - self.v_out];
+        let way = self.up.distance(self.v_in, gained)[0] + self.down.distance(self.v_out, lost)[0];
+        self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
+    }
+
+    /// Where the speeding up ends.
+    pub fn reaches_at(&self) -> f32 {
+        self.up.distance(self.v_in, self.peak - self.v_in)[0]
+    }
+
     /// Where the slowing down begins.
-    fn brakes_at(&self) -> f32 {
+    pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
 
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
-    fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
+    pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
             return true;
         }
@@ -228,6 +264,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 }
                 next
             }
+            Pass::Trial(mut pass) => {
+                let next = self.trial(&mut pass);
+                if next.is_none() {
+                    self.pass = Pass::Trial(pass);
+                }
+                next
+            }
             _ => None,
         };
         if let Some(next) = next {
@@ -286,6 +329,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
+            pass.span.limits.ease(pass.span.ease);
             // The first block's start is already decided.
             if left == 0 {
                 self.raise_first_span(pass);
@@ -335,7 +379,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn start_forward(&self) -> Pass {
         let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
-        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true })
+        Pass::Forward(Forward { from: 0, next: 0, span: Span::default(), v_in, firm: true, last: 0 })
     }
 
     /// The same.
@@ -343,6 +387,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
+                None if pass.last > 1 => return Some(Pass::Trial(Trial::new(pass.last))),
                 None => return Some(self.complete()),
             };
             if let Some(block) = self.blocks.get(pass.next)
@@ -358,7 +403,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             // The span is complete.
             let end = self.blocks.get(pass.next);
-            pass.firm &= !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            let last = !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            pass.firm &= last;
+            if last {
+                pass.last = pass.next;
+            }
             if checked {
                 pass.v_in = end.map_or(Speed::ZERO, |end| end.v_reached);
                 (pass.from, pass.span) = (pass.next, Span::default());
@@ -371,6 +420,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Plans a span that has changed.
     fn span(&mut self, mut pass: Forward) -> Pass {
+        pass.span.limits.ease(pass.span.ease);
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
@@ -412,7 +462,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
-                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+                end.give_way();
                 self.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
                     first.marks.set(Marks::FLAT, true);
@@ -430,7 +480,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
-                end.marks.set(Marks::ANCHOR | Marks::FRESH, false);
+                end.give_way();
                 self.through += 1;
                 self.plan_again(from, to)
             }
@@ -539,6 +589,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
+            block.v_reached = UNPLANNED;
             self.through -= 1;
         }
     }
@@ -549,7 +600,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         Pass::Backward(Backward { left: to, span: Span::default(), v_out, until: from, changed: true })
     }
 
-    fn complete(&mut self) -> Pass {
+    pub(super) fn complete(&mut self) -> Pass {
         self.end = self.blocks.len();
         self.free = None;
         for block in self.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {

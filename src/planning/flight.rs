@@ -38,6 +38,13 @@ impl Flight {
         self.span.ceiling = f32::MAX;
     }
 
+    /// Highest speed at its start as it was released, from which its end speed can be reached.
+    fn enter_released(&self) -> Speed {
+        let (start, v_in, _) = self.released;
+        let length = Distance::from_bits(self.end().wrapping_sub(start.to_bits()));
+        Release { length, v_in, ..self.span }.enter()
+    }
+
     /// Path distance of its end.
     pub const fn end(&self) -> i64 {
         self.start.to_bits().wrapping_add(self.span.length.to_bits())
@@ -126,13 +133,15 @@ impl Flights {
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
             let Some(flight) = self.get_mut(k) else { return };
-            flight.span.v_out = v_out;
-            v_out = flight.span.enter();
-            if v_out >= flight.span.v_in {
+            flight.span.v_out = flight.span.v_out.min(v_out);
+            let v_in = flight.span.enter();
+            let begins = flight.enter_released();
+            if v_in >= flight.span.v_in && begins >= flight.released.1 {
                 return;
             }
-            flight.span.v_in = v_out;
-            flight.released.1 = flight.released.1.min(v_out);
+            flight.span.v_in = flight.span.v_in.min(v_in);
+            flight.released.1 = begins;
+            v_out = flight.released.1;
         }
     }
 

@@ -190,7 +190,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             } else if let Some(motion) = self.motion_at(at)
                 && let (end, v_out) = (flight.end(), flight.leaves.to_bits())
                 && let Some(brake) =
-                    Brake::plan(&mut self.profile, &motion, end, v_out, &flight.span.limits, 0)
+                    Brake::plan(&mut self.profile, &motion, end, v_out, flight.span.braking(), 0)
             {
                 return self.stop_at(k, at, Some(brake));
             }
@@ -395,7 +395,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.mode.stopping || too_fast {
             let target = if self.mode.stopping { 0 } else { speed_bits(v) };
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, &span.limits, target) {
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), target)
+            {
                 self.brake(k, &brake);
                 return None;
             }
@@ -415,7 +416,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if slower >= v_in || span.can_leave(v_in, slower) {
                 v_out = slower;
             } else if let Some(brake) =
-                Brake::plan(&mut self.profile, &motion, end, planned, &span.limits, slower.to_bits())
+                Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), slower.to_bits())
             {
                 self.brake(k, &brake);
                 return None;

@@ -50,7 +50,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     // It slows down as it is.
                     let slows = motion.accel < 0 && motion.speed <= target;
                     let (end, v_out) = (flight.end(), flight.span.v_out.to_bits());
-                    let limits = &flight.span.limits;
+                    let limits = flight.span.braking();
                     if !slows
                         && let Some(brake) =
                             Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)

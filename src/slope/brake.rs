@@ -71,20 +71,22 @@ const SHRINKS: usize = 8;
 impl Brake {
     /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of the end of the
     /// span), to the lowest speed there. A slower motion only ends its acceleration. The parts go into `profile`. `None` if
-    /// that would not end below `v_out`, the speed planned at the end, or if the rest of the span were too short for it.
+    /// that would not end below `v_out`, the speed planned at the end, or if the rest of the span were too short for it. It
+    /// slows down with the deceleration `a_down`, the rest of the span inside `limits`.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
         end: i64,
         v_out: i64,
-        limits: &Limits,
+        (limits, a_down): (&Limits, f32),
         target: i64,
     ) -> Option<Self> {
         let room = end.wrapping_sub(motion.distance);
         if motion.speed <= 0 || room <= 0 {
             return None;
         }
-        let brake = Self::reach(profile, motion, room, limits, target)?;
+        let firm = Limits { a_down, ..*limits };
+        let brake = Self::reach(profile, motion, room, &firm, target)?;
         if brake.v_out == 0 {
             return Some(brake);
         }
@@ -105,7 +107,7 @@ impl Brake {
         if v_out == 0 {
             return None;
         }
-        let brake = Self::reach(profile, motion, room, limits, v_out)?;
+        let brake = Self::reach(profile, motion, room, &firm, v_out)?;
         let left = end.wrapping_sub(brake.end);
         if left == 0 {
             return (brake.v_out < v_out).then_some(brake);

@@ -35,6 +35,14 @@ impl Ramp {
         }
     }
 
+    /// Duration of a change by `dv`; of stepped ones, not needed, none.
+    pub fn time(&self, dv: f32) -> f32 {
+        match self {
+            Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
+            Self::Stepped(_) => 0.0,
+        }
+    }
+
     /// Path length from `low` to where a change by `total` has gained `dv`.
     pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         match self {

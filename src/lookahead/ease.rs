@@ -1,0 +1,399 @@
+//! Knees: anchors that a gentler law does without.
+//!
+//! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to zero there and has
+//! to be built up again behind it. One law for the spans on both sides may be faster: with so little acceleration, or
+//! deceleration, that it passes the slow block at just its speed, or with the speed of a slow block as its highest.
+//!
+//! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all that the
+//! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
+//! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
+//! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
+use super::span::{Law, Pass, Span};
+use super::{Lookahead, Marks, Share, UNPLANNED};
+use crate::math::float::to_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::speed_f32;
+
+/// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have its speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ease {
+    /// Of acceleration and of deceleration, LSB 2^-8.
+    less: [u8; 2],
+    /// Highest speed.
+    v: f32,
+}
+
+impl Ease {
+    /// All of it is used.
+    pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
+
+    /// Takes over what a block inside the span says.
+    #[inline(always)]
+    pub fn take(&mut self, said: Speed) {
+        if said > UNPLANNED {
+            let [up, down, _, _, v @ ..] = said.to_bits().to_le_bytes();
+            *self = Self { less: [up, down], v: f32::from_le_bytes(v) };
+        }
+    }
+
+    /// The same to be kept there.
+    fn kept(self) -> Speed {
+        let ([up, down], [v0, v1, v2, v3]) = (self.less, self.v.to_le_bytes());
+        Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
+    }
+
+    /// The parts of acceleration and deceleration that are used, and the highest speed.
+    pub fn parts(self) -> ([f32; 2], f32) {
+        (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
+    }
+}
+
+/// The least acceleration used: a sixteenth.
+const MOST: u8 = 240;
+/// Blocks per call that are only counted, and that are compared with a law.
+const WALK: usize = 32;
+const STEPS: usize = 8;
+/// Laws per call.
+const LAWS: usize = 4;
+/// Blocks for which the acceleration is lowered, at most.
+const ROUNDS: u8 = 4;
+/// Longest span made of two, as a part of the ring.
+const PART: usize = 2;
+/// Less is no gain, and no rise of speed.
+const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A limit that a law exceeds while its speed changes.
+#[derive(Clone, Copy, Debug)]
+struct Excess {
+    /// Its distance from the end of the span where that change of speed begins, or ends.
+    way: f32,
+    /// The speed it permits.
+    v: f32,
+    /// The acceleration that leaves, twice, without the ramps.
+    a: f32,
+}
+
+/// What to do next.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// Look for the next anchor to try, from block `next` on.
+    Seek,
+    /// Take in the blocks of both spans.
+    Gather,
+    /// Compare the law with the blocks.
+    Compare,
+    /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
+    /// number, enough with the second.
+    Search(usize, [u8; 2]),
+}
+
+/// Tries to do without one anchor after the other, from the front to the last one whose speed is final.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    step: Step,
+    /// First block of the first span, the anchor behind it, and the one behind the second span.
+    from: usize,
+    at: usize,
+    to: usize,
+    /// Block to look at, and its distance from the start.
+    next: usize,
+    way: i64,
+    /// The last anchor with a final speed.
+    last: usize,
+    /// Both spans, then in the first one all of it.
+    spans: [Span; 2],
+    /// Speeds at their ends.
+    speeds: [Speed; 3],
+    /// Time of the plan as it is.
+    time: f32,
+    ease: Ease,
+    law: Option<Law>,
+    worst: [Option<Excess>; 2],
+    rounds: u8,
+}
+
+impl Trial {
+    pub fn new(last: usize) -> Self {
+        Self {
+            step: Step::Seek,
+            from: 0,
+            at: 0,
+            to: 0,
+            next: 1,
+            way: 0,
+            last,
+            spans: [Span::default(); 2],
+            speeds: [Speed::ZERO; 3],
+            time: 0.0,
+            ease: Ease::NONE,
+            law: None,
+            worst: [None; 2],
+            rounds: 0,
+        }
+    }
+
+    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the end. That stays as
+    /// it is: what follows relies on it.
+    fn law(&self, ease: Ease) -> Option<Law> {
+        let [v_in, _, v_end] = self.speeds;
+        let mut span = self.spans[0];
+        span.limits.ease(ease);
+        (span.leave(v_in, v_end)? == v_end).then(|| Law::new(&span, v_in, v_end, true))
+    }
+
+    /// Begins to compare a law with all blocks.
+    fn compare(&mut self, law: Law) {
+        self.step = Step::Compare;
+        self.law = Some(law);
+        (self.next, self.way) = (self.from, 0);
+        self.worst = [None; 2];
+    }
+
+    /// Takes note that the limit `v` between two distances is exceeded; `false` where less acceleration is no help.
+    fn exceeds(&mut self, law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> bool {
+        let [v_in, v_out] = [self.speeds[0], self.speeds[2]].map(|v| speed_f32(v.to_bits()));
+        let (side, way, low) = if to <= law.reaches_at() {
+            (0, to, v_in)
+        } else if from >= law.brakes_at() {
+            (1, length - from, v_out)
+        } else {
+            return false;
+        };
+        if v <= low {
+            return false;
+        }
+        let a = (v - low) * (v + low) / way;
+        if let Some(worst) = self.worst.get_mut(side)
+            && worst.is_none_or(|worst| a < worst.a)
+        {
+            *worst = Some(Excess { way, v, a });
+        }
+        true
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    /// Goes on; the next pass, or none if this one goes on.
+    #[inline(never)]
+    pub(super) fn trial(&mut self, pass: &mut Trial) -> Option<Pass> {
+        match pass.step {
+            Step::Seek => self.seek(pass),
+            Step::Gather => {
+                self.gather(pass);
+                None
+            }
+            Step::Compare => {
+                self.compare(pass);
+                None
+            }
+            Step::Search(side, between) => {
+                self.search(pass, side, between);
+                None
+            }
+        }
+    }
+
+    /// Goes on to the next anchor that may be tried.
+    fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
+        for _ in 0..WALK {
+            if pass.next >= pass.last {
+                return Some(self.complete());
+            }
+            let Some(block) = self.blocks.get(pass.next) else { return Some(self.complete()) };
+            let anchor = block.is(Marks::ANCHOR);
+            let untried = block.joint.is_open();
+            let planned = |k: usize| {
+                self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+            };
+            if anchor && untried && planned(pass.from) && planned(pass.next) {
+                pass.at = pass.next;
+                pass.next = pass.from;
+                pass.spans = [Span::default(); 2];
+                pass.step = Step::Gather;
+                return None;
+            }
+            if anchor {
+                pass.from = pass.next;
+            }
+            pass.next += 1;
+        }
+        None
+    }
+
+    /// The anchor stays.
+    fn keep_anchor(&mut self, pass: &mut Trial) {
+        if let Some(block) = self.blocks.get_mut(pass.at) {
+            block.joint.close();
+        }
+        pass.from = pass.at;
+        pass.next = pass.at + 1;
+        pass.step = Step::Seek;
+    }
+
+    /// Takes in the blocks of both spans.
+    fn gather(&mut self, pass: &mut Trial) {
+        for _ in 0..WALK {
+            match self.blocks.get(pass.next) {
+                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => {
+                    let last = self.open && pass.next + 1 == self.blocks.len();
+                    let share: Option<&Share> = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    let [first, second] = &mut pass.spans;
+                    if pass.next < pass.at { first } else { second }.add(block, share);
+                    pass.next += 1;
+                }
+                _ => return self.weigh(pass),
+            }
+        }
+    }
+
+    /// Both spans are known, the second one ends at block `next`.
+    fn weigh(&mut self, pass: &mut Trial) {
+        let to = pass.next;
+        pass.to = to;
+        let speed = |k: usize| match self.blocks.get(k) {
+            Some(block) if k == 0 => block.v_in,
+            Some(block) => block.v_reached,
+            None => Speed::ZERO,
+        };
+        let speeds = [pass.from, pass.at, to].map(speed);
+        if to > pass.last || to - pass.from > self.depth / PART {
+            return self.keep_anchor(pass);
+        }
+        let [mut first, mut second] = pass.spans;
+        first.limits.ease(first.ease);
+        second.limits.ease(second.ease);
+        let before = Law::new(&first, speeds[0], speeds[1], true);
+        let behind = Law::new(&second, speeds[1], speeds[2], true);
+        let v = speed_f32(speeds[1].to_bits()) * RISE;
+        if before.peak() > v && behind.peak() > v {
+            return self.keep_anchor(pass);
+        }
+        let [first, second] = &mut pass.spans;
+        first.append(second);
+        pass.speeds = speeds;
+        pass.time = (before.time() + behind.time()) * GAIN;
+        (pass.ease, pass.rounds) = (Ease::NONE, ROUNDS);
+        self.try_law(pass);
+    }
+
+    /// The law with the acceleration at hand, if it gains anything, against all blocks.
+    fn try_law(&mut self, pass: &mut Trial) {
+        match pass.law(pass.ease) {
+            Some(law) if law.time() < pass.time => pass.compare(law),
+            _ => self.keep_anchor(pass),
+        }
+    }
+
+    /// Compares the law with some of the blocks.
+    fn compare(&mut self, pass: &mut Trial) {
+        let Some(mut law) = pass.law else { return self.keep_anchor(pass) };
+        let length = to_f32(pass.spans[0].length) * LSB_44;
+        for _ in 0..STEPS {
+            let block = match self.blocks.get(pass.next) {
+                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => block,
+                _ => return self.compared(pass),
+            };
+            let start = to_f32(pass.way) * LSB_44;
+            pass.way += block.shape.length.to_bits();
+            let end = to_f32(pass.way) * LSB_44;
+            let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
+            for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
+                if !law.keeps(v, places[0], places[1]) && !pass.exceeds(&law, v, places, length) {
+                    return self.slow_peak(pass, v);
+                }
+            }
+            pass.next += 1;
+        }
+        pass.law = Some(law);
+    }
+
+    /// The peak lies in a block of that speed.
+    fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
+        let ends = pass.speeds[0].max(pass.speeds[2]);
+        if pass.rounds == 0 || v < speed_f32(ends.to_bits()) {
+            return self.keep_anchor(pass);
+        }
+        pass.rounds -= 1;
+        pass.ease.v = v;
+        self.try_law(pass);
+    }
+
+    /// All blocks are compared.
+    fn compared(&mut self, pass: &mut Trial) {
+        let [up, down] = pass.worst;
+        if up.is_none() && down.is_none() {
+            return self.do_without(pass);
+        }
+        if pass.rounds == 0 {
+            return self.keep_anchor(pass);
+        }
+        pass.rounds -= 1;
+        let side = usize::from(up.is_none());
+        pass.step = Step::Search(side, [pass.ease.less[side], MOST]);
+    }
+
+    /// Some steps of the search.
+    fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
+        let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
+            return self.keep_anchor(pass);
+        };
+        let length = to_f32(pass.spans[0].length) * LSB_44;
+        let at = if side == 0 { way } else { length - way };
+        for _ in 0..LAWS {
+            if slow - fast <= 1 {
+                pass.ease.less[side & 1] = slow;
+                return self.try_law(pass);
+            }
+            let middle = fast + (slow - fast) / 2;
+            let mut ease = pass.ease;
+            ease.less[side & 1] = middle;
+            // Where it does not get as fast as planned, it keeps the limit.
+            let keeps = pass.law(ease).is_none_or(|mut law| law.keeps(v, at, at));
+            if keeps { slow = middle } else { fast = middle }
+        }
+        pass.step = Step::Search(side, [fast, slow]);
+    }
+
+    /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`: what that
+    /// permits at its start.
+    fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
+        let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
+        if block > 0
+            && let Some(block) = self.blocks.get_mut(block)
+        {
+            let v = span.faster(&span.limits.brake(), v_out, cap);
+            block.v_in = v.min(block.v_in).max(block.v_reached);
+        }
+    }
+
+    /// The law keeps all limits, and is faster.
+    fn do_without(&mut self, pass: &mut Trial) {
+        let to = pass.to;
+        if let Some(block) = self.blocks.get_mut(pass.at) {
+            block.give_way();
+            block.joint.close();
+            self.through += 1;
+        }
+        let mut span = pass.spans[0];
+        span.limits.ease(pass.ease);
+        self.renew(pass.from, &span, pass.speeds[2]);
+        // What the second span said no longer holds.
+        if pass.at + 1 < to
+            && let Some(second) = self.blocks.get_mut(pass.at + 1)
+        {
+            second.v_reached = UNPLANNED;
+        }
+        if let Some(second) = self.blocks.get_mut(pass.from + 1) {
+            second.v_reached = if pass.ease == Ease::NONE { UNPLANNED } else { pass.ease.kept() };
+        }
+        // It gets no faster there, although the new law might.
+        if let Some(end) = self.blocks.get_mut(to) {
+            end.v_in = end.v_reached;
+        }
+        pass.next = pass.at + 1;
+        pass.step = Step::Seek;
+    }
+}
