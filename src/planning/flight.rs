@@ -38,6 +38,13 @@ impl Flight {
         self.span.ceiling = f32::MAX;
     }
 
+    /// Highest speed at the start of all of it, at most the one planned, from which its end speed can be reached.
+    fn enter(&self) -> Speed {
+        let (start, v_in, _) = self.released;
+        let length = Distance::from_bits(self.end().wrapping_sub(start.to_bits()));
+        Release { length, v_in, ..self.span }.enter()
+    }
+
     /// Path distance of its end.
     pub const fn end(&self) -> i64 {
         self.start.to_bits().wrapping_add(self.span.length.to_bits())
@@ -127,12 +134,12 @@ impl Flights {
         for k in (0..count).rev() {
             let Some(flight) = self.get_mut(k) else { return };
             flight.span.v_out = v_out;
-            v_out = flight.span.enter();
-            if v_out >= flight.span.v_in {
+            flight.span.v_in = flight.span.enter();
+            v_out = flight.enter();
+            if v_out >= flight.released.1 {
                 return;
             }
-            flight.span.v_in = v_out;
-            flight.released.1 = flight.released.1.min(v_out);
+            flight.released.1 = v_out;
         }
     }
 
