@@ -169,3 +169,31 @@ fn a_law_taken_back_can_reach_an_end_made_slower() {
     let end = [18.8151_f64, 43.2598, 0.0].map(|x| (x * 4_294_967_296.0).round() as i64);
     assert!(run.trace.row(run.trace.len() - 1).eq(end));
 }
+
+/// Rapid motion has no feed to go beyond: above 100 % it stays as fast as the axes allow in curves too, and below it is slower.
+#[test]
+fn the_override_does_not_raise_rapid_motion_in_curves() {
+    let text =
+        "N120 #CONTOUR MODE [DEV PATH_DEV=0.5]\nN130 G261\nN180 G01 X30 F600\nN200 G00 Y20\nN210 X60\nM30\n";
+    for (mode, slope) in (0..3).flat_map(|mode| (0..4).map(move |slope| (mode, slope))) {
+        let mut machine = machines::even::<3>(1000);
+        for axis in &mut machine.axes {
+            (axis.vb_max, axis.vb_eilgang) = (20_000, 20_000);
+        }
+        machine = machines::with_slope(machine, slope);
+        machine.channel.override_weight_prog_feed = mode;
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, true, true, true)).collect();
+        let ticks = [500, 1000, 1482, 2000].map(|over| {
+            let acts = [(1, Act::Override(over))];
+            let run = operate_text::<3, 120>(text, [Position::ZERO; 3], &machine, &acts, 1000).unwrap();
+            check::limits(&run.trace, &limits)
+                .unwrap_or_else(|fault| panic!("{mode} {slope} {over}: {fault}"));
+            run.trace.len()
+        });
+        assert!(
+            ticks.is_sorted_by(|slower, faster| slower >= faster),
+            "mode {mode}, slope {slope}: {ticks:?}"
+        );
+    }
+}
