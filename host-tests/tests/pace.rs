@@ -1,7 +1,10 @@
 //! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the path.
 use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
-use host_tests::operate::{Act, Operated, POLLS, judge, operate, random_setup, with_overrides};
+use host_tests::check;
+use host_tests::operate::{Act, Operated, POLLS, judge, operate, operate_text, random_setup, with_overrides};
+use host_tests::properties::permitted;
 
 fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)], polls: usize) -> Operated {
     operate::<3, 120>(program, machine, acts, polls)
@@ -149,5 +152,48 @@ fn random_overrides_in_random_programs() {
         let polls = POLLS[(random.bits() % 3) as usize];
         let first = run(&program, &machine, &acts, polls);
         assert_eq!(first.trace, run(&program, &machine, &acts, polls).trace, "seed {seed}");
+    }
+}
+
+/// The last span known is cut by a slowing down, what is left of it ends slower than planned, and then the override rises before
+/// the interrupt is there: the whole span gets a law again, and has to be able to slow down to that end.
+#[test]
+fn a_law_taken_back_can_reach_an_end_made_slower() {
+    let machine = machines::with_slope(machines::examples::<3>(4000), 1);
+    let text = "N30 G00 Y15.2198\nN60 X27.4226 Y58.5139\nN70 #CONTOUR MODE ON [DIST PRE_DIST=1.2447 POST_DIST=0.4085]\n\
+                N80 G02 X10.3037 Y43.2598 R13.5098 F1408\nN90 I16.5337 F1772\nN100 G00 X18.8151\nM30\n";
+    let acts = [(468, Act::Override(276)), (1973, Act::Override(52)), (7544, Act::Override(1000))];
+    let run = operate_text::<3, 120>(text, [Position::ZERO; 3], &machine, &acts, 1000).unwrap();
+    let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, 1, true, true, true)).collect();
+    check::limits(&run.trace, &limits).unwrap();
+    let end = [18.8151_f64, 43.2598, 0.0].map(|x| (x * 4_294_967_296.0).round() as i64);
+    assert!(run.trace.row(run.trace.len() - 1).eq(end));
+}
+
+/// Rapid motion has no feed to go beyond: above 100 % it stays as fast as the axes allow in curves too, and below it is slower.
+#[test]
+fn the_override_does_not_raise_rapid_motion_in_curves() {
+    let text =
+        "N120 #CONTOUR MODE [DEV PATH_DEV=0.5]\nN130 G261\nN180 G01 X30 F600\nN200 G00 Y20\nN210 X60\nM30\n";
+    for (mode, slope) in (0..3).flat_map(|mode| (0..4).map(move |slope| (mode, slope))) {
+        let mut machine = machines::even::<3>(1000);
+        for axis in &mut machine.axes {
+            (axis.vb_max, axis.vb_eilgang) = (20_000, 20_000);
+        }
+        machine = machines::with_slope(machine, slope);
+        machine.channel.override_weight_prog_feed = mode;
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, true, true, true)).collect();
+        let ticks = [500, 1000, 1482, 2000].map(|over| {
+            let acts = [(1, Act::Override(over))];
+            let run = operate_text::<3, 120>(text, [Position::ZERO; 3], &machine, &acts, 1000).unwrap();
+            check::limits(&run.trace, &limits)
+                .unwrap_or_else(|fault| panic!("{mode} {slope} {over}: {fault}"));
+            run.trace.len()
+        });
+        assert!(
+            ticks.is_sorted_by(|slower, faster| slower >= faster),
+            "mode {mode}, slope {slope}: {ticks:?}"
+        );
     }
 }

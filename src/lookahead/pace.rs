@@ -41,7 +41,7 @@ impl Headroom {
         if v_max > feed {
             headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u16;
         } else if v_max < feed {
-            headroom.over = EVEN + ((1.0 - v_max / feed) * ONE) as u16;
+            headroom.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
         }
         let v = min(v_max, feed);
         if v_reduced < v {

@@ -49,7 +49,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         let mut v_reduced = f32::MAX;
-        let feed = self.programmed(feed) / bounds.fastest;
+        // Rapid motion has none to divide.
+        let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
         limits.v = min(limits.v, feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
