@@ -188,7 +188,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if flight.first == at {
                 next = k;
             } else if let Some(motion) = self.motion_at(at)
-                && let (end, v_out) = (flight.end(), flight.leaves.to_bits())
+                && let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits())
                 && let Some(brake) =
                     Brake::plan(&mut self.profile, &motion, end, v_out, flight.span.braking(), 0)
             {

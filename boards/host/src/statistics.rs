@@ -85,8 +85,8 @@ pub struct Statistics {
     /// The time laws, in the order of the motion blocks they cover.
     pub spans: Vec<PlannedBlock>,
     /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around that
-    /// point.
-    pub transitions: Vec<Speed>,
+    /// point. Not inside a line that stands for several, nor where a tick passes several.
+    pub transitions: Vec<Option<Speed>>,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
     /// Technology functions in the order of their output.
@@ -240,8 +240,9 @@ impl Statistics {
         let moved = telemetry.distance != self.last.distance;
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
         self.distance += i128::from(step);
-        for _ in self.last.block..telemetry.block {
-            self.transitions.push(telemetry.speed.min(self.last.speed));
+        for block in self.last.block..telemetry.block {
+            let passed = block == self.last.block && self.ticks > 0;
+            self.transitions.push(passed.then(|| telemetry.speed.min(self.last.speed)));
         }
         self.fastest = self.fastest.max(telemetry.speed);
         self.last = *telemetry;
@@ -277,8 +278,9 @@ impl Statistics {
         self.functions.push(PutOut { tick, output, acknowledged: None });
     }
 
-    /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks.
+    /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to its end.
     pub fn finish(&mut self, set_points: &[Position]) {
+        self.react(false);
         for _ in 0..3 {
             for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
                 axis.add(set_point);
@@ -337,7 +339,8 @@ mod tests {
         for (block, speed) in [(0, 0), (0, 5), (1, 3), (1, 4), (4, 7), (4, 0)] {
             statistics.add(&row(0, block, speed), &[Position::ZERO], Pause::None);
         }
-        assert_eq!(statistics.transitions, [3, 4, 4, 4].map(Speed::from_bits));
+        let passed = [3, 4].map(|bits| Some(Speed::from_bits(bits)));
+        assert_eq!(statistics.transitions, [passed[0], passed[1], None, None]);
         assert_eq!(statistics.fastest, Speed::from_bits(7));
     }
 

@@ -423,15 +423,17 @@ fn corners(
     planned: bool,
     speed: impl Fn(Speed) -> f64,
 ) -> (usize, Vec<Corner>) {
-    let mut speeds: Vec<(Speed, usize)> = statistics.transitions.iter().copied().zip(0..).collect();
+    let mut speeds: Vec<(Option<Speed>, usize)> = statistics.transitions.iter().copied().zip(0..).collect();
     if planned {
         for span in &statistics.spans {
             let last = span.block as usize + span.blocks.max(1) as usize - 1;
             if let Some((v, _)) = speeds.get_mut(last) {
-                *v = span.v_out;
+                *v = Some(span.v_out);
             }
         }
     }
+    let mut speeds: Vec<(Speed, usize)> =
+        speeds.into_iter().filter_map(|(v, index)| Some((v?, index))).collect();
     let stops = speeds.iter().filter(|(v, _)| *v == Speed::ZERO).count();
     speeds.sort_unstable();
     let mut corners = Vec::new();

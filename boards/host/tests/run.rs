@@ -403,6 +403,23 @@ fn blocks_of_a_span_are_counted_and_their_corners_are_seen() {
     assert!(inside > 0, "{corners:?}");
 }
 
+/// Pieces of a straight line are no corners, and a standstill at the end of a run is one.
+#[test]
+fn corners_are_where_the_path_bends_and_an_abort_tells_its_way() {
+    let program = written("pieces", "%pieces\nG01 X10 F6000\nX20\nX30\nY10\nY20\nM30\n");
+    let script = events("pieces", "0.3 abort\n");
+    let whole = run("pieces", &program, None);
+    let corners = whole.summary["slowest_corners"].as_array().expect("a list");
+    let slow =
+        corners.iter().filter(|corner| number(&corner["v"]) < 50.0).map(|corner| corner["block"].clone());
+    assert_eq!(slow.collect::<Vec<_>>(), [json!(2)], "{corners:?}");
+    let aborted = run_with("pieces-aborted", &program, None, &["--events", &script]);
+    let reaction = &aborted.summary["events"][0]["reaction"];
+    assert_eq!(reaction["what"], json!("standstill"));
+    let path = number(&aborted.summary["path_mm"]);
+    assert!(number(&reaction["path_mm"]) > 1.0 && number(&reaction["path_mm"]) < path, "{reaction}");
+}
+
 #[test]
 fn a_late_planner_takes_time_and_loses_nothing() {
     let program = shipped("../../programs/short_blocks.nc");
