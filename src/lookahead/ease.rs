@@ -27,13 +27,10 @@ impl Ease {
     /// All of it is used.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// Takes over what a block inside the span says.
-    #[inline(always)]
-    pub fn take(&mut self, said: Speed) {
-        if said > UNPLANNED {
-            let [up, down, _, _, v @ ..] = said.to_bits().to_le_bytes();
-            *self = Self { less: [up, down], v: f32::from_le_bytes(v) };
-        }
+    /// What was kept.
+    fn of(kept: Speed) -> Self {
+        let [up, down, _, _, v @ ..] = kept.to_bits().to_le_bytes();
+        Self { less: [up, down], v: f32::from_le_bytes(v) }
     }
 
     /// The same to be kept there.
@@ -196,6 +193,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
+    /// What the span leaves unused that begins with this block.
+    #[inline(always)]
+    pub(super) fn ease(&self, from: usize) -> Ease {
+        match self.blocks.get(from + 1) {
+            Some(second) if !second.is(Marks::ANCHOR) && second.v_reached > UNPLANNED => {
+                Ease::of(second.v_reached)
+            }
+            _ => Ease::NONE,
+        }
+    }
+
     /// Goes on to the next anchor that may be tried.
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
         for _ in 0..WALK {
@@ -227,6 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
+            self.untried = self.untried.saturating_sub(1);
         }
         pass.from = pass.at;
         pass.next = pass.at + 1;
@@ -263,8 +272,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.keep_anchor(pass);
         }
         let [mut first, mut second] = pass.spans;
-        first.limits.ease(first.ease);
-        second.limits.ease(second.ease);
+        first.limits.ease(self.ease(pass.from));
+        second.limits.ease(self.ease(pass.at));
         let before = Law::new(&first, speeds[0], speeds[1], true);
         let behind = Law::new(&second, speeds[1], speeds[2], true);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
@@ -375,6 +384,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();
+            self.untried = self.untried.saturating_sub(1);
             self.through += 1;
         }
         let mut span = pass.spans[0];

@@ -33,7 +33,6 @@ use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
-use ease::Ease;
 use heapless::Deque;
 use span::Pass;
 
@@ -278,6 +277,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     open: bool,
     /// Transitions in the ring that are no anchors.
     through: usize,
+    /// Anchors that may be tried to do without.
+    untried: usize,
     /// Blocks in the ring that are long.
     long: usize,
     /// Path length since the last anchor, LSB 2^-44 mm.
@@ -313,6 +314,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             pass: Pass::Done,
             open: false,
             through: 0,
+            untried: 0,
             long: 0,
             span: 0,
             blockwise: true,
@@ -370,6 +372,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         (self.until, self.free) = (usize::MAX, None);
         self.pass = Pass::Done;
         self.through = 0;
+        self.untried = 0;
         self.long = 0;
         self.span = 0;
     }
@@ -425,13 +428,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
+        let ease = self.ease(0);
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
         let mut headroom = first.headroom;
-        let (mut limits, mut ease) = (first.limits, Ease::NONE);
+        let mut limits = first.limits;
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
@@ -439,7 +443,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
                     length += block.shape.length.to_bits();
-                    ease.take(block.v_reached);
                     (blocks, kept) = (blocks + 1, true);
                     ahead[1] += u32::from(block.ahead);
                 }
@@ -447,7 +450,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
         };
         release.a_down = limits.a_down;
-        limits.ease(ease);
+        if blocks > 1 {
+            limits.ease(ease);
+        }
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
         release.v_next = 0.0;
@@ -511,7 +516,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
         if let Some(block) = self.blocks.pop_front() {
-            self.through -= usize::from(!block.is(Marks::ANCHOR));
+            let anchor = block.is(Marks::ANCHOR);
+            self.through -= usize::from(!anchor);
+            self.untried -= usize::from(anchor && block.joint.is_open()).min(self.untried);
             self.long -= usize::from(block.is(Marks::LONG));
         }
         self.end = self.end.saturating_sub(1);

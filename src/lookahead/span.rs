@@ -10,7 +10,7 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter.
-use super::ease::{Ease, Trial};
+use super::ease::Trial;
 use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max};
 use crate::math::float::to_f32;
 use crate::path::Shape;
@@ -25,15 +25,13 @@ pub(super) struct Span {
     pub length: i64,
     /// What all of them permit; of the speeds the highest.
     pub limits: Limits,
-    /// What its law leaves unused of that.
-    pub ease: Ease,
     /// The speed at its start may have been planned for another end speed.
     kept: bool,
 }
 
 impl Default for Span {
     fn default() -> Self {
-        Self { length: 0, limits: Limits::WIDEST, ease: Ease::NONE, kept: false }
+        Self { length: 0, limits: Limits::WIDEST, kept: false }
     }
 }
 
@@ -132,9 +130,6 @@ impl Span {
             self.limits = limits;
         } else {
             self.limits.join(&limits);
-        }
-        if !block.is(Marks::ANCHOR) {
-            self.ease.take(block.v_reached);
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
@@ -329,7 +324,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
-            pass.span.limits.ease(pass.span.ease);
+            let ease = self.ease(left);
+            pass.span.limits.ease(ease);
+            let Some(block) = self.blocks.get_mut(left) else { return Some(self.start_forward()) };
             // The first block's start is already decided.
             if left == 0 {
                 self.raise_first_span(pass);
@@ -387,7 +384,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         for _ in 0..WALK {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
-                None if pass.last > 1 => return Some(Pass::Trial(Trial::new(pass.last))),
+                None if pass.last > 1 && self.untried > 0 => return Some(Pass::Trial(Trial::new(pass.last))),
                 None => return Some(self.complete()),
             };
             if let Some(block) = self.blocks.get(pass.next)
@@ -420,7 +417,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Plans a span that has changed.
     fn span(&mut self, mut pass: Forward) -> Pass {
-        pass.span.limits.ease(pass.span.ease);
+        pass.span.limits.ease(self.ease(pass.from));
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
@@ -463,6 +460,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
                 end.give_way();
+                self.untried -= usize::from(end.joint.is_open()).min(self.untried);
                 self.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
                     first.marks.set(Marks::FLAT, true);
@@ -481,6 +479,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         match self.blocks.get_mut(next) {
             Some(end) if end.is(Marks::FRESH) && next != self.end => {
                 end.give_way();
+                self.untried -= usize::from(end.joint.is_open()).min(self.untried);
                 self.through += 1;
                 self.plan_again(from, to)
             }
@@ -560,6 +559,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.plan_again(from, to);
         }
         if !firm && !flat && from < self.batch() && pass.cut > from {
+            if let Some(block) = self.blocks.get_mut(pass.cut) {
+                // Acceleration vanishes there anyway: no other law is faster.
+                block.joint.close();
+            }
             self.set_anchor(pass.cut);
             return self.plan_again(from, to);
         }
@@ -590,6 +593,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
             block.v_reached = UNPLANNED;
+            self.untried += usize::from(block.joint.is_open());
             self.through -= 1;
         }
     }
