@@ -234,10 +234,7 @@ fn text_that_arrives_in_pieces_is_the_same_program() {
             let (late, late_warnings, late_error, _) = decode_text(setup(), pieces, 10 * LIMIT);
             assert!(late == commands && late_warnings == warnings, "seed {seed}");
             assert_eq!(late_error.is_some(), error.is_some());
-            assert_eq!(
-                late_error.map(|e| (e.place, e.kind)),
-                error.as_ref().map(|e| (e.place, e.kind.clone()))
-            );
+            assert_eq!(late_error.map(|e| (e.place, e.kind)), error.as_ref().map(|e| (e.place, e.kind)));
         }
     }
 }

@@ -223,7 +223,7 @@ impl<'a> Schedule<'a> {
         let vain = |(event, outcome): &(&Event, &Outcome)| {
             outcome.ignored && event.what == What::Acknowledge(function)
         };
-        self.events.iter().zip(outcomes).filter(vain).last().map(|(event, _)| event)
+        self.events.iter().zip(outcomes).rfind(vain).map(|(event, _)| event)
     }
 
     /// The event behind such a standstill.
