@@ -78,12 +78,12 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         let segment = self
             .queue
             .segments
-            .pass(|segment| segment.is_behind(distance), |segment| segment.has_begun(distance));
+            .pass(|segment| segment.is_behind(distance), move |segment| segment.has_begun(distance));
         if let Some(segment) = segment {
             let along = distance.wrapping_sub(segment.start.to_bits());
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
-        self.queue.clock.pass(instant);
+        self.queue.clock.pass();
         State::Active
     }
 

@@ -107,6 +107,19 @@ impl Halves {
         Self { upper: -self.upper, lower: -self.lower }
     }
 
+    /// The upper word.
+    #[inline(always)]
+    pub const fn upper(self) -> i64 {
+        self.upper as i64
+    }
+
+    /// self·b / 2^64 to within 3. Eight instructions on a Cortex-M4.
+    #[inline(always)]
+    pub const fn times(self, b: Self) -> i64 {
+        let cross = product(self.upper, b.lower).wrapping_add(product(self.lower, b.upper));
+        (cross >> 31).wrapping_add(product(self.upper, b.upper))
+    }
+
     /// (self·a + other·b) / 2^64, to within 4; each product within ±2^124. Nine instructions on a Cortex-M4.
     #[inline(always)]
     pub const fn turn(self, a: Self, other: Self, b: Self) -> i64 {
@@ -121,9 +134,7 @@ impl Halves {
 /// a·b / 2^64 to within 3, for |a| and |b| up to 2^63: [`mul_hi`] without the product of the lower words.
 #[inline(always)]
 pub const fn mul_near(a: i64, b: i64) -> i64 {
-    let (a, b) = (Halves::of(a), Halves::of(b));
-    let cross = product(a.upper, b.lower).wrapping_add(product(a.lower, b.upper));
-    (cross >> 31).wrapping_add(product(a.upper, b.upper))
+    Halves::of(a).times(Halves::of(b))
 }
 
 #[inline(always)]

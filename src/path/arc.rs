@@ -7,7 +7,7 @@ use crate::math::angle::atan2_turns;
 use crate::math::divide::{div_shift_signed, div_wide};
 use crate::math::float::to_f32;
 use crate::math::root::sqrt_f32;
-use crate::math::wide::{mul_shift, mul_wide};
+use crate::math::wide::{Halves, mul_shift, mul_wide};
 use crate::nc::Plane;
 use crate::quantity::Position;
 
@@ -92,10 +92,10 @@ pub fn arc<const AXES: usize>(
     }
     shape.set_gains(&travel);
     // Quotient and product are off by at most one LSB each: hidden by the guard bits.
-    let end = circle.circle(shape.end_w());
+    let end = circle.circle(Halves::of(shape.end_w()), 0);
     circle.miss = [0, 1].map(|i| {
         let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
-        div_shift_signed(missed, 62, end_w) as i32
+        (div_shift_signed(missed, 62, end_w) << 2) as i32
     });
     shape.curve = Curve::Arc(circle);
 
@@ -212,7 +212,7 @@ impl<const AXES: usize> Element<AXES> {
         let mut end = self.entry;
         let (Curve::Arc(arc), Some(circle)) = (self.shape.curve, self.circle) else { return end };
         let shift = u32::from(self.shape.shift & 63);
-        let r = arc.circle(distance << shift).map(|x| x as f64 * LSB_42);
+        let r = arc.circle(Halves::of(distance << shift), 0).map(|x| x as f64 * LSB_42);
         let r0 = { arc.a }.map(|x| x as f64 * LSB_44_F64);
         // Angle per millimetre: 2^-59 revolutions per 2^64 units of `w`, of which there are 2^(44 + shift).
         let per_mm = (1u64 << shift) as f64 * PER_MM;

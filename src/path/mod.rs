@@ -32,6 +32,7 @@ use crate::math::trig::sin_cos;
 use crate::math::wide::{Halves, mul_near, square_wide};
 use crate::nc::Plane;
 use crate::quantity::{Distance, Position};
+use core::hint::black_box;
 
 /// Direction and curvature of every axis over the path length, at one end of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,6 +140,9 @@ pub const LONGEST: i64 = 1 << 62;
 /// Bits below the LSB of a position that sums inside a tick carry.
 const GUARD: u32 = 10;
 
+/// Half an LSB of a position in such a sum.
+const HALF: i32 = 1 << (GUARD - 1);
+
 /// A curve over its path length, ready for the tick. See the module for the formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape<const AXES: usize> {
@@ -177,7 +181,7 @@ struct Arc {
     turn: i64,
     /// Growth of `a`: 2^-44 mm per 2^51 units of `w`.
     grow: [i32; 2],
-    /// What the circle misses at its end: 2^-42 mm per 2^62 units of `w`.
+    /// What the circle misses at its end, a few nanometres at most: 2^-42 mm per 2^64 units of `w`.
     miss: [i32; 2],
     /// Axes of the plane.
     plane: [u8; 2],
@@ -235,26 +239,42 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
+    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift of two words.
+    #[inline(always)]
+    fn w(&self, distance: i64) -> i64 {
+        let (upper, lower) = ((distance >> 32) as u32, distance as u32);
+        let shift = u32::from(self.shift);
+        let (upper, lower) = if shift < 32 {
+            (upper << shift | lower >> 1 >> (31 - shift), lower << shift)
+        } else {
+            (lower << (shift & 31), 0)
+        };
+        (u64::from(upper) << 32 | u64::from(lower)) as i64
+    }
+
     /// Position of every axis at `distance` from the start of the block. Runs in the tick.
     /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
-        let w = distance << (self.shift & 63);
+        let w = self.w(distance);
         *out = *base;
-        match &self.curve {
-            Curve::Line => {}
-            Curve::Arc(arc) => {
-                // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
-                let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
-                let [x, y] = arc.circle(w);
-                out[p] = add(base[p], x);
-                out[q] = add(base[q], y);
+        if let Curve::Poly { power, down } = &self.curve {
+            return self.bent(w, (power, down), base, out);
+        }
+        if let Curve::Arc(arc) = &self.curve {
+            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+            let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
+            let [x, y] = arc.circle(Halves::of(w), HALF);
+            for (axis, offset) in [(p, x), (q, y)] {
+                out[axis] = Position::from_bits(out[axis].to_bits().wrapping_add(offset >> GUARD));
             }
-            Curve::Poly { power, down } => return self.bent(w, (power, down), base, out),
         }
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
-                *x = add(*base, mul_near(w, *gain));
+                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each product
+                // would be three.
+                let w = black_box(Halves::of(w));
+                *x = add(*base, w.times(Halves::of(*gain)));
             }
         }
     }
@@ -271,7 +291,7 @@ impl<const AXES: usize> Shape<AXES> {
         let linear = base.iter().zip(&self.gain);
         for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
             // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
-            let w = core::hint::black_box(w);
+            let w = black_box(w);
             *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
         }
     }
@@ -290,14 +310,15 @@ impl<const AXES: usize> Shape<AXES> {
 }
 
 impl Arc {
-    /// Both coordinates of the radius vector at `w`, 2^-42 mm.
+    /// Both coordinates of the radius vector at `w`, and `more`: 2^-42 mm.
     #[inline(always)]
-    fn circle(&self, w: i64) -> [i64; 2] {
+    fn circle(&self, w: Halves, more: i32) -> [i64; 2] {
         let Self { a, turn, grow, miss, .. } = *self;
-        let (sin, cos) = sin_cos((mul_near(w, turn) << 5) as u64);
-        let upper = w >> 32;
+        let (sin, cos) = sin_cos((w.times(Halves::of(turn)) << 5) as u64);
+        let upper = w.upper();
         let [p, q] = [0, 1].map(|i| a[i].wrapping_add((upper * i64::from(grow[i])) >> 19));
-        let [x, y] = [0, 1].map(|i| (upper * i64::from(miss[i])) >> 30);
+        let [x, y] = [0, 1].map(|i| ((upper * i64::from(miss[i])) >> 32) as i32);
+        let [x, y] = [x, y].map(|missed| i64::from(missed.wrapping_add(more)));
         let (p, q, cos, sin) = (Halves::of(p), Halves::of(q), Halves::of(cos), Halves::of(sin));
         [x.wrapping_add(p.turn(cos, q, sin.negated())), y.wrapping_add(q.turn(cos, p, sin))]
     }

@@ -61,10 +61,10 @@ impl Clock {
         Some(self.to.load(Ordering::Relaxed))
     }
 
-    /// The tick that began at `instant` is done. For the interrupt.
+    /// A tick is done. For the interrupt.
     #[inline(always)]
-    pub fn pass(&self, instant: u32) {
-        self.now.store(instant.wrapping_add(TICK), Ordering::Release);
+    pub fn pass(&self) {
+        self.now.store(self.own().wrapping_add(TICK), Ordering::Release);
     }
 
     /// Publishes a cut. For the planner, while there is none.

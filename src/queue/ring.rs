@@ -66,6 +66,36 @@ impl<T: Slot, const N: usize> Ring<T, N> {
         // The mask is below N: the optimiser removes the check.
         self.slots[(count & Self::MASK) as usize].get()
     }
+
+    /// The number of the last item that has begun, from the one with this number, which has, over the next 29. Apart from
+    /// [`Consumer::pass`], which would pay for its registers in every tick.
+    #[inline(never)]
+    fn stride(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
+        let last = self.put.load(Ordering::Acquire).wrapping_sub(1);
+        // SAFETY: not beyond the last item of the ring.
+        let begun = |number: u32| begun(unsafe { &*self.slot(number) });
+        if let Some(spare) = last.wrapping_sub(number).checked_sub(15) {
+            // The first stride leaves 15 items at most, all of them in the ring.
+            let further = number.wrapping_add(spare.min(14));
+            if begun(further) {
+                number = further;
+            }
+            for stride in STRIDES {
+                let further = number.wrapping_add(stride);
+                if begun(further) {
+                    number = further;
+                }
+            }
+        } else {
+            for stride in STRIDES {
+                let further = number.wrapping_add(stride);
+                if last.wrapping_sub(number) >= stride && begun(further) {
+                    number = further;
+                }
+            }
+        }
+        number
+    }
 }
 
 impl<T: Slot, const N: usize> Default for Ring<T, N> {
@@ -181,9 +211,17 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     /// Takes the oldest item out into `item`, copied once, if there is one and it is `fit`.
     #[inline(always)]
     pub fn pop_into(&mut self, item: &mut T, fit: impl FnOnce(&T) -> bool) -> bool {
-        let Some(oldest) = self.peek().filter(|oldest| fit(oldest)) else { return false };
+        let number = self.ring.taken.load(Ordering::Relaxed);
+        if self.ring.put.load(Ordering::Acquire) == number {
+            return false;
+        }
+        // SAFETY: not empty, so the slot is the consumer's until the counter moves on.
+        let oldest = unsafe { &*self.ring.slot(number) };
+        if !fit(oldest) {
+            return false;
+        }
         *item = *oldest;
-        self.advance();
+        self.ring.taken.store(number.wrapping_add(1), Ordering::Release);
         true
     }
 
@@ -198,46 +236,28 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     #[inline(always)]
     pub fn pass(&mut self, over: impl Fn(&T) -> bool, begun: impl Fn(&T) -> bool) -> Option<&T> {
         let mut number = self.ring.taken.load(Ordering::Relaxed);
-        if self.ring.put.load(Ordering::Acquire) == number {
+        let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
+        if last.wrapping_add(1) == number {
             return None;
         }
-        // SAFETY: the oldest item of the ring, which is not empty; `leave` leaves at least one.
+        // SAFETY: up to the last item of the ring.
         let slot = |number: u32| unsafe { &*self.ring.slot(number) };
-        if over(slot(number)) {
-            number = self.leave(number, begun);
-        }
-        Some(slot(number))
-    }
-
-    /// The oldest item, which has this number, is over: the number of the last one that has begun. Seldom more than the next
-    /// two, so those are asked for alone; the others in strides, each about half of the one before.
-    #[inline(always)]
-    fn leave(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
-        let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
-        // SAFETY: not beyond the last item of the ring.
-        let has_begun = |number: u32, by: u32| {
-            last.wrapping_sub(number) >= by && begun(unsafe { &*self.ring.slot(number.wrapping_add(by)) })
-        };
-        if last != number {
+        if over(slot(number)) && last != number {
             number = number.wrapping_add(1);
-            if has_begun(number, 1) {
+            if last != number && begun(slot(number.wrapping_add(1))) {
                 number = number.wrapping_add(1);
-                if has_begun(number, 1) {
-                    for stride in STRIDES {
-                        if has_begun(number, stride) {
-                            number = number.wrapping_add(stride);
-                        }
-                    }
+                if last != number && begun(slot(number.wrapping_add(1))) {
+                    number = self.ring.stride(number.wrapping_add(1), begun);
                 }
             }
             self.ring.taken.store(number, Ordering::Release);
         }
-        number
+        Some(slot(number))
     }
 }
 
-/// Strides over items that have begun.
-const STRIDES: [u32; 5] = [15, 8, 4, 2, 1];
+/// The last strides over items that have begun: 15 items.
+const STRIDES: [u32; 4] = [8, 4, 2, 1];
 
-/// Most items that [`Consumer::pass`] gives back: two, and all strides.
+/// Most items that [`Consumer::pass`] gives back: three, the first stride and the last ones.
 pub const MOST: u32 = 32;

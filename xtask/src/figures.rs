@@ -15,7 +15,7 @@ const LIMITS: [(&str, u64); 12] = [
     ("case.contour.tick_max", 600),
     ("case.corners.tick_max", 600),
     ("case.six_corners.tick_max", 1000),
-    ("case.short_arcs.tick_max", 450),
+    ("case.short_arcs.tick_max", 430),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
     ("size.bytes_per_block_3_axes", 160),
