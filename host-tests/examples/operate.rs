@@ -1,5 +1,6 @@
 //! Random programs on random machines while an operator holds, goes on, aborts and turns the override and the program text comes late, all at
-//! random ticks, before the judge, as many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`.
+//! random ticks, before the judge, as many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`;
+//! with one slope alone: `... LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071.
 use host_tests::operate::{
     POLLS, TOO_LONG, judge, operate, random_acts, random_setup, with_overrides, with_starvation,
 };
@@ -8,9 +9,13 @@ fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse().expect("a seed"));
     let first: u64 = seeds.next().unwrap_or(0);
     let last = seeds.next().unwrap_or(1000);
+    let slope = seeds.next();
     let (mut faults, mut skipped) = (0, 0);
     for seed in first..last {
-        let (program, machine, mut random) = random_setup(seed);
+        let (program, mut machine, mut random) = random_setup(seed);
+        if let Some(slope) = slope {
+            machine.channel.slope_profile = slope as u8;
+        }
         let holds = if random.once_in(2) { random_acts(&mut random, 3000) } else { Vec::new() };
         let acts = if random.once_in(4) { holds } else { with_overrides(&mut random, 3000, holds) };
         let acts = if random.once_in(3) { with_starvation(&mut random, 3000, acts) } else { acts };

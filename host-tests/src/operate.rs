@@ -100,7 +100,7 @@ const RESTS: usize = 20_000;
 /// Why a run was given up that may be a good one.
 pub const TOO_LONG: &str = "longer than a million ticks";
 
-/// Calls of the planner between two ticks: enough to keep up, or as many as it wants.
+/// Calls of the planner between two ticks: enough to keep up where no corners are rounded, or as many as it wants.
 pub const POLLS: [usize; 3] = [12, 40, 1000];
 
 /// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at most

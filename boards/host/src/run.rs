@@ -229,7 +229,9 @@ fn drive<const AXES: usize>(
         };
         recorder.tick(&telemetry, interpolator.set_points(), pause).map_err(Stop::Unwritable)?;
         put_out(&mut interpolator, &mut recorder, &mut automatic, &schedule);
-        if let (true, Some(function)) = (waiting && state == State::Idle, control.awaited())
+        if waiting
+            && state == State::Idle
+            && let Some(function) = control.awaited()
             && !automatic.answers(function)
             && !schedule.answers(function)
         {
