@@ -10,7 +10,7 @@
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::control::Control;
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{MOST, Phase, Receiver, Segment, Slot, clock};
+use crate::queue::{MOST, Phase, Receiver, Slot, clock};
 use crate::technology::{Output, Technology};
 
 /// Most elements one tick may pass.
@@ -75,12 +75,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         self.done += 1;
         self.distance = Distance::from_bits(distance);
 
-        let segment = self
-            .queue
-            .segments
-            .pass(|segment| segment.is_behind(distance), move |segment| segment.has_begun(distance));
-        if let Some(segment) = segment {
-            let along = distance.wrapping_sub(segment.start.to_bits());
+        if let Some((segment, along)) = self.queue.segments.follow(distance) {
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
         self.queue.clock.pass();
@@ -130,19 +125,5 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
             speed: Speed::from_bits(speed),
             accel: Accel::from_bits(2 * half + 6 * n * sixth),
         }
-    }
-}
-
-impl<const AXES: usize> Segment<AXES> {
-    /// Whether the path distance has reached its start.
-    #[inline(always)]
-    fn has_begun(&self, distance: i64) -> bool {
-        distance.wrapping_sub(self.start.to_bits()) >= 0
-    }
-
-    /// Whether the path distance has reached its end.
-    #[inline(always)]
-    fn is_behind(&self, distance: i64) -> bool {
-        distance.wrapping_sub(self.start.to_bits()) >= self.shape.length.to_bits()
     }
 }

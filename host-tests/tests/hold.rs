@@ -216,7 +216,7 @@ fn a_cut_is_taken_as_a_whole_or_not_at_all() {
         let mut rings: Rings<1> = Rings::new();
         let (mut sender, receiver) = rings.split();
         let mut interpolator = Interpolator::new(receiver, [Position::ZERO]);
-        let _ = sender.segments.push(Segment::BLANK);
+        sender.segments.push_with(|segment| *segment = Segment::BLANK);
         let mut seen = Vec::new();
         let mut ticks = |n: usize| {
             for _ in 0..n {

@@ -1,10 +1,12 @@
 //! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
 //! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
 pub mod clock;
+mod course;
 mod ring;
 
 pub use clock::Clock;
-pub use ring::{Consumer, MOST, Producer, Ring, Slot};
+pub use course::{Course, Follower, Layer, MOST};
+pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::control::{Control, Ticket};
 use crate::math::wide::mul_u32;
@@ -125,7 +127,7 @@ impl Phase {
 
 /// Static memory of the rings.
 pub struct Rings<const AXES: usize> {
-    segments: Ring<Segment<AXES>, SEGMENTS>,
+    segments: Course<AXES>,
     phases: Ring<Phase, PHASES>,
     events: Ring<Event, EVENTS>,
     control: Control,
@@ -135,7 +137,7 @@ pub struct Rings<const AXES: usize> {
 /// The planner's end.
 pub struct Sender<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Producer<'a, Segment<AXES>, SEGMENTS>,
+    pub segments: Layer<'a, AXES>,
     /// Pieces of time.
     pub phases: Producer<'a, Phase, PHASES>,
     /// Events.
@@ -149,7 +151,7 @@ pub struct Sender<'a, const AXES: usize> {
 /// The interrupt's end.
 pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Consumer<'a, Segment<AXES>, SEGMENTS>,
+    pub segments: Follower<'a, AXES>,
     /// Pieces of time.
     pub phases: Consumer<'a, Phase, PHASES>,
     /// Events.
@@ -164,7 +166,7 @@ impl<const AXES: usize> Rings<AXES> {
     /// Empty rings.
     pub const fn new() -> Self {
         Self {
-            segments: Ring::new(),
+            segments: Course::new(),
             phases: Ring::new(),
             events: Ring::new(),
             control: Control::new(),

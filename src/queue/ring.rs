@@ -5,7 +5,7 @@
 //! slots are used and no index needs a division (the queues of `heapless` forget `N` when they are split, which
 //! leaves one in the interrupt and a panic in its place if `N` were 0).
 //!
-//! This module is the only one with `unsafe` code.
+//! This module and the ring of curves, [`super::course`], are the only ones with `unsafe` code.
 #![allow(unsafe_code)]
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -65,36 +65,6 @@ impl<T: Slot, const N: usize> Ring<T, N> {
     fn slot(&self, count: u32) -> *mut T {
         // The mask is below N: the optimiser removes the check.
         self.slots[(count & Self::MASK) as usize].get()
-    }
-
-    /// The number of the last item that has begun, from the one with this number, which has, over the next 29. Apart from
-    /// [`Consumer::pass`], which would pay for its registers in every tick.
-    #[inline(never)]
-    fn stride(&self, mut number: u32, begun: impl Fn(&T) -> bool) -> u32 {
-        let last = self.put.load(Ordering::Acquire).wrapping_sub(1);
-        // SAFETY: not beyond the last item of the ring.
-        let begun = |number: u32| begun(unsafe { &*self.slot(number) });
-        if let Some(spare) = last.wrapping_sub(number).checked_sub(15) {
-            // The first stride leaves 15 items at most, all of them in the ring.
-            let further = number.wrapping_add(spare.min(14));
-            if begun(further) {
-                number = further;
-            }
-            for stride in STRIDES {
-                let further = number.wrapping_add(stride);
-                if begun(further) {
-                    number = further;
-                }
-            }
-        } else {
-            for stride in STRIDES {
-                let further = number.wrapping_add(stride);
-                if last.wrapping_sub(number) >= stride && begun(further) {
-                    number = further;
-                }
-            }
-        }
-        number
     }
 }
 
@@ -231,33 +201,19 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
         self.ring.taken.store(number, Ordering::Release);
     }
 
-    /// Gives items back up to the last one that has `begun`, at most [`MOST`] of them; that one then. Items begin in their
-    /// order; the oldest has begun, and if it is `over`, so has the next.
+    /// Items given back since the split.
     #[inline(always)]
-    pub fn pass(&mut self, over: impl Fn(&T) -> bool, begun: impl Fn(&T) -> bool) -> Option<&T> {
-        let mut number = self.ring.taken.load(Ordering::Relaxed);
-        let last = self.ring.put.load(Ordering::Acquire).wrapping_sub(1);
-        if last.wrapping_add(1) == number {
-            return None;
-        }
-        // SAFETY: up to the last item of the ring.
-        let slot = |number: u32| unsafe { &*self.ring.slot(number) };
-        if over(slot(number)) && last != number {
-            number = number.wrapping_add(1);
-            if last != number && begun(slot(number.wrapping_add(1))) {
-                number = number.wrapping_add(1);
-                if last != number && begun(slot(number.wrapping_add(1))) {
-                    number = self.ring.stride(number.wrapping_add(1), begun);
-                }
-            }
-            self.ring.taken.store(number, Ordering::Release);
-        }
-        Some(slot(number))
+    pub fn taken(&self) -> u32 {
+        self.ring.taken.load(Ordering::Relaxed)
+    }
+
+    /// The item with this number.
+    ///
+    /// # Safety
+    /// It was put in, which the caller has seen with `Acquire`, and is not given back.
+    #[inline(always)]
+    pub(super) unsafe fn get(&self, number: u32) -> &T {
+        // SAFETY: put in and not given back, it is the consumer's.
+        unsafe { &*self.ring.slot(number) }
     }
 }
-
-/// The last strides over items that have begun: 15 items.
-const STRIDES: [u32; 4] = [8, 4, 2, 1];
-
-/// Most items that [`Consumer::pass`] gives back: three, the first stride and the last ones.
-pub const MOST: u32 = 32;
