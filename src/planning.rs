@@ -83,8 +83,9 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     speed: Speed,
     /// Ticks of rest that belong behind it.
     owed: u64,
-    /// Instant up to which pieces are in the queue.
+    /// Instant up to which pieces are in the queue, and the one since which blocks are taken in.
     end: u32,
+    since: u32,
     mode: Mode,
     /// The operator's commands as they were seen last, and what they make of the speed.
     word: u32,
@@ -151,6 +152,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             speed: Speed::ZERO,
             owed: 0,
             end: 0,
+            since: 0,
             mode: Mode::RUN,
             word: Control::NORMAL,
             pace: Pace::new(machine.channel.override_weight_prog_feed),
@@ -284,6 +286,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
             Stage::Releasing(0) => {
                 self.stage = Stage::Filling;
+                self.since = self.queue.clock.now();
                 Ok(Work::Working)
             }
             Stage::Releasing(_) if self.reopened => Ok(self.plan_anew()),
@@ -306,6 +309,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// There is room in the look-ahead.
     fn fill(&mut self) -> Work {
+        if self.runs_dry() {
+            return self.begin_pass();
+        }
         if !self.contouring.is_empty() && self.round_off() {
             return Work::Working;
         }

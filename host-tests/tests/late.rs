@@ -1,8 +1,14 @@
-//! Program text that comes late: the motion slows down on its slope, stands at the end of what there is, goes on, and loses nothing.
+//! Program text that comes late, and a planner that does not keep up: the motion slows down on its slope, stands at the end of what
+//! there is, goes on, and loses nothing.
 use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines, named};
-use host_tests::operate::{Act, Operated, judge, operate, random_acts, with_overrides, with_starvation};
+use host_tests::check;
+use host_tests::operate::{
+    Act, Operated, judge, operate, operate_text, random_acts, with_overrides, with_starvation,
+};
+use host_tests::properties::permitted;
 
 /// The judged run of a program whose text comes as told.
 fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)]) -> Operated {
@@ -79,6 +85,49 @@ fn text_that_trickles_in_moves_as_it_comes() {
                 "slope {slope}, {rate} bytes a tick: {ticks} ticks, {needed} needed"
             );
             println!("slope {slope}, {rate} bytes a tick: {ticks} ticks, {needed} needed");
+        }
+    }
+}
+
+/// Corners of a zigzag in contour mode: each takes the planner dozens of calls.
+fn zigzag(pitch: f64, method: &str) -> String {
+    let mut text = format!("%zigzag\n#CONTOUR MODE [{method}]\nG01 X0.1 G261 F9000\n");
+    for k in 1..150 {
+        let y = [0.0, 0.3, 0.1, 0.7][k as usize % 4] * pitch;
+        text += &format!("X{:.3} Y{y:.3}\n", 0.1 + pitch * f64::from(k));
+    }
+    text + "G260\nM30\n"
+}
+
+/// A planner with a few calls a tick, with all of the text or as it trickles in, in contour mode too: without handing on what there
+/// is before the next corner is made, the queue ran out at speed.
+#[test]
+fn a_planner_that_does_not_keep_up_brakes() {
+    let zigzags = [(1.0, "DEV PATH_DEV=0.05"), (0.3, "DEV PATH_DEV=0.02"), (3.0, "DIST_SOFT PATH_DIST=0.5")]
+        .map(|(pitch, method)| zigzag(pitch, method));
+    for slope in 0..4 {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+        for text in &zigzags {
+            let mut longest = 0;
+            for polls in [2, 5, 12, 40, 1000] {
+                for acts in [&[][..], &[(0, Act::Slow(3))], &[(0, Act::Slow(30))]] {
+                    let run =
+                        operate_text::<3, 120>(text, [Position::ZERO; 3], &machine, acts, polls).unwrap();
+                    check::limits(&run.trace, &limits).unwrap_or_else(|fault| {
+                        panic!("slope {slope}, {polls} calls, {acts:?}: {fault}\n{text}")
+                    });
+                    longest = longest.max(run.trace.len());
+                }
+            }
+            println!("slope {slope}: {longest} ticks at most");
+        }
+        for polls in [1, 3] {
+            for program in [named::wave(60, 0.8, 3000.0), named::wave(600, 0.05, 3000.0)] {
+                let run = operate::<3, 120>(&program, &machine, &[], polls).unwrap();
+                judge(&program, &machine, &run).unwrap();
+            }
         }
     }
 }

@@ -4,13 +4,40 @@
 //! quarter at a time, planned down to a standstill at its end like every plan. So the motion slows down on its slope as the way
 //! known ahead of it gets shorter, gains speed when blocks come, and stands at the end of the last one if none does.
 //!
+//! A planner that does not keep up hands on in the same way, before it is done with the next block: where what is in the queue ends at
+//! speed and has run low while blocks are being taken in. A planner that keeps up never comes to that: it has filled the queue before each
+//! tick.
+//!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the text comes.
-use super::{Planning, Work, clock};
+use super::{Planning, RESERVE, Speed, Work, clock};
+use crate::queue::{MOST, PHASES, SEGMENTS};
 
 /// Ticks of motion in the queue below which nothing is waited for: time for the plan of a full ring.
 const LOW: u32 = 64;
 
+/// The same for a planner that does not keep up, which needs more time for it.
+const DRY: u32 = 256;
+
+/// Curves, and pieces of time, that are few: of a full ring a tick leaves more.
+const FEW: u32 = 30;
+const _: () = assert!(FEW < SEGMENTS as u32 - MOST && FEW < PHASES as u32 - 2 * RESERVE);
+
+/// Ticks within which a planner that keeps up has filled the queue again.
+const SOON: u32 = 2;
+
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being taken in.
+    pub(super) fn runs_dry(&self) -> bool {
+        if self.speed == Speed::ZERO || self.lookahead.is_empty() {
+            return false;
+        }
+        let now = self.queue.clock.now();
+        self.end.wrapping_sub(now) <= clock::TICK * DRY
+            && now.wrapping_sub(self.since) >= clock::TICK * SOON
+            && self.queue.phases.len() <= FEW
+            && self.queue.segments.len() <= FEW
+    }
+
     /// Goes on without a next block. Only after [`Work::Hungry`]. [`Work::Starved`] once for each standstill.
     pub fn go_without(&mut self) -> Work {
         let left = self.end.wrapping_sub(self.queue.clock.now());

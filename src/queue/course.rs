@@ -170,6 +170,16 @@ impl<const AXES: usize> Layer<'_, AXES> {
         }
     }
 
+    /// Curves in the ring: the one the interrupt is on, and those before it.
+    pub fn len(&self) -> u32 {
+        self.ring.len()
+    }
+
+    /// Whether there was none yet.
+    pub fn is_empty(&self) -> bool {
+        self.ring.is_empty()
+    }
+
     /// Curves put in since the split.
     pub fn count(&self) -> u32 {
         self.ring.count()

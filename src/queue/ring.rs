@@ -82,6 +82,17 @@ impl<T: Slot, const N: usize> Producer<'_, T, N> {
         (N as u32).wrapping_sub(put.wrapping_sub(self.ring.taken.load(Ordering::Acquire)))
     }
 
+    /// Items in the ring.
+    #[inline(always)]
+    pub fn len(&self) -> u32 {
+        (N as u32).wrapping_sub(self.room())
+    }
+
+    /// Whether there is no item.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Whether there is no room.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
