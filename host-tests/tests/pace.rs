@@ -132,6 +132,22 @@ fn a_change_at_every_tick() {
     }
 }
 
+/// At 0.1 % for a while: 100 mm with F10 would take a week.
+#[test]
+fn a_knob_turned_nearly_to_zero_is_turned_up_again() {
+    for slope in 0..4 {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let program = Program::new("slow", 3).line(&[100.0, 0.0, 0.0], 10.0).line(&[100.0, 1.0, 0.0], 2000.0);
+        for down in [0, 300] {
+            let acts =
+                [(down, Act::Override(1)), (down + 700, Act::Override(2)), (down + 900, Act::Override(2000))];
+            let v = speeds(&run(&program, &machine, &acts, 1000));
+            let nearly = &v[down + 300..down + 690];
+            assert!(nearly.iter().all(|v| (0.01..0.1).contains(v)), "slope {slope}: {:?}", nearly.first());
+        }
+    }
+}
+
 #[test]
 fn override_of_zero_holds() {
     let machine = machines::mill::<3>(1000);

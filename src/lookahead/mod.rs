@@ -25,6 +25,7 @@ mod weights;
 pub use dynamics::{Curving, Dynamics, Permitted};
 pub use limits::{Law, Limits, Share};
 pub(crate) use limits::{max, min};
+pub(crate) use pace::SLOWEST;
 pub use pace::{Headroom, Pace};
 pub use vector::TooLow;
 pub use weights::Weights;

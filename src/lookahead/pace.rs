@@ -14,8 +14,12 @@
 //! decided when the time law of a span is made: so an override that falls acts at once, and what was possible stays
 //! possible. Arcs and curves know their limits for the level of the moment at which they are taken in, and exceed that
 //! speed only when new blocks come.
+//!
+//! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
+//! and has no such end.
 use super::{Release, max, min};
 use crate::control::{Commands, FULL_OVERRIDE};
+use crate::math::float::to_f32;
 
 /// How the speed of a block follows the override, in two numbers of 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +72,9 @@ impl Headroom {
     }
 }
 
+/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
+pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
+
 /// Override and reduced speed of now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
@@ -105,9 +112,16 @@ impl Pace {
 
     /// Highest speed of a span now.
     pub fn limit(&self, span: &Release) -> f32 {
-        let v = span.limits.v;
-        let v = if self.is_full(span.level) { v } else { v * self.factor(span.headroom, span.level) };
+        let v = if self.is_full(span.level) { span.limits.v } else { self.slowed(span) };
         min(v, span.ceiling)
+    }
+
+    fn slowed(&self, span: &Release) -> f32 {
+        let v = span.limits.v * self.factor(span.headroom, span.level);
+        if self.reduced {
+            return v;
+        }
+        max(v, min(span.limits.v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST)))
     }
 
     /// Highest speed of the block behind a span now.

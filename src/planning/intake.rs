@@ -2,7 +2,7 @@
 use super::Planning;
 use super::functions::Functions;
 use super::held::Held;
-use crate::lookahead::{Dynamics, Lookahead, Permitted};
+use crate::lookahead::{Dynamics, Lookahead, Permitted, SLOWEST};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
@@ -80,9 +80,6 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
         }
     }
 }
-
-/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
-pub(super) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Takes in a motion block. Only after [`super::Work::Hungry`].
