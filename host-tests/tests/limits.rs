@@ -2,6 +2,7 @@
 use glidepath::machine::MachineData;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named};
+use host_tests::operate::{judge, operate, random_setup};
 use host_tests::properties::{Verdict, verify};
 
 fn good<const AXES: usize, const BLOCKS: usize>(program: &Program, machine: &MachineData<AXES>) -> Verdict {
@@ -153,4 +154,14 @@ fn depth_of_look_ahead_costs_time_only() {
         let less = good::<3, 190>(&program, &machine(30));
         assert_eq!(less.run.trace.ticks(), ticks[0]);
     }
+}
+
+/// STEP gains speed from a knee on at once: the next one came within two ticks, though its block is as long as three at the speed of the
+/// first (225.2 of 225 mm/s²).
+#[test]
+fn knees_that_step_brings_close_share_the_acceleration() {
+    let (program, machine, _) = random_setup(107_052);
+    assert_eq!(machine.channel.slope_profile, 0);
+    let run = operate::<3, 120>(&program, &machine, &[], 1000).unwrap();
+    judge(&program, &machine, &run).unwrap();
 }

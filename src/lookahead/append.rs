@@ -1,6 +1,6 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
-use super::limits::{Share, min};
+use super::limits::{Share, max, min};
 use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
@@ -50,7 +50,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
-            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, cap);
+            let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
+            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, (cap, a));
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
             if v.is_some() || (brief && slope == SlopeType::Step) {

@@ -137,6 +137,15 @@ impl Limits {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
     }
 
+    /// The largest acceleration or deceleration at any speed.
+    pub(super) fn most(&self) -> f32 {
+        let a = max(self.a_up, self.a_down);
+        match self.law {
+            Law::Bowed { .. } => a,
+            Law::Stepped { a_up, a_down, .. } => max(a, max(a_up, a_down)),
+        }
+    }
+
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {

@@ -58,6 +58,12 @@ pub struct BlockLimits {
 }
 
 impl BlockLimits {
+    /// The largest acceleration or deceleration at any speed.
+    pub fn most(&self) -> f64 {
+        let above = if self.slope == 0 { self.upper[1].max(self.upper[2]) } else { 0.0 };
+        self.a_up.max(self.a_down).max(above)
+    }
+
     /// Acceleration, in the order of time.
     pub fn accelerate(&self) -> Slope {
         self.follow(self.a_up, self.upper[1], self.j[0], self.j[1])
@@ -317,8 +323,9 @@ impl Machine {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest speed of a joint that neither neighbour passes faster than `fastest`; `None` if it is smooth.
-    pub fn joint(&self, before: &Element, after: &Element, fastest: f64) -> Option<f64> {
+    /// Highest speed of a joint that neither neighbour passes faster than `fastest`, with accelerations up to `most`; `None` if it
+    /// is smooth.
+    pub fn joint(&self, before: &Element, after: &Element, fastest: f64, most: f64) -> Option<f64> {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let shorter = path_length(before).min(path_length(after));
         let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
@@ -336,8 +343,20 @@ impl Machine {
             if knee > 0.0 {
                 // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks apart.
                 let alone = part.min(axis.knee) / knee;
-                let close = (0.25 * part / knee).min((0.25 * part * shorter / knee).sqrt());
-                v = v.min(alone.min(shorter / 3.0).max(alone.min(close)));
+                // With STEP speed is gained from the joint on: 3 v + 4.5 a in three ticks (of L at most, in two steps), to √(v² + aL) in the middle of a block.
+                let a = if self.slope == 0 { most } else { 0.0 };
+                let slow = shorter
+                    * match shorter / a {
+                        ratio if ratio == f64::INFINITY => 1.0 / 3.0,
+                        45.0.. => 0.3,
+                        9.0.. => 1.0 / 6.0,
+                        _ => 0.0,
+                    };
+                // v √(v² + aL) = part L / 4 knee
+                let product = 0.25 * part * shorter / knee;
+                let half = 0.5 * a * shorter;
+                let close = (product / (half + half.hypot(product)).sqrt()).min(0.25 * part / knee);
+                v = v.min(alone.min(slow).max(alone.min(close)));
             }
             if bend > 0.0 {
                 v = v.min((part / bend).sqrt());

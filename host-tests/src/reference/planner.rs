@@ -39,7 +39,8 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
         {
             let cap = last.limits.v.min(limits.v);
             v_start = cap;
-            let joint = machine.joint(before, element, v_start);
+            let most = last.limits.most().max(limits.most());
+            let joint = machine.joint(before, element, v_start, most);
             // With STEP, blocks that may pass within a tick count as joints.
             let within = last.length < last.limits.v || path_length(element) < limits.v;
             if joint.is_some() || (limits.slope == 0 && within) {

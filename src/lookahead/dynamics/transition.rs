@@ -28,14 +28,15 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// ISG's kernel, which then takes no notice of the jerk, limits of jerk hold here in any case.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
-    /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
+    /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
+    /// acceleration beside the transition where it does not vanish there (STEP), otherwise 0.
     pub fn transition(
         &self,
         from: &End<AXES>,
         to: &End<AXES>,
         rapid: bool,
         shorter: f32,
-        fastest: f32,
+        (fastest, a): (f32, f32),
     ) -> Option<f32> {
         let mut v = f32::MAX;
         let mut tangential = true;
@@ -62,7 +63,9 @@ impl<const AXES: usize> Dynamics<AXES> {
                 tangential = false;
                 let part = if bend > 0.0 { 0.5 * part } else { part };
                 let alone = min(part, joint.knee) / knee;
-                if 3.0 * alone > shorter {
+                if stepped {
+                    v = min(v, beside_others(alone, 0.25 * part / knee, shorter, a));
+                } else if 3.0 * alone > shorter {
                     let close = min(0.25 * part / knee, sqrt_f32(0.25 * part * shorter / knee));
                     v = min(v, min(alone, max(shorter * (1.0 / 3.0), close)));
                 } else {
@@ -108,4 +111,29 @@ impl<const AXES: usize> Dynamics<AXES> {
             a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.joint.budget
         })
     }
+}
+
+/// Speed of a transition with steps of speed, `alone` if no other one is within three ticks, where speed changes by `a` per tick beside
+/// it; `quarter` is a fourth of its part by its knee, `length` that of the shorter block.
+///
+/// A block that begins or ends with the speed v takes three ticks if it is 3 v + 9/2 a long. Asked in two steps: a difference of length
+/// and a would be known badly where it is small. Otherwise the steps of all that pass within
+/// a tick share a fourth of the part: v·√(v² + a·length) ≤ quarter·length, where the root is the speed in the middle of a block with v at
+/// both ends.
+fn beside_others(alone: f32, quarter: f32, length: f32, a: f32) -> f32 {
+    let part = if length >= 45.0 * a {
+        0.3
+    } else if length >= 9.0 * a {
+        1.0 / 6.0
+    } else {
+        0.0
+    };
+    let slow = part * length;
+    if alone <= slow {
+        return alone;
+    }
+    let (gained, shared) = (a * length, quarter * length);
+    let both = gained + sqrt_f32(gained * gained + 4.0 * shared * shared);
+    let close = if both > 0.0 { shared * sqrt_f32(2.0 / both) } else { 0.0 };
+    min(alone, max(slow, min(quarter, close)))
 }
