@@ -311,6 +311,8 @@ pub enum NcWarningKind {
     PtpArc,
     /// DIST_SOFT beside an arc: a curve by its distance alone.
     SoftArc,
+    /// DIST_MASTER where the master axis does not go on in its direction: a curve by its distance alone.
+    MasterRests,
 }
 
 impl NcWarning {
@@ -332,6 +334,9 @@ impl fmt::Display for NcWarning {
             NcWarningKind::PtpArc => "an arc deselects #CONTOUR MODE [PTP]",
             NcWarningKind::SoftArc => {
                 "DIST_SOFT beside an arc: the curve keeps the corner distance, axes are not optimised"
+            }
+            NcWarningKind::MasterRests => {
+                "DIST_MASTER where the master axis rests or turns back: the curve keeps the corner distance, axes are not optimised"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

@@ -174,6 +174,11 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
+    /// The same in so many times the time, and so many times as far from the corner.
+    pub fn stretched(self, by: f64) -> Self {
+        Self { rise: self.rise.stretched(by), time: self.time * by }
+    }
+
     /// Only ramps overlap.
     pub fn is_brief(&self) -> bool {
         self.time <= self.rise.ramp
