@@ -24,7 +24,7 @@ use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::path::measure::FEED_AXES;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, NcError, NcWarning, Place, Setup, Slope,
+    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Slope,
     SlopeType, Spline, Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
@@ -482,7 +482,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 }
                 self.planning.contour(contour, head.in_motion);
             }
-            Command::Spline(_, Spline::Off) => {}
+            Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)

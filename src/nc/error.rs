@@ -315,6 +315,13 @@ pub enum NcWarningKind {
     MasterRests,
 }
 
+impl NcWarningKind {
+    /// Whether it is about a curve: said where the planner takes the motion in, not by the decoder.
+    pub const fn is_of_curve(&self) -> bool {
+        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests)
+    }
+}
+
 impl NcWarning {
     /// ISG's number of this message, 0 where none is known.
     pub const fn id(&self) -> u32 {

@@ -228,7 +228,8 @@ fn id(number: u32) -> String {
     if number == 0 { String::new() } else { number.to_string() }
 }
 
-fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
+/// What the decoder or the planner remarked.
+pub fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
     place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), files, warning.place)
 }
 
