@@ -1,10 +1,10 @@
-//! DIST_MASTER, and all that follows from it: feed axes, by which the path is measured, and the master axis among them.
-use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
-use glidepath::machine::{AxisKind, MODE_LINEAR, MODE_MASTER, MachineData};
+//! DIST_MASTER, and the other methods where the feed counts along other axes than the main ones.
+use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::machine::{MODE_MASTER, MachineData};
 use glidepath::nc::{Contour, ContourMethod, NcWarningKind};
-use glidepath::path::{self, PathError};
-use glidepath::planning::MotionError;
+use glidepath::path;
 use glidepath::quantity::Position;
+use host_tests::cases::machines::feeding;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{NM, Program, machines, set_point};
 use host_tests::check;
@@ -13,15 +13,6 @@ use host_tests::deviation::deviation;
 use host_tests::operate::{Act, operate_text};
 use host_tests::properties::{axis_limits, permitted};
 use host_tests::rounded::{Run, quick, run_from};
-
-/// The machine with these feed axes, all of them marked.
-fn feeding<const AXES: usize>(mut machine: MachineData<AXES>, axes: &[usize]) -> MachineData<AXES> {
-    for &k in axes {
-        machine.axes[k].default_feed_axis = true;
-        machine.axes[k].achs_mode = MODE_LINEAR | MODE_MASTER;
-    }
-    machine
-}
 
 /// Programs from zero on.
 fn go(text: &str, machine: &MachineData<3>) -> Run {
@@ -53,12 +44,6 @@ fn programmed(x: f64) -> [f64; 2] {
     at
 }
 
-/// Speed of an axis from row to row, mm/s.
-fn speed(run: &Run, k: usize) -> Vec<f64> {
-    let column: Vec<f64> = (0..run.trace.len()).map(|i| run.trace.mm(i)[k]).collect();
-    column.windows(2).map(|w| (w[1] - w[0]) / run.trace.cycle).collect()
-}
-
 #[test]
 fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
     const V: f64 = 20_000.0 / 60.0;
@@ -66,7 +51,7 @@ fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
     assert!(run.warnings.is_empty(), "{:?}", run.warnings);
     // From the first corner to the last one X has its feed, and so the whole takes as long as a straight line.
     let row = |i: usize| run.trace.mm(i);
-    for (i, v) in speed(&run, 0).into_iter().enumerate() {
+    for (i, v) in run.axis_speeds(0).into_iter().enumerate() {
         let x = row(i)[0];
         assert!(!(45.0..550.0).contains(&x) || (v - V).abs() < 1e-4 * V, "{v} at {x}");
     }
@@ -95,10 +80,13 @@ fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
         let begins = beside.iter().find(|(_, off)| *off > 1e-6).expect("a curve").0;
         let ends = beside.iter().rev().find(|(_, off)| *off > 1e-6).expect("a curve").0;
         assert!((begins + ends).abs() < 1.0, "corner {corner}: from {begins} to {ends}");
-        let curve: Vec<f64> = rows.iter().map(|&i| {
-            let k = usize::from(change[1].abs() > change[0].abs());
-            row(i)[1 + k] / change[k]
-        }).collect();
+        let curve: Vec<f64> = rows
+            .iter()
+            .map(|&i| {
+                let k = usize::from(change[1].abs() > change[0].abs());
+                row(i)[1 + k] / change[k]
+            })
+            .collect();
         let second: Vec<f64> = curve.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]) * 1e6).collect();
         let third: Vec<f64> = second.windows(2).map(|w| (w[1] - w[0]) * 1e3).collect();
         let [a, j] = [&second, &third].map(|d| d.iter().copied().fold(0.0, f64::max));
@@ -144,7 +132,8 @@ fn the_distance_is_path_of_the_master_and_the_same_on_both_sides() {
         );
         (go(&text, &led()), [up, down])
     };
-    for (slopes, distance) in [([0.0, 1.0], 12.0), ([0.5, -0.3], 7.5), ([-2.0, 1.0], 20.0), ([3.0, 3.2], 5.0)] {
+    for (slopes, distance) in [([0.0, 1.0], 12.0), ([0.5, -0.3], 7.5), ([-2.0, 1.0], 20.0), ([3.0, 3.2], 5.0)]
+    {
         // At a feed at which that distance needs more than ACC_MIN and less than ACC_MAX.
         let run = corner(&format!("SYM_DIST={distance} ACC_MIN=1"), 6000, slopes);
         let seen = extent(&run.0, slopes);
@@ -181,7 +170,9 @@ fn acceleration_and_ramp_of_a_corner_follow_their_keywords() {
     let peaks = |run: &Run| peaks_within(run, 100.0);
     let corner = |rest: &str| {
         go(
-            &format!("#CONTOUR MODE ON [DIST_MASTER {rest}]\nN10 G01 X200 F12000\nN20 G260 X400 Y200\nN30 X500 Y300\nM30\n"),
+            &format!(
+                "#CONTOUR MODE ON [DIST_MASTER {rest}]\nN10 G01 X200 F12000\nN20 G260 X400 Y200\nN30 X500 Y300\nM30\n"
+            ),
             &led(),
         )
     };
@@ -205,14 +196,23 @@ fn acceleration_and_ramp_of_a_corner_follow_their_keywords() {
     let some = corner("SYM_DIST=10 ACC_MAX=60");
     assert!(near(inside(&some), 0.6 * A) && some.time() > all.time(), "{}", inside(&some));
     let slowest = |run: &Run| {
-        let x = speed(run, 0);
-        (0..x.len()).filter(|&i| (150.0..250.0).contains(&run.trace.mm(i)[0])).map(|i| x[i]).fold(1e9, f64::min)
+        let x = run.axis_speeds(0);
+        (0..x.len())
+            .filter(|&i| (150.0..250.0).contains(&run.trace.mm(i)[0]))
+            .map(|i| x[i])
+            .fold(1e9, f64::min)
     };
     let v = |acceleration: f64| {
         // D = v/2·(v/a + ramp), solved for the speed.
-        0.5 * (-RAMP * acceleration + (RAMP * RAMP * acceleration * acceleration + 8.0 * 10.0 * acceleration).sqrt())
+        0.5 * (-RAMP * acceleration
+            + (RAMP * RAMP * acceleration * acceleration + 8.0 * 10.0 * acceleration).sqrt())
     };
-    assert!(near(slowest(&all), v(A)) && near(slowest(&some), v(0.6 * A)), "{} {}", slowest(&all), slowest(&some));
+    assert!(
+        near(slowest(&all), v(A)) && near(slowest(&some), v(0.6 * A)),
+        "{} {}",
+        slowest(&all),
+        slowest(&some)
+    );
     assert!(near(slowest(&more), 200.0) && near(slowest(&half), 200.0));
     // RAMP_TIME: 100 % without being asked for, the jerk of twice the time is half.
     let slow = corner("SYM_DIST=60 RAMP_TIME=200");
@@ -269,7 +269,7 @@ fn a_handling_path_is_faster_with_a_master_than_with_the_path_in_space() {
                 let mut machine = feeding(quick(1000), feed_axes);
                 machine.channel.slope_profile = slope;
                 let run = go(&handling(&format!("{method}={distance}"), feed), &machine);
-                (run.time(), speed(&run, 0))
+                (run.time(), run.axis_speeds(0))
             };
             let (soft, _) = with("DIST_SOFT PATH_DIST", &[]);
             let (master, x) = with("DIST_MASTER SYM_DIST", &[0]);
@@ -289,18 +289,28 @@ fn a_handling_path_is_faster_with_a_master_than_with_the_path_in_space() {
 fn where_the_master_rests_or_turns_back_the_curve_keeps_its_distance_and_says_so() {
     // Up, across, back and down again.
     let text = |mode: &str| {
-        format!("#CONTOUR MODE ON [{mode}]\nN10 G01 Z50 F20000\nN20 X100 Y30\nN30 X200\nN40 X20 Y60\nN50 G260 Y0 Z0\nM30\n")
+        format!(
+            "#CONTOUR MODE ON [{mode}]\nN10 G01 Z50 F20000\nN20 X100 Y30\nN30 X200\nN40 X20 Y60\nN50 G260 Y0 Z0\nM30\n"
+        )
     };
     let master = go(&text("DIST_MASTER SYM_DIST=5"), &led());
     // Not N20 → N30: there it goes on.
     let told: Vec<u32> = master.warnings.iter().map(|(line, _)| *line).collect();
-    assert!(master.warnings.iter().all(|(_, kind)| *kind == NcWarningKind::MasterRests), "{:?}", master.warnings);
+    assert!(
+        master.warnings.iter().all(|(_, kind)| *kind == NcWarningKind::MasterRests),
+        "{:?}",
+        master.warnings
+    );
     assert_eq!(told, [3, 5, 6]);
     // The distance alone, as DIST has it: on the path of each block, which is Z where X rests.
-    let dist = go(&text("DIST PRE_DIST=5 POST_DIST=5").replace("N30 X200\n", "N30 G260 X200\nG261\n"), &led());
+    let dist =
+        go(&text("DIST PRE_DIST=5 POST_DIST=5").replace("N30 X200\n", "N30 G260 X200\nG261\n"), &led());
     for n in [10, 50] {
         let [a, b] = [&master, &dist].map(|run| run.lengths(n));
-        assert!(a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9), "N{n}: {a:?} {b:?}");
+        assert!(
+            a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9),
+            "N{n}: {a:?} {b:?}"
+        );
     }
     assert!((master.lengths(10)[0] - 45.0).abs() < 1e-6, "{:?}", master.lengths(10));
     let seen = master.trace.mm(master.trace.len() - 1);
@@ -308,7 +318,10 @@ fn where_the_master_rests_or_turns_back_the_curve_keeps_its_distance_and_says_so
     let limits: Vec<_> = led().axes.iter().map(|axis| permitted(axis, 3, false, true, true)).collect();
     check::limits(&master.trace, &limits).expect("limits");
     // The corner as it is where nothing is to be rounded: no word.
-    let sharp = go("#CONTOUR MODE ON [DIST_MASTER SYM_DIST=0]\nN10 G01 Z50 F20000\nN20 X100\nN30 G260 X0\nM30\n", &led());
+    let sharp = go(
+        "#CONTOUR MODE ON [DIST_MASTER SYM_DIST=0]\nN10 G01 Z50 F20000\nN20 X100\nN30 G260 X0\nM30\n",
+        &led(),
+    );
     assert_eq!(sharp.warnings.len(), 1);
 }
 
@@ -368,94 +381,6 @@ fn without_a_master_axis_the_method_is_refused() {
     assert!(outcome(text, &alone).is_none());
 }
 
-#[test]
-fn machine_data_that_make_no_sense_are_refused() {
-    let refused = |change: fn(&mut MachineData<3>)| {
-        let mut machine = machines::even::<3>(1000);
-        change(&mut machine);
-        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-        let text: &[u8] = b"M30\n";
-        channel.split(&machine, [Position::ZERO; 3], text).err()
-    };
-    assert_eq!(refused(|_| {}), None);
-    assert_eq!(refused(|machine| machine.axes[1].achs_mode = MODE_MASTER), None);
-    // A modulo axis is known to ISG, not here.
-    for mode in [0, 4, MODE_LINEAR | 0x200, u32::MAX] {
-        let mut machine = machines::even::<3>(1000);
-        machine.axes[1].achs_mode = mode;
-        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-        let text: &[u8] = b"M30\n";
-        let error = channel.split(&machine, [Position::ZERO; 3], text).err();
-        assert!(matches!(error, Some(MachineError::Axis(1, e)) if e.id == "P-AXIS-00015"), "{mode}: {error:?}");
-    }
-    let spindle = refused(|machine| {
-        (machine.axes[2].kind, machine.axes[2].default_feed_axis) = (AxisKind::Spindle, true);
-    });
-    assert!(matches!(spindle, Some(MachineError::Axis(2, e)) if e.id == "P-CHAN-00011"), "{spindle:?}");
-}
-
-#[test]
-fn the_path_is_measured_along_the_feed_axes() {
-    // 0…3: X, Y, Z, A, C. What each block is long.
-    let lengths = |feed: &[usize], text: &str| {
-        let machine = feeding(machines::even::<5>(1000), feed);
-        let run = run_from(text, [Position::ZERO; 5], &machine);
-        run.blocks.iter().map(|b| b.length.to_bits() as f64 / (1u64 << 44) as f64).collect::<Vec<f64>>()
-    };
-    let near = |seen: Vec<f64>, expected: &[f64]| {
-        let fits = seen.len() == expected.len() && seen.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9 * b);
-        assert!(fits, "{seen:?} instead of {expected:?}");
-    };
-    let text = "N10 G01 X3 Y4 Z12 A20 F6000\nN20 X9 Y4\nN30 Y12\nN40 A60\nM30\n";
-    near(lengths(&[], text), &[13.0, 6.0, 8.0, 40.0]);
-    near(lengths(&[0], text), &[3.0, 6.0, 8.0, 40.0]);
-    near(lengths(&[0, 1], text), &[5.0, 6.0, 8.0, 40.0]);
-    near(lengths(&[3], text), &[20.0, 6.0, 8.0, 40.0]);
-    near(lengths(&[0, 3], text), &[(9.0_f64 + 400.0).sqrt(), 6.0, 8.0, 40.0]);
-    // A feed axis that hardly moves: a 1024th of what moves most.
-    near(lengths(&[0], "N10 G01 X0.001 Y20.48 F6000\nM30\n"), &[0.02]);
-    // A helix: the arc alone, all main axes, an axis beside them too.
-    let helix = "N10 G01 X10 F6000\nN20 G03 X-10 I-10 Z15 A20\nM30\n";
-    let half = std::f64::consts::PI * 10.0;
-    near(lengths(&[0, 1], helix), &[10.0, half]);
-    near(lengths(&[], helix), &[10.0, half.hypot(15.0)]);
-    near(lengths(&[0, 1, 3], helix), &[10.0, half.hypot(20.0)]);
-    // The speed that F means.
-    let machine = feeding(machines::even::<3>(1000), &[0]);
-    let run = go("N10 G01 X60 Y80 F3000\nM30\n", &machine);
-    let top = |k: usize| speed(&run, k).into_iter().fold(0.0, f64::max);
-    assert!((top(0) - 50.0).abs() < 1e-3 && (top(1) - 200.0 / 3.0).abs() < 1e-3, "{} {}", top(0), top(1));
-    // An arc along one of its axes has no speed that a feed could mean.
-    for (feed, plane, ends) in [(&[0][..], "", true), (&[0, 2], "", true), (&[0, 2], "G18", false), (&[3], "", true)] {
-        let machine = feeding(machines::even::<5>(1000), feed);
-        let arc = if plane.is_empty() { "G02 X20 I10" } else { "G02 X20 I10 K0" };
-        let seen = outcome(&format!("N10 G01 F600\nN20 {plane} {arc}\nM30\n"), &machine);
-        let no_plane = matches!(seen, Some(Error::Motion(_, MotionError::Path(PathError::NoFeedPlane(_)))));
-        assert_eq!(no_plane, ends, "{feed:?}: {seen:?}");
-        if let Some(error) = seen.filter(|_| ends) {
-            assert!(error.place().line == 2 && error.to_string().contains("P-CHAN-00011"), "{error}");
-        }
-    }
-}
-
-#[test]
-fn pieces_of_a_line_become_one_whatever_measures_them() {
-    let text: String = (1..=200).map(|i| format!("G01 X{} Y{} Z{} F6000\n", 0.1 * f64::from(i), 0.3 * f64::from(i), -0.2 * f64::from(i))).collect();
-    let whole = "G01 X20 Y60 Z-40 F6000\nM30\n";
-    for feed in [&[0][..], &[1], &[1, 2]] {
-        let machine = feeding(machines::even::<3>(1000), feed);
-        let [pieces, one] = [format!("{text}M30\n"), whole.to_owned()].map(|text| go(&text, &machine));
-        assert_eq!(pieces.blocks.iter().map(|b| b.blocks).sum::<u32>(), 200);
-        assert!((pieces.time() - one.time()).abs() < 2e-3, "{feed:?}: {} {}", pieces.time(), one.time());
-        assert_eq!(pieces.trace.mm(pieces.trace.len() - 1), [20.0, 60.0, -40.0]);
-    }
-    // To and fro along the axis that is no feed axis: nothing is left out.
-    let zigzag: String = (1..=50).map(|i| format!("G01 X{} Y{} F6000\n", 0.2 * f64::from(i), f64::from(i % 2) * 1e-3)).collect();
-    let run = go(&format!("{zigzag}M30\n"), &feeding(machines::even::<3>(1000), &[0]));
-    let high = (0..run.trace.len()).filter(|&i| run.trace.mm(i)[1] > 0.8e-3).count();
-    assert!(high > 100, "{high}");
-}
-
 /// A walk of `count` lines with a seed, mm.
 fn walk(seed: u64, count: usize) -> (Program, Vec<[f64; 3]>) {
     let mut r = Random::new(seed);
@@ -491,12 +416,18 @@ fn tolerances_are_distances_in_space_whatever_measures_the_path() {
                 ] {
                     let pieces = round(&blocks, &machine, &contour);
                     let (off, block) = deviation(&corners, &pieces);
-                    assert!(off <= d, "{contour:?}, walk {seed}, {feed:?}, slope {slope}: {off} at block {block}");
+                    assert!(
+                        off <= d,
+                        "{contour:?}, walk {seed}, {feed:?}, slope {slope}: {off} at block {block}"
+                    );
                     curves += pieces.iter().filter(|piece| piece.out.curving.is_some()).count();
                     // Direction and curvature go on at every joint, over the path.
                     for pair in pieces.windows(2) {
                         let ends = |end: &path::End<3>| {
-                            (end.tangent.map(|t| t as f64 / (1u64 << 40) as f64), end.curvature.map(f64::from))
+                            (
+                                end.tangent.map(|t| t as f64 / (1u64 << 40) as f64),
+                                end.curvature.map(f64::from),
+                            )
                         };
                         let curved = pair.iter().any(|piece| piece.out.curving.is_some());
                         let (a, b) = (ends(&pair[0].out.element.exit), ends(&pair[1].out.element.entry));
@@ -515,7 +446,8 @@ fn tolerances_are_distances_in_space_whatever_measures_the_path() {
 
 #[test]
 fn a_curve_takes_its_tolerance_whatever_measures_the_path() {
-    for (feed, slope, least) in [(&[0][..], 1, 0.999), (&[0], 3, 0.6), (&[0, 2], 1, 0.999), (&[1], 1, 0.999)] {
+    for (feed, slope, least) in [(&[0][..], 1, 0.999), (&[0], 3, 0.6), (&[0, 2], 1, 0.999), (&[1], 1, 0.999)]
+    {
         let mut machine = feeding(quick::<3>(1000), feed);
         machine.channel.slope_profile = slope;
         let text = "#CONTOUR MODE ON [DEV PATH_DEV=0.5]\nN10 G01 X80 Y20 F6000\nN20 G260 X110 Y90\nM30\n";
@@ -567,7 +499,7 @@ const MODES: [&str; 9] = [
 
 #[test]
 fn every_axis_stays_inside_its_limits_with_every_slope() {
-    for seed in 0..12 {
+    for seed in 0..5 {
         for slope in 0..4 {
             for (i, mode) in MODES.iter().enumerate() {
                 let seed = seed * 16 + i as u64;
@@ -595,23 +527,12 @@ fn every_axis_stays_inside_its_limits_with_every_slope() {
 }
 
 #[test]
-fn a_feed_axis_without_contour_mode_keeps_all_limits() {
-    for seed in 0..40 {
-        for slope in 0..4 {
-            let mix = Mix { arcs: 0, ..Mix::arbitrary(3, seed) };
-            let mut machine = machines::arbitrary::<3>(seed);
-            machine.channel.slope_profile = slope;
-            limits_hold(&program(seed, mix), &feeding(machine, &[(seed % 3) as usize]), "DIST_SOFT] \n#CONTOUR MODE OFF [DEV");
-        }
-    }
-}
-
-#[test]
 fn a_hold_and_an_override_in_a_led_corner_keep_the_limits() {
     let text = handling("DIST_MASTER SYM_DIST=30", 20_000);
     for slope in 0..4 {
         let machine = machines::with_slope(led(), slope);
-        let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
         let go = |acts: &[(usize, Act)]| {
             let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, acts, 1000)
                 .unwrap_or_else(|fault| panic!("slope {slope}, {acts:?}: {fault}"));
@@ -631,7 +552,10 @@ fn a_hold_and_an_override_in_a_led_corner_keep_the_limits() {
                 let run = go(&acts);
                 assert!(run.trace.row(run.trace.len() - 1).eq(end.iter().copied()), "{acts:?}");
                 // Above 100 % corners are made for more speed.
-                assert!(acts[0].1 == Act::Override(1800) || run.distances.last() == Some(&length), "{acts:?}");
+                assert!(
+                    acts[0].1 == Act::Override(1800) || run.distances.last() == Some(&length),
+                    "{acts:?}"
+                );
             }
         }
     }

@@ -75,6 +75,7 @@ pub fn arc<const AXES: usize>(
     }
     let others = travel.iter().enumerate().filter(|(k, _)| measure.feeds(*k) && !axes.contains(k));
     let travelled = hypot([plane_length, difference].into_iter().chain(others.map(|(_, x)| x << FINER)));
+    let travelled = measure.resolved(travelled, &travel);
     // One LSB up: a chord is never longer than the path under it.
     let mut shape = Shape::resting(path_length(travelled + 1, &travel)?);
     let length = shape.length.to_bits();

@@ -7,6 +7,9 @@
 //!   together. Every other axis moves along with them, a main axis too. With one feed axis the path speed is the speed of that axis.
 //! - Without any, the main axes are the feed axes, as everywhere else in ISG's texts.
 //! - A block that moves no feed axis counts along its main axes; one that moves none of those along all others together.
+//! - Where an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts: path distances and speeds have a
+//!   resolution of their own, which such an axis would show that many times. (Beside main axes that are the feed axes it is a
+//!   1024th.)
 //! - An arc needs both axes of its plane: along one of them it goes to and fro, and its speed would be none that a feed can mean.
 //!   ISG demands even all main axes there.
 //! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed counts along:
@@ -27,6 +30,9 @@ pub struct Measure {
 
 /// More axes have no bit.
 pub const FEED_AXES: usize = 32;
+
+/// How many times as far as the feed axes another one may go, as a power of two.
+const STEEPEST: u32 = 6;
 
 fn bits(axes: impl Iterator<Item = usize>) -> u32 {
     axes.filter(|k| *k < FEED_AXES).fold(0, |bits, k| bits | 1 << k)
@@ -90,6 +96,14 @@ impl Measure {
     #[inline(never)]
     fn fed<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
         let feed = travel.iter().enumerate().filter(|(k, _)| self.feeds(*k));
-        hypot(feed.map(|(_, x)| *x << FINER))
+        self.resolved(hypot(feed.map(|(_, x)| *x << FINER)), travel)
+    }
+
+    /// At least so much of what any axis travels that the path resolves it, if feed axes move at all.
+    pub(super) fn resolved<const AXES: usize>(&self, along: i64, travel: &[i64; AXES]) -> i64 {
+        if self.is_space() || along == 0 {
+            return along;
+        }
+        travel.iter().fold(along, |most, x| most.max(x.saturating_abs() << (FINER - STEEPEST)))
     }
 }

@@ -67,12 +67,14 @@ fn length(travel: &[f64], axes: &[usize]) -> f64 {
 }
 
 /// Path length: along the feed axes; where none of them moves along the main axes, then along all others. At least a 1024th of what
-/// any axis travels.
+/// any axis travels, a 64th beside other feed axes than the main ones.
 fn path(machine: &Machine, travel: &[f64]) -> f64 {
+    let (feed, main) = (machine.feed_axes(), machine.main_axes());
     let all: Vec<usize> = (0..travel.len()).collect();
-    let lengths = [machine.feed_axes(), machine.main_axes(), all].map(|axes| length(travel, &axes));
+    let lengths = [&feed, &main, &all].map(|axes| length(travel, axes));
     let path = lengths.into_iter().find(|length| *length > 0.0).unwrap_or(0.0);
-    travel.iter().fold(path, |path, travel| path.max(travel / 1024.0))
+    let steepest = if lengths[0] > 0.0 && feed != main { 64.0 } else { 1024.0 };
+    travel.iter().fold(path, |path, travel| path.max(travel / steepest))
 }
 
 /// The path speed of a block, per second.
