@@ -22,11 +22,11 @@ use crate::machine::parameter::{RangeError, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
-use crate::path::measure::FEED_AXES;
 use crate::nc::{
     Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Slope,
     SlopeType, Spline, Step, Text,
 };
+use crate::path::measure::FEED_AXES;
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Rings};
@@ -159,7 +159,8 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
             check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
         }
         if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
-            let (id, name, because) = ("P-CHAN-00011", "default_feed_axis", "the axes of a path: 32, no spindle");
+            let (id, name, because) =
+                ("P-CHAN-00011", "default_feed_axis", "the axes of a path: 32, no spindle");
             return Err(MachineError::Axis(k, RangeError { id, name, value: 1, min: 0, max: 0, because }));
         }
         if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {

@@ -280,6 +280,10 @@ fn a_handling_path_is_faster_with_a_master_than_with_the_path_in_space() {
                 assert!((master - straight).abs() < 6e-3, "slope {slope}: {master} {straight}");
                 assert!(x.iter().all(|v| *v <= 20_000.0 / 60.0 + 1e-3));
                 assert!(soft > 1.08 * master, "{soft} {master}");
+                // As in the README.
+                if slope == 3 {
+                    assert!((master - 2.017).abs() < 2e-3 && (soft - 2.198).abs() < 2e-3, "{master} {soft}");
+                }
             }
         }
     }

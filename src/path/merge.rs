@@ -84,11 +84,7 @@ impl<const AXES: usize> Stretch<AXES> {
     /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or begin anew. Only if it
     /// [`Self::goes_on`].
     #[inline(always)]
-    pub(crate) fn with(
-        &mut self,
-        target: &[Position; AXES],
-        measure: &Measure,
-    ) -> Option<Straight<AXES>> {
+    pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, measure).ok()??;
         if line.length <= self.line.length || line.length.to_bits() > LONGEST {
             return None;

@@ -46,10 +46,18 @@ pub enum Kind {
     Dwell(f64),
 }
 
+/// What makes an arc out of a travel.
+struct Turn {
+    plane: [usize; 2],
+    radius: f64,
+    /// Length in the plane.
+    along: f64,
+}
+
 impl Segment {
     /// What every axis travels from `start`; of an arc, the first axis of its plane as far as the arc is long and the second one not
-    /// at all, with plane, radius and that length.
-    fn travel(&self, start: &[f64]) -> (Vec<f64>, Option<([usize; 2], f64, f64)>) {
+    /// at all.
+    fn travel(&self, start: &[f64]) -> (Vec<f64>, Option<Turn>) {
         let mut travel: Vec<f64> = self.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
         let Kind::Arc { plane, centre, clockwise } = self.kind else { return (travel, None) };
         let [from, to] = [start, &self.end].map(|point| plane.map(|axis| point[axis]));
@@ -57,7 +65,7 @@ impl Segment {
         let along = radius * sweep(from, to, centre, clockwise).abs();
         travel[plane[0]] = along;
         travel[plane[1]] = 0.0;
-        (travel, Some((plane, radius, along)))
+        (travel, Some(Turn { plane, radius, along }))
     }
 }
 
@@ -376,7 +384,7 @@ impl Program {
         let (mut travel, arc) = segment.travel(start);
         let path = path(machine, &travel);
         let mut limit = f64::INFINITY;
-        if let Some((plane, radius, along)) = arc {
+        if let Some(Turn { plane, radius, along }) = arc {
             // At some point, or nearly, this axis too has all of the speed.
             travel[plane[1]] = along;
             for axis in plane {
@@ -496,7 +504,7 @@ mod tests {
         let limit = |kind, end: [f64; 3], feed| {
             let end = end.to_vec();
             let segment = Segment { n: 0, place: Place::default(), kind, end, feed, stop: false };
-            program.limit(&machine, &[0, 1, 2], &[10.0, 0.0, 0.0], &segment)
+            program.limit(&machine, &[10.0, 0.0, 0.0], &segment)
         };
         // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.
         assert!((limit(Kind::Line, [13.0, 4.0, 0.0], Some(60.0)) - 1250.0).abs() < 1e-9);

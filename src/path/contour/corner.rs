@@ -47,7 +47,9 @@ pub struct Tolerance {
 impl<const AXES: usize> Corner<'_, AXES> {
     /// DIST_MASTER: whether the master axis goes on in its direction, and is the path on both sides.
     pub fn led(&self, rule: &Parameters, measure: &Measure) -> bool {
-        let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else { return false };
+        let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
+            return false;
+        };
         let along = |side: &Side<AXES>| side.tangent().get(k).copied().unwrap_or(0.0);
         let (before, behind) = (along(&self.before), along(&self.behind));
         let product = before * behind;

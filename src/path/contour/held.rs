@@ -125,9 +125,7 @@ impl<const AXES: usize> Held<AXES> {
                 let corner = off(&self.block.to);
                 Standing { whole, stray: max(self.stray + corner, behind + corner) }
             }
-            Some(skipped)
-                if Self::in_space(&next.block.element, next.length, measure) < SYSTEM_LEAST =>
-            {
+            Some(skipped) if Self::in_space(&next.block.element, next.length, measure) < SYSTEM_LEAST => {
                 let over = travel(&self.block.to, to);
                 let off = segment_distance(main, &over, &travel(&self.block.to, &skipped.to));
                 Standing { whole, stray: skipped.stray + off }

@@ -10,8 +10,8 @@ use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::lookahead::{Curving, Dynamics, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
-use crate::path::{Element, Measure};
 use crate::path::poly::Knot;
+use crate::path::{Element, Measure};
 use crate::quantity::{Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the

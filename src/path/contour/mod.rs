@@ -1,6 +1,6 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
 //! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, PTP; DEV with HSC): `timed.rs` says why and where.
+//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV with HSC): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
@@ -310,11 +310,10 @@ impl<const AXES: usize> Contouring<AXES> {
                 }
             }
         }
-        let merged = self
-            .held
-            .as_ref()
-            .filter(|_| !parted)
-            .and_then(|held| held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.measure)));
+        let merged =
+            self.held.as_ref().filter(|_| !parted).and_then(|held| {
+                held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.measure))
+            });
         if let Some(merged) = merged {
             self.held = Some(merged);
             return;
@@ -403,9 +402,10 @@ impl<const AXES: usize> Contouring<AXES> {
         true
     }
 
-    /// The block that waits comes in, when what is before it is done and it need not wait for another one; whether it does.
+    /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; whether it does.
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if self.bridge.is_some() || self.waiting.is_none_or(|waiting| waiting.weighs()) {
+        let goes_on = self.before.is_some() || self.bridge.is_some();
+        if goes_on || self.waiting.is_none_or(|waiting| waiting.weighs()) {
             return false;
         }
         let Some(waiting) = self.waiting.take() else { return false };
