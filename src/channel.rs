@@ -23,9 +23,10 @@ use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourMethod, Decoder, DwellTime, Head, NcError, NcWarning, Place, Setup, Slope,
+    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Slope,
     SlopeType, Spline, Step, Text,
 };
+use crate::path::measure::FEED_AXES;
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Rings};
@@ -156,6 +157,11 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
                 return Err(MachineError::Reserved(axis.name));
             }
             check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
+        }
+        if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
+            let (id, name, because) =
+                ("P-CHAN-00011", "default_feed_axis", "the axes of a path: 32, no spindle");
+            return Err(MachineError::Axis(k, RangeError { id, name, value: 1, min: 0, max: 0, because }));
         }
         if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
             return Err(MachineError::Name(axis.name));
@@ -469,15 +475,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
             Command::Contour(head, contour) => {
-                if let Some(name) = not_available(contour) {
-                    return refuse(name);
-                }
                 if contour.method == Some(ContourMethod::Ptp) && !self.ptp {
                     return Err(Error::NotEnabled(command.place(), PTP_NEEDS));
                 }
+                if contour.method == Some(ContourMethod::DistMaster) && !self.planning.has_master() {
+                    return Err(Error::NotEnabled(command.place(), MASTER_NEEDS));
+                }
                 self.planning.contour(contour, head.in_motion);
             }
-            Command::Spline(_, Spline::Off) => {}
+            Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
@@ -504,10 +510,4 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
 
 const PTP_NEEDS: &str = "#CONTOUR MODE [PTP] is not enabled; expected FCT_PTP in configuration.path_preparation.function (P-CHAN-00600)";
 
-/// What of contour mode this version does not have.
-fn not_available(contour: &Contour) -> Option<&'static str> {
-    if contour.method == Some(ContourMethod::DistMaster) {
-        return Some("#CONTOUR MODE [DIST_MASTER]");
-    }
-    contour.sym_dist.is_some().then_some("SYM_DIST in #CONTOUR MODE")
-}
+const MASTER_NEEDS: &str = "#CONTOUR MODE [DIST_MASTER] needs a master axis; expected one feed axis alone (P-CHAN-00011, default_feed_axis = 1), marked as master axis (P-AXIS-00015, kenngr.achs_mode = 0x10000001)";

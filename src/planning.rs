@@ -13,6 +13,7 @@ use crate::control::{Commands, Control};
 use crate::lookahead::{Dynamics, Lookahead, Pace, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
+use crate::path::Measure;
 use crate::path::contour::Contouring;
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Phase, Sender, Slot, clock};
@@ -57,7 +58,7 @@ pub enum Work {
 
 /// Path, look-ahead, slope and the planner's end of the queue.
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
-    main: [Option<usize>; 3],
+    measure: Measure,
     dynamics: Dynamics<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
@@ -134,10 +135,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// At rest at `start`.
     pub fn new(machine: &MachineData<AXES>, start: [Position; AXES], queue: Sender<'a, AXES>) -> Self {
         Self {
-            main: machine.main_axes(),
+            measure: machine.measure(),
             dynamics: Dynamics::new(machine),
             programmed: start,
-            contouring: Contouring::new(machine.main_axes(), machine.channel.check_jerk_on_poly_path),
+            contouring: Contouring::new(machine.measure(), machine.channel.check_jerk_on_poly_path),
             held: Held::none(),
             lookahead: Lookahead::new(machine.channel.look_ahead as usize),
             stage: Stage::Filling,

@@ -208,6 +208,8 @@ impl Program {
         number: impl Fn(i64) -> f64,
     ) -> Contour {
         let main: Vec<usize> = machine.main_axes().into_iter().flatten().collect();
+        let named: Vec<usize> = (0..AXES).filter(|&k| machine.axes[k].default_feed_axis).collect();
+        let feed_axes = if named.is_empty() { main.clone() } else { named };
         let mm = |p: &[i64]| -> Vec<f64> { p.iter().map(|&nm| number(nm)).collect() };
         let mut from = self.start.clone();
         let mut elements: Vec<Element> = Vec::new();
@@ -232,6 +234,7 @@ impl Program {
                     feed: (block.kind != Kind::Rapid).then_some(block.feed),
                     stop: block.stop,
                     main: main.clone(),
+                    feed_axes: feed_axes.clone(),
                     blocks: 1,
                     long: false,
                 });

@@ -175,7 +175,7 @@ impl<const AXES: usize> Piece<AXES> {
 
 /// The blocks of a program as the contour stage gets them.
 pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> Vec<Block<AXES>> {
-    let main = machine.main_axes();
+    let measure = machine.measure();
     let mut from: [Position; AXES] = std::array::from_fn(|k| position(program.start[k]));
     let mut at = program.start.clone();
     let mut out = Vec::new();
@@ -197,10 +197,10 @@ pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
                     Plane::Zx => nc::Plane::G18,
                     Plane::Yz => nc::Plane::G19,
                 };
-                let element = path::arc(&from, &to, centre, plane, clockwise, &main).expect("an arc");
+                let element = path::arc(&from, &to, centre, plane, clockwise, &measure).expect("an arc");
                 (element, Form::Arc { centre, plane, clockwise })
             }
-            _ => (path::line(&from, &to, &main).expect("a line").expect("motion"), Form::Line),
+            _ => (path::line(&from, &to, &measure).expect("a line").expect("motion"), Form::Line),
         };
         out.push(Block { element, from, to, form, data });
         from = to;
@@ -216,7 +216,7 @@ pub fn round<const AXES: usize>(
     contour: &Contour,
 ) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Contouring::new(machine.main_axes(), 1);
+    let mut stage = Contouring::new(machine.measure(), 1);
     stage.command(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
     let mut out = Vec::new();
     let mut at = blocks[0].from;

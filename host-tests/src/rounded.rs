@@ -89,6 +89,12 @@ impl Run {
         self.trace.time()
     }
 
+    /// Speed of an axis from row to row, mm/s.
+    pub fn axis_speeds(&self, k: usize) -> Vec<f64> {
+        let column: Vec<f64> = (0..self.trace.len()).map(|i| self.trace.mm(i)[k]).collect();
+        column.windows(2).map(|w| (w[1] - w[0]) / self.trace.cycle).collect()
+    }
+
     /// Speed along the contour between rows.
     pub fn speeds(&self) -> Vec<f64> {
         let row = |i: usize| self.trace.mm(i);

@@ -221,6 +221,13 @@ fn distances_are_divided_by_the_neighbours_lengths() {
         let expected = if rest.contains("Y50") { 40.0 / 3.0 } else { 10.0 };
         assert!((60.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
     }
+    // A reversal before the block that waits: nothing of the block before it is lost.
+    for last in ["N40 G60 X20 Y30\nM30\n", "N40 G260 X20 Y30\nM30\n"] {
+        let run = soft("DIST_WEIGHT=70", &format!("N30 X90\nN35 X50\n{last}"));
+        let most = (0..run.trace.len()).map(|i| run.trace.mm(i)[0]).fold(0.0, f64::max);
+        assert!((most - 90.0).abs() < 1e-3, "{most}");
+        assert_eq!(run.trace.mm(run.trace.len() - 1), [20.0, 30.0, 0.0]);
+    }
     // A weight that changes from corner to corner gives no block away twice.
     let changing = "#CONTOUR MODE [DIST_WEIGHT=0]\nN30 X90\n#CONTOUR MODE [DIST_WEIGHT=100]\nN40 Y90\nN50 X0\nN60 G260 Y0\nM30\n";
     let run = soft("DIST_WEIGHT=100", changing);
@@ -266,5 +273,24 @@ fn actions_of_curves_over_time_have_their_place() {
             let at = run.trace.mm(row);
             assert!(x.contains(&at[0]) && y.contains(&at[1]), "{mode} {action}: {at:?}");
         }
+    }
+}
+
+#[test]
+fn two_curves_that_fill_a_block_leave_nothing_between_them() {
+    // Steps of 40 mm: each corner takes half of what is beside it, and what rounding leaves would be too short to be fast.
+    let steps: String =
+        (1..=6).map(|i| format!("N{i}0 G01 X{} Y{}\n", 40 * (i + 1) / 2, 40 * (i / 2))).collect();
+    for mode in ["DIST_SOFT PATH_DIST=-1", "DIST_SOFT PATH_DIST=20", "PTP PATH_DEV=20", "DEV PATH_DEV=20"] {
+        let text = format!("F30000\n#CONTOUR MODE ON [{mode}]\n{steps}N70 G260 X200\nM30\n");
+        let run = run_from(&text, [Position::ZERO; 3], &quick(1000));
+        let [x, y] = [0, 1].map(|k| run.axis_speeds(k));
+        // Between the first corner and the last.
+        let inside = (0..x.len()).filter(|&i| {
+            let at = run.trace.mm(i);
+            at[0] > 41.0 && at[1] < 79.0
+        });
+        let slowest = inside.map(|i| x[i].hypot(y[i])).fold(f64::INFINITY, f64::min);
+        assert!(slowest > 100.0, "{mode}: {slowest} mm/s");
     }
 }

@@ -128,7 +128,6 @@ fn refused(text: &str) -> Option<Error> {
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
-        "#CONTOUR MODE [DIST_MASTER SYM_DIST=1]",
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
         "#SLOPE [TYPE=HSC NO_OPT=0]",
@@ -149,6 +148,11 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "M01",
         "#KIN ID [9]",
         "#TRAFO ON",
+        "#TRAFO [9]",
+        "#CS ON[1,2,3,0,0,0]",
+        "#MCS ON",
+        "#CYL [Z,C,100]",
+        "#ROTATION ON [ANGLE=30]",
         "#RT WHILE",
         "#CONTOUR LOOKAHEAD LOG ON",
         "#DISTANCE PROG START CLEAR",
@@ -162,7 +166,7 @@ fn what_is_not_available_is_refused_where_it_stands() {
         assert!(error.to_string().ends_with("known, not available in this version"), "{command}: {error}");
     }
     // What switches off has nothing to do.
-    for command in ["G260", "#CONTOUR MODE OFF", "G150", "#SPLINE OFF", "#SLOPE DEFAULT"] {
+    for command in ["G260", "#CONTOUR MODE OFF", "G150", "#SPLINE OFF", "#SLOPE DEFAULT", "#TRAFO OFF"] {
         let error = refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"));
         assert!(error.is_none(), "{command}: {error:?}");
     }

@@ -142,3 +142,27 @@ fn the_library_plans_what_the_reference_plans_at_the_edges() {
     same_plan::<4>(edges::rotary().into_iter(), 1000);
     same_plan::<3>([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)].into_iter(), 1000);
 }
+
+#[test]
+fn the_library_plans_what_the_reference_plans_along_feed_axes() {
+    let mut worst = 0.0_f64;
+    for seed in 2600..2630 {
+        let lines = Mix { arcs: 0, ..Mix::general(3, 60) };
+        for machine in machines_of::<3>(1000, &SLOPES) {
+            for feed in [&[0][..], &[1, 2]] {
+                worst = worst.max(compare(&program(seed, lines), &machines::feeding(machine, feed)));
+            }
+        }
+        // Arcs in the plane of two feed axes, helices among them; a rotary axis among three.
+        let mix = Mix { arcs: 0, ..Mix::general(5, 40) };
+        for machine in machines_of::<5>(1000, &SLOPES) {
+            worst = worst.max(compare(&program(seed, mix), &machines::feeding(machine, &[0, 3])));
+        }
+        for machine in machines_of::<2>(1000, &SLOPES) {
+            let program = program(seed, Mix::general(2, 40));
+            worst = worst.max(compare(&program, &machines::feeding(machine, &[0, 1])));
+        }
+    }
+    println!("largest relative difference {worst:.2e}");
+    assert!(worst <= tolerance::PLAN, "{worst}");
+}

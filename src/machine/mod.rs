@@ -5,6 +5,8 @@ mod synch;
 
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 
+use crate::path::Measure;
+
 /// Letters (and digits) of an axis: `X`, `C`, `X1`; padded with zeros.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -106,7 +108,18 @@ pub struct AxisData {
     pub d_grenz_stufe: [u32; 2],
     /// P-AXIS-00211 `lslope_profil.vb_grenz_stufe_1_2`.
     pub vb_grenz_stufe_1_2: u32,
+    /// P-AXIS-00015 `kenngr.achs_mode`: bit mask, [`MODE_LINEAR`] and [`MODE_MASTER`].
+    pub achs_mode: u32,
+    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Where no axis is one, along the main axes.
+    pub default_feed_axis: bool,
 }
+
+/// P-AXIS-00015: positions are not reduced to a turn. Every axis is like that in this version.
+pub const MODE_LINEAR: u32 = 0x1;
+
+/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG says that there is such a mark,
+/// but not where: here it is the highest bit of ISG's range.
+pub const MODE_MASTER: u32 = 0x1000_0000;
 
 /// The slope STEP of one axis in one kind of motion, as it is to be applied.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -148,6 +161,8 @@ impl AxisData {
             a_grenz_stufe: [1000; 2],
             d_grenz_stufe: [0; 2],
             vb_grenz_stufe_1_2: 100_000,
+            achs_mode: MODE_LINEAR,
+            default_feed_axis: false,
         }
     }
 
@@ -256,7 +271,8 @@ impl Default for ChannelData {
     }
 }
 
-/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes.
+/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes. The path is
+/// measured along the feed axes: see [`mod@crate::path::measure`].
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MachineData<const AXES: usize> {
     /// The axes.
@@ -279,5 +295,17 @@ impl<const AXES: usize> MachineData<AXES> {
             *slot = Some(i);
         }
         main
+    }
+
+    /// What a path is measured by.
+    pub fn measure(&self) -> Measure {
+        let named = |wanted: fn(&AxisData) -> bool| {
+            self.axes.iter().enumerate().filter(move |(_, axis)| wanted(axis)).map(|(k, _)| k)
+        };
+        Measure::new(
+            self.main_axes(),
+            named(|axis| axis.default_feed_axis),
+            named(|axis| axis.achs_mode & MODE_MASTER != 0),
+        )
     }
 }

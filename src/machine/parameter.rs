@@ -1,5 +1,5 @@
 //! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
-use super::{AccelerationUnit, AxisData, ChannelData};
+use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER};
 
 /// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
 pub struct Parameter<Target> {
@@ -25,13 +25,13 @@ pub struct Parameter<Target> {
 
 macro_rules! parameters {
     ($target:ty: $($id:literal $name:literal [$unit:literal] $min:literal ..= $max:literal
-        => $field:ident $([$index:literal])?),+ $(,)?) => {
+        => $field:ident $([$index:literal])?),+ ; $($more:expr),* $(,)?) => {
         &[$(Parameter {
             id: $id, name: $name, unit: $unit,
             min_milli: $min * 1000, max_milli: $max * 1000, decimals: false, words: &[],
             set: |t, milli| t.$field $([$index])? = (milli / 1000) as u32,
             get: |t| t.$field $([$index])? as i64 * 1000,
-        }),+]
+        }),+ $(, $more)*]
     };
 }
 
@@ -47,6 +47,7 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00011" "lslope_profil.a_stufe_1" ["mm/s²"] 1..=100_000_000 => a_stufe[0],
     "P-AXIS-00012" "lslope_profil.a_stufe_2" ["mm/s²"] 1..=100_000_000 => a_stufe[1],
     "P-AXIS-00013" "dynamik.a_trans_weight" ["0.1 %"] 0..=1000 => a_trans_weight,
+    "P-AXIS-00015" "kenngr.achs_mode" ["1 linear, 0x10000000 master axis"] 1..=0x1000_0001 => achs_mode,
     "P-AXIS-00154" "dynamik.r_trans_weight" ["0.1 %"] 0..=1000 => r_trans_weight,
     "P-AXIS-00195" "slope_profil.tr_beschl_ab" ["µs"] 1..=4_294_967_295 => tr_beschl_ab,
     "P-AXIS-00196" "slope_profil.tr_beschl_zu" ["µs"] 1..=4_294_967_295 => tr_beschl_zu,
@@ -64,7 +65,18 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00281" "lslope_profil.d_grenz_stufe_2" ["mm/s²"] 0..=100_000_000 => d_grenz_stufe[1],
     "P-AXIS-00282" "lslope_profil.d_stufe_1" ["mm/s²"] 0..=100_000_000 => d_stufe[0],
     "P-AXIS-00283" "lslope_profil.d_stufe_2" ["mm/s²"] 0..=100_000_000 => d_stufe[1],
-    "P-AXIS-00293" "dynamik.tr_w_min" ["µs"] 0..=4_294_967_295 => tr_w_min,
+    "P-AXIS-00293" "dynamik.tr_w_min" ["µs"] 0..=4_294_967_295 => tr_w_min;
+    Parameter {
+        id: "P-CHAN-00011",
+        name: "default_feed_axis",
+        unit: "0 no, 1 the feed counts along it",
+        min_milli: 0,
+        max_milli: 1000,
+        decimals: false,
+        words: &[],
+        set: |t, milli| t.default_feed_axis = milli != 0,
+        get: |t| t.default_feed_axis as i64 * 1000,
+    },
 );
 
 /// Channel parameters.
@@ -280,6 +292,16 @@ pub fn check_axis(axis: &AxisData, channel: &ChannelData) -> Result<(), RangeErr
         if value < min || value > max {
             return Err(RangeError { id, name, value, min, max, because });
         }
+    }
+    if axis.achs_mode == 0 || axis.achs_mode & !(MODE_LINEAR | MODE_MASTER) != 0 {
+        return Err(RangeError {
+            id: "P-AXIS-00015",
+            name: "kenngr.achs_mode",
+            value: i64::from(axis.achs_mode),
+            min: i64::from(MODE_LINEAR),
+            max: i64::from(MODE_LINEAR | MODE_MASTER),
+            because: "the bits of this version",
+        });
     }
     let ramps = [axis.tr_beschl_ab, axis.tr_beschl_zu, axis.tr_brems_ab, axis.tr_brems_zu];
     let shortest = ramps.into_iter().fold(u32::MAX, u32::min);

@@ -311,6 +311,15 @@ pub enum NcWarningKind {
     PtpArc,
     /// DIST_SOFT beside an arc: a curve by its distance alone.
     SoftArc,
+    /// DIST_MASTER where the master axis does not go on in its direction: a curve by its distance alone.
+    MasterRests,
+}
+
+impl NcWarningKind {
+    /// Whether it is about a curve: said where the planner takes the motion in, not by the decoder.
+    pub const fn is_of_curve(&self) -> bool {
+        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests)
+    }
 }
 
 impl NcWarning {
@@ -332,6 +341,9 @@ impl fmt::Display for NcWarning {
             NcWarningKind::PtpArc => "an arc deselects #CONTOUR MODE [PTP]",
             NcWarningKind::SoftArc => {
                 "DIST_SOFT beside an arc: the curve keeps the corner distance, axes are not optimised"
+            }
+            NcWarningKind::MasterRests => {
+                "DIST_MASTER where the master axis rests or turns back: the curve keeps the corner distance, axes are not optimised"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

@@ -2,7 +2,9 @@
 //!
 //! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
 //! then changes linearly with the angle from the one to the other.
-use super::{Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length};
+use super::{
+    Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, hypot, path_length,
+};
 use crate::math::angle::atan2_turns;
 use crate::math::divide::{div_shift_signed, div_wide};
 use crate::math::float::to_f32;
@@ -26,7 +28,7 @@ const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
 const CHORD_EXCESS: i64 = 4_294_967;
 
 /// The arc from `start` to `target` about `centre` (absolute, the plane's two axes). A target equal to the start is
-/// a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix.
+/// a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix, and another feed axis a longer path.
 ///
 /// # Errors
 /// See [`PathError`].
@@ -36,9 +38,12 @@ pub fn arc<const AXES: usize>(
     centre: [Position; 2],
     plane: Plane,
     clockwise: bool,
-    main: &[Option<usize>; 3],
+    measure: &Measure,
 ) -> Result<Element<AXES>, PathError> {
-    let axes = plane_axes(plane, main)?;
+    let axes = plane_axes(plane, &measure.main)?;
+    if !axes.iter().all(|k| measure.feeds(*k)) {
+        return Err(PathError::NoFeedPlane(plane));
+    }
     let mut travel = [0; AXES];
     for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
         *travel = to.to_bits().saturating_sub(from.to_bits());
@@ -68,10 +73,11 @@ pub fn arc<const AXES: usize>(
     if plane_length >= LONGEST {
         return Err(PathError::TooLong);
     }
-    let others = main.iter().flatten().filter(|k| !axes.contains(k)).filter_map(|k| travel.get(*k));
-    let main_length = hypot([plane_length, difference].into_iter().chain(others.map(|x| x << FINER)));
+    let others = travel.iter().enumerate().filter(|(k, _)| measure.feeds(*k) && !axes.contains(k));
+    let travelled = hypot([plane_length, difference].into_iter().chain(others.map(|(_, x)| x << FINER)));
+    let travelled = measure.resolved(travelled, &travel);
     // One LSB up: a chord is never longer than the path under it.
-    let mut shape = Shape::resting(path_length(main_length + 1, &travel, main)?);
+    let mut shape = Shape::resting(path_length(travelled + 1, &travel)?);
     let length = shape.length.to_bits();
     let end_w = shape.end_w().unsigned_abs();
     let mut circle = Arc {

@@ -1,5 +1,5 @@
 //! G00 and G01: a straight line of all axes together.
-use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length, reach};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
@@ -14,16 +14,16 @@ pub(crate) struct Straight<const AXES: usize> {
     shift: u8,
 }
 
-/// The line from `start` to `target`; `None` if no axis moves. `main` are the main axes, whose length is the path's.
+/// The line from `start` to `target`; `None` if no axis moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
 pub fn line<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],
-    main: &[Option<usize>; 3],
+    measure: &Measure,
 ) -> Result<Option<Element<AXES>>, PathError> {
-    Ok(straight(start, target, main)?.map(|line| line.element()))
+    Ok(straight(start, target, measure)?.map(|line| line.element()))
 }
 
 /// The same, not yet as an element.
@@ -34,7 +34,7 @@ pub fn line<const AXES: usize>(
 pub(crate) fn straight<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],
-    main: &[Option<usize>; 3],
+    measure: &Measure,
 ) -> Result<Option<Straight<AXES>>, PathError> {
     let mut travel = [0; AXES];
     let mut too_long = false;
@@ -49,8 +49,7 @@ pub(crate) fn straight<const AXES: usize>(
         0 => return Ok(None),
         _ => {}
     }
-    let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);
-    let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);
+    let mut shape = Shape::resting(path_length(measure.travelled(&travel), &travel)?);
     shape.set_gains(&travel);
     let Shape { length, gain, shift, .. } = shape;
     Ok(Some(Straight { length, gain, tangent: shape.linear_tangent(), shift }))

@@ -8,10 +8,11 @@
 //! `tolerance/si` of `Ti`, all of them together an interval for each axis, and that is all that is kept.
 //!
 //! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance: where it stands beside a point of the
-//! path is not known better than that point.
+//! path is not known better than that point. Main axes have the tolerance alone, whatever the path is measured by.
 //!
-//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on every main axis, so
+//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on every feed axis, so
 //! that nothing goes back.
+use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
 use crate::quantity::Position;
@@ -27,7 +28,7 @@ pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 -
 /// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half the largest change of the tangent on a main axis, and by how much more it may change than the points left out may say.
+/// Half the largest change of the tangent on a feed axis, and by how much more it may change than the points left out may say.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -83,12 +84,8 @@ impl<const AXES: usize> Stretch<AXES> {
     /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or begin anew. Only if it
     /// [`Self::goes_on`].
     #[inline(always)]
-    pub(crate) fn with(
-        &mut self,
-        target: &[Position; AXES],
-        main: &[Option<usize>; 3],
-    ) -> Option<Straight<AXES>> {
-        let line = straight(&self.start, target, main).ok()??;
+    pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
+        let line = straight(&self.start, target, measure).ok()??;
         if line.length <= self.line.length || line.length.to_bits() > LONGEST {
             return None;
         }
@@ -96,7 +93,7 @@ impl<const AXES: usize> Stretch<AXES> {
         let bounds = self.low.iter_mut().zip(&mut self.high);
         let tangents = self.line.tangent.iter().zip(&line.tangent);
         for (k, ((low, high), (old, new))) in bounds.zip(tangents).enumerate() {
-            let room = to_bits::<40>(if main.contains(&Some(k)) { room } else { room * wide(*old) });
+            let room = to_bits::<40>(if measure.main.contains(&Some(k)) { room } else { room * wide(*old) });
             (*low, *high) = ((*low).max(old.wrapping_sub(room)), (*high).min(old.wrapping_add(room)));
             if *new < *low || *new > *high {
                 return None;

@@ -18,12 +18,14 @@
 mod arc;
 pub mod contour;
 mod line;
+pub mod measure;
 mod merge;
 pub mod poly;
 
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
 pub(crate) use line::{Straight, straight};
+pub use measure::Measure;
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::Bounds;
 
@@ -77,6 +79,8 @@ pub enum PathError {
     TooLong,
     /// The machine has no such main axis.
     NoPlane(Plane),
+    /// An axis of the plane is no feed axis.
+    NoFeedPlane(Plane),
     /// R is shorter than half the distance from start to end: radius and half distance, LSB 2^-32 mm.
     RadiusTooShort {
         /// R.
@@ -100,7 +104,7 @@ pub enum PathError {
 impl PathError {
     /// Whether the words that give the centre of an arc are to be looked at: R, or I, J and K.
     pub const fn concerns_centre(&self) -> bool {
-        !matches!(self, Self::TooLong | Self::NoPlane(_))
+        !matches!(self, Self::TooLong | Self::NoPlane(_) | Self::NoFeedPlane(_))
     }
 }
 
@@ -110,6 +114,10 @@ impl core::fmt::Display for PathError {
         match *self {
             Self::TooLong => f.write_str("block longer than 262 144 mm; split it"),
             Self::NoPlane(plane) => write!(f, "the machine lacks a main axis of the plane {plane:?}"),
+            Self::NoFeedPlane(plane) => write!(
+                f,
+                "an arc in the plane {plane:?}, whose axes the feed does not count along; expected both among the feed axes (P-CHAN-00011, default_feed_axis)"
+            ),
             Self::RadiusTooShort { radius, half } => write!(
                 f,
                 "radius {:.6} mm is shorter than half the distance from start to end, {:.6} mm",
@@ -353,23 +361,18 @@ fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
     travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
 }
 
-/// Path length of a block, from what its main axes travel (mm, LSB 2^-44) and what every axis travels: the main
-/// axes count. Where none of them moves, the length is that of the tracking axes together. Where a tracking axis
-/// moves more than 1024 degrees per millimetre, a 1024th of its travel counts, so that a distance still resolves it.
+/// Path length of a block, from what [`Measure::travelled`] makes of it (mm, LSB 2^-44) and what every axis travels. Where that is
+/// nothing, the length is that of all axes together. Where an axis moves more than 1024 degrees or millimetres per
+/// millimetre of path, a 1024th of its travel counts, so that a distance still resolves it.
 #[inline(always)]
-fn path_length<const AXES: usize>(
-    main_length: i64,
-    travel: &[i64; AXES],
-    main: &[Option<usize>; 3],
-) -> Result<Distance, PathError> {
-    let length = if main_length == 0 {
-        let tracking = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
-        hypot(tracking.map(|(_, x)| *x << FINER))
-    } else if reach(travel) << (FINER - 10) <= main_length.unsigned_abs() {
-        main_length
+fn path_length<const AXES: usize>(travelled: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
+    let length = if travelled == 0 {
+        hypot(travel.iter().map(|x| *x << FINER))
+    } else if reach(travel) << (FINER - 10) <= travelled.unsigned_abs() {
+        travelled
     } else {
-        // A 1024th of what a main axis travels is below their length.
-        travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(main_length, i64::max)
+        // A 1024th of what an axis travels that counts is below their length.
+        travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(travelled, i64::max)
     };
     if length < LONGEST { Ok(Distance::from_bits(length)) } else { Err(PathError::TooLong) }
 }

@@ -108,7 +108,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if pass.number.wrapping_sub(self.numbered) >= u32::from(u16::MAX) {
             return false;
         }
-        let Some(grown) = stretch.with(target, &self.main) else { return false };
+        let Some(grown) = stretch.with(target, &self.measure) else { return false };
         let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
         let length = to_f32(grown.length().to_bits());
         if length > limits.0.v * SLOWEST {

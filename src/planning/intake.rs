@@ -104,7 +104,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (from, to) = (&self.programmed, &motion.target);
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
-                if let Some(line) = path::straight(from, to, &self.main)? {
+                if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.contouring.is_idle() {
                         let element = line.element();
@@ -132,10 +132,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let centre = match by {
                     ArcBy::Centre(centre) => centre,
                     ArcBy::Radius(radius) => {
-                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.main)?
+                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
                     }
                 };
-                let element = path::arc(from, to, centre, plane, clockwise, &self.main)?;
+                let element = path::arc(from, to, centre, plane, clockwise, &self.measure)?;
                 let pass = self.pass(motion, feed)?;
                 let limits = self.dynamics.element(&element, feed);
                 Self::in_time(&limits, element.shape.length)?;
@@ -161,6 +161,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.let_go();
         self.contouring.command(contour, in_motion);
+    }
+
+    /// Whether there is a master axis for DIST_MASTER.
+    pub fn has_master(&self) -> bool {
+        self.measure.master().is_some()
     }
 
     /// What is to be said about the curve that the last motion led to.

@@ -3,7 +3,7 @@ use crate::machine::Machine;
 use crate::program::{Kind, Program, Segment};
 use serde_json::{Map, Value, json};
 
-/// Axes, main axes, start, and every block with absolute coordinates; feeds in mm/min, none for rapid motion.
+/// Axes, main axes, start, and every block with absolute coordinates; feeds in mm/min along the main axes, none for rapid motion.
 pub fn to_json(machine: &Machine, program: &Program) -> String {
     let names: Vec<&str> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
     let main: Vec<&str> = machine.main_axes().into_iter().map(|index| names[index]).collect();
@@ -15,8 +15,13 @@ pub fn to_json(machine: &Machine, program: &Program) -> String {
     field("start", named(&names, &program.start), ",");
     out.push_str("\"segments\": [\n");
     // One block per line, so that people can read it.
-    let lines: Vec<String> =
-        program.segments.iter().map(|segment| block(&names, segment).to_string()).collect();
+    let mut at = program.start.as_slice();
+    let line = |segment| {
+        let feed = Program::feed_in_space(machine, at, segment);
+        at = &segment.end;
+        block(&names, segment, feed).to_string()
+    };
+    let lines: Vec<String> = program.segments.iter().map(line).collect();
     out.push_str(&lines.join(",\n"));
     out.push_str("\n]}\n");
     out
@@ -26,7 +31,7 @@ fn named(names: &[&str], values: &[f64]) -> Value {
     Value::Object(names.iter().zip(values).map(|(name, value)| ((*name).to_owned(), json!(value))).collect())
 }
 
-fn block(names: &[&str], segment: &Segment) -> Value {
+fn block(names: &[&str], segment: &Segment, feed: Option<f64>) -> Value {
     let mut fields = Map::new();
     fields.insert("n".into(), json!(segment.n));
     match &segment.kind {
@@ -48,7 +53,7 @@ fn block(names: &[&str], segment: &Segment) -> Value {
         }
     }
     fields.insert("end".into(), named(names, &segment.end));
-    if let Some(feed) = segment.feed {
+    if let Some(feed) = feed {
         fields.insert("feed".into(), json!(feed));
     }
     fields.insert("stop".into(), json!(segment.stop));

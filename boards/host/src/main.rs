@@ -157,6 +157,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         acknowledge: arguments.ack,
     };
     let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
+    program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     if let Some(script) = &script {
         let end = result.time_s(&machine);
         let reduces = machine.axes.iter().any(|axis| axis.vb_max_red > 0);

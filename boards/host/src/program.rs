@@ -46,6 +46,45 @@ pub enum Kind {
     Dwell(f64),
 }
 
+/// What makes an arc out of a travel.
+struct Turn {
+    plane: [usize; 2],
+    radius: f64,
+    /// Length in the plane.
+    along: f64,
+}
+
+impl Segment {
+    /// What every axis travels from `start`; of an arc, the first axis of its plane as far as the arc is long and the second one not
+    /// at all.
+    fn travel(&self, start: &[f64]) -> (Vec<f64>, Option<Turn>) {
+        let mut travel: Vec<f64> = self.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
+        let Kind::Arc { plane, centre, clockwise } = self.kind else { return (travel, None) };
+        let [from, to] = [start, &self.end].map(|point| plane.map(|axis| point[axis]));
+        let radius = (to[0] - centre[0]).hypot(to[1] - centre[1]);
+        let along = radius * sweep(from, to, centre, clockwise).abs();
+        travel[plane[0]] = along;
+        travel[plane[1]] = 0.0;
+        (travel, Some(Turn { plane, radius, along }))
+    }
+}
+
+/// Length over some of the axes.
+fn length(travel: &[f64], axes: &[usize]) -> f64 {
+    axes.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt()
+}
+
+/// Path length: along the feed axes; where none of them moves along the main axes, then along all others. At least a 1024th of what
+/// any axis travels, a 64th beside other feed axes than the main ones.
+fn path(machine: &Machine, travel: &[f64]) -> f64 {
+    let (feed, main) = (machine.feed_axes(), machine.main_axes());
+    let all: Vec<usize> = (0..travel.len()).collect();
+    let lengths = [&feed, &main, &all].map(|axes| length(travel, axes));
+    let path = lengths.into_iter().find(|length| *length > 0.0).unwrap_or(0.0);
+    let steepest = if lengths[0] > 0.0 && feed != main { 64.0 } else { 1024.0 };
+    travel.iter().fold(path, |path, travel| path.max(travel / steepest))
+}
+
 /// The path speed of a block, per second.
 pub struct PathSpeed {
     /// None in rapid motion.
@@ -199,7 +238,8 @@ fn id(number: u32) -> String {
     if number == 0 { String::new() } else { number.to_string() }
 }
 
-fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
+/// What the decoder or the planner remarked.
+pub fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
     place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), files, warning.place)
 }
 
@@ -321,34 +361,30 @@ impl Program {
 
     /// The path speed of every motion.
     pub fn speeds(&self, machine: &Machine) -> Vec<PathSpeed> {
-        let main = machine.main_axes();
         let mut at = self.start.as_slice();
         let mut speeds = Vec::with_capacity(self.motions);
         for segment in self.motions() {
             let programmed = segment.feed.map(|feed| feed / 60.0);
-            speeds.push(PathSpeed { programmed, limit: self.limit(machine, &main, at, segment) });
+            speeds.push(PathSpeed { programmed, limit: self.limit(machine, at, segment) });
             at = &segment.end;
         }
         speeds
     }
 
+    /// The feed of a block that begins at `start` along the main axes, mm/min: the programmed one counts along the feed axes. Where no
+    /// main axis moves, that.
+    pub fn feed_in_space(machine: &Machine, start: &[f64], segment: &Segment) -> Option<f64> {
+        let (travel, _) = segment.travel(start);
+        let (space, path) = (length(&travel, &machine.main_axes()), path(machine, &travel));
+        segment.feed.map(|feed| if space > 0.0 && space != path { feed * (space / path) } else { feed })
+    }
+
     /// The path speed that the axes allow: their speeds, and on an arc the acceleration towards its centre.
-    fn limit(&self, machine: &Machine, main: &[usize], start: &[f64], segment: &Segment) -> f64 {
-        let mut travel: Vec<f64> =
-            segment.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
-        let mut arc = None;
-        if let Kind::Arc { plane, centre, clockwise } = segment.kind {
-            let [from, to] = [start, &segment.end].map(|point| plane.map(|axis| point[axis]));
-            let radius = (to[0] - centre[0]).hypot(to[1] - centre[1]);
-            let along = radius * sweep(from, to, centre, clockwise).abs();
-            travel[plane[0]] = along;
-            travel[plane[1]] = 0.0;
-            arc = Some((plane, radius, along));
-        }
-        let path = main.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt();
-        let path = if path > 0.0 { path } else { travel.iter().map(|x| x * x).sum::<f64>().sqrt() };
+    fn limit(&self, machine: &Machine, start: &[f64], segment: &Segment) -> f64 {
+        let (mut travel, arc) = segment.travel(start);
+        let path = path(machine, &travel);
         let mut limit = f64::INFINITY;
-        if let Some((plane, radius, along)) = arc {
+        if let Some(Turn { plane, radius, along }) = arc {
             // At some point, or nearly, this axis too has all of the speed.
             travel[plane[1]] = along;
             for axis in plane {
@@ -468,7 +504,7 @@ mod tests {
         let limit = |kind, end: [f64; 3], feed| {
             let end = end.to_vec();
             let segment = Segment { n: 0, place: Place::default(), kind, end, feed, stop: false };
-            program.limit(&machine, &[0, 1, 2], &[10.0, 0.0, 0.0], &segment)
+            program.limit(&machine, &[10.0, 0.0, 0.0], &segment)
         };
         // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.
         assert!((limit(Kind::Line, [13.0, 4.0, 0.0], Some(60.0)) - 1250.0).abs() < 1e-9);

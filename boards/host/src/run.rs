@@ -183,8 +183,12 @@ fn drive<const AXES: usize>(
         done &= stalled;
         while !done && !stalled {
             match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
-                // The decode pass has collected the warnings.
-                Progress::Working | Progress::Warning(_) => {}
+                Progress::Working => {}
+                // The decode pass has collected the others.
+                Progress::Warning(warning) if warning.kind.is_of_curve() => {
+                    recorder.statistics.remark(warning);
+                }
+                Progress::Warning(_) => {}
                 Progress::Planned => {
                     let planned = planner.planned();
                     bar.at(u64::from(planned.block) + u64::from(planned.blocks));

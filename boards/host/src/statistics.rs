@@ -3,10 +3,12 @@ use crate::events::What;
 use crate::machine::Machine;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
+use glidepath::nc::NcWarning;
 use glidepath::quantity::{Position, Speed};
 use glidepath::queue::Function;
 use glidepath::technology::Output;
 use glidepath::tick::Telemetry;
+use std::collections::HashSet;
 
 /// Set points of one axis, seen one after the other.
 #[derive(Clone, Debug, Default)]
@@ -93,6 +95,8 @@ pub struct Statistics {
     pub functions: Vec<PutOut>,
     /// What became of each event from outside.
     pub outcomes: Vec<Outcome>,
+    /// What the planner remarked about curves: once for each place of the program.
+    pub remarks: Vec<NcWarning>,
     /// Rows at rest up to now.
     pub rest: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
@@ -101,6 +105,7 @@ pub struct Statistics {
     /// Stretches of both: tick of the first row and of the last one.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
+    told: HashSet<(u16, u32, String)>,
     last: Telemetry,
 }
 
@@ -169,6 +174,13 @@ pub struct Reaction {
 }
 
 impl Statistics {
+    /// Takes a remark in. Lines of loops and subroutines run again: one remark is enough.
+    pub fn remark(&mut self, remark: NcWarning) {
+        if self.told.insert((remark.place.file, remark.place.offset, remark.to_string())) {
+            self.remarks.push(remark);
+        }
+    }
+
     /// Of a machine that stands still; so many events are to come.
     pub fn new(start: &[Position], events: usize) -> Self {
         Self {
@@ -177,6 +189,7 @@ impl Statistics {
             digest: Digest::new(),
             distance: 0,
             spans: Vec::new(),
+            remarks: Vec::new(),
             transitions: Vec::new(),
             fastest: Speed::ZERO,
             functions: Vec::new(),
@@ -186,6 +199,7 @@ impl Statistics {
             waited: 0,
             holds: Vec::new(),
             awaited: Vec::new(),
+            told: HashSet::new(),
             last: Telemetry::default(),
         }
     }

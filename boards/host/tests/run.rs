@@ -265,6 +265,27 @@ fn rotary_axes_move_along_and_alone() {
 }
 
 #[test]
+fn what_is_shown_of_a_path_along_a_feed_axis() {
+    let machine = shipped("machines/handling.toml");
+    let led = run("handling", &shipped("../../programs/handling.nc"), Some(&machine));
+    // Path, its speed and F are those of X; the contour has the feed along all main axes.
+    assert!((number(&led.summary["path_mm"]) - 600.0).abs() < 1e-6, "{}", led.summary);
+    assert!(led.trace.rows.iter().all(|row| row.v_mm_s <= 20_000.0 / 60.0));
+    let feed = |n: usize| number(&led.contour["segments"][n]["feed"]);
+    let expected = 20_000.0 * 100_f64.hypot(60.0) / 100.0;
+    assert!((feed(0) - 20_000.0).abs() < 1e-6 && (feed(1) - expected).abs() < 1e-6, "{}", feed(1));
+    assert_eq!(led.summary["warnings"], json!([]));
+    // What the planner remarks about a curve is told like a remark of the decoder, once for each place.
+    let text = "%up\n#CONTOUR MODE ON [DIST_MASTER]\n$FOR P1 = 1, 3, 1\nN10 G01 Z20 F6000\nN20 X[10*P1]\nN30 Z0\n$ENDFOR\nM30\n";
+    let up = run("up", &written("up", text), Some(&machine));
+    let told = up.summary["warnings"].as_array().expect("a list");
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(
+        told.iter().all(|warning| warning["text"].as_str().is_some_and(|text| text.contains("master axis")))
+    );
+}
+
+#[test]
 fn the_feed_factor_makes_metres_of_the_feed() {
     let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("metres.toml");
     let text = "[channel.prog_start]\nfeedrate_factor = 0.1\nslope.profile = 1\n[axis.X]\n";

@@ -1,6 +1,6 @@
 //! Machines of the tests.
 use super::random::Random;
-use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MODE_LINEAR, MODE_MASTER, MachineData};
 
 /// Names in the order of the axes.
 const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
@@ -92,6 +92,15 @@ pub fn with_slope<const AXES: usize>(mut machine: MachineData<AXES>, slope: u8) 
         axis.a_grenz_stufe = [axis.a_grenz / 5 * 3, axis.a_grenz];
         axis.d_grenz_stufe = [0, axis.a_grenz / 2];
         axis.vb_grenz_stufe_1_2 = axis.vb_eilgang / 3;
+    }
+    machine
+}
+
+/// The machine with these feed axes (P-CHAN-00011), all of them marked as master axes (P-AXIS-00015).
+pub fn feeding<const AXES: usize>(mut machine: MachineData<AXES>, axes: &[usize]) -> MachineData<AXES> {
+    for &k in axes {
+        machine.axes[k].default_feed_axis = true;
+        machine.axes[k].achs_mode = MODE_LINEAR | MODE_MASTER;
     }
     machine
 }

@@ -6,6 +6,7 @@
 //! in order if a candidate of the last row is the end of the contour.
 use super::ROUNDING;
 use crate::reference::geometry::{Contour, Element};
+use crate::reference::limits::path_length;
 use crate::trace::Trace;
 
 /// The motion along the contour.
@@ -35,10 +36,15 @@ struct Candidate {
     step: f64,
 }
 
-/// The length that speeds count along: main axes, or tracking axes where they move alone.
+/// The length of the way: main axes, or tracking axes where they move alone.
 fn length(element: &Element) -> f64 {
     let main = element.main_length();
     if main > 0.0 { main } else { element.tracking_length() }
+}
+
+/// The length that speeds count along: the same, or that of other feed axes.
+fn measured(element: &Element) -> f64 {
+    if element.feed_axes == element.main { length(element) } else { path_length(element) }
 }
 
 /// Follows the contour in order. Every set point must lie within `tolerance` (mm; degrees for tracking axes, plus what
@@ -48,7 +54,7 @@ fn length(element: &Element) -> f64 {
 /// # Errors
 /// The first row that does not.
 pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> Result<Course, String> {
-    let lengths: Vec<f64> = contour.elements.iter().map(length).collect();
+    let lengths: Vec<f64> = contour.elements.iter().map(measured).collect();
     let begins: Vec<f64> = lengths
         .iter()
         .scan(0.0, |at, length| {

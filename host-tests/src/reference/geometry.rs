@@ -38,6 +38,8 @@ pub struct Element {
     pub stop: bool,
     /// Main axes.
     pub main: Vec<usize>,
+    /// Feed axes: the path counts along them.
+    pub feed_axes: Vec<usize>,
     /// Motion blocks it stands for.
     pub blocks: usize,
     /// It stands for several, and is long enough.

@@ -386,21 +386,23 @@ fn direction(element: &Element, u: f64) -> Direction {
     Direction { tangent, curvature }
 }
 
-/// Length along which a block's speeds count: that of the main axes, or of the others where none of them moves; where
-/// another axis moves more than 1024 degrees per mm, a 1024th of its travel. An arc whose radius changes counts as if it
-/// had the larger one throughout.
+/// Length along which a block's speeds count: that of the feed axes, where none of them moves of the main axes, then of all
+/// others; where an axis moves more than 1024 times as far, a 1024th of its travel, beside other feed axes than the main ones a 64th.
+/// An arc whose radius changes counts as if it had the larger one throughout.
 pub fn path_length(element: &Element) -> f64 {
-    let mut main = element.main_length();
-    if let Shape::Arc { axes, radius, sweep, .. } = &element.shape {
-        let others = element.main.iter().filter(|k| !axes.contains(k)).map(|&k| element.travel(k).powi(2));
-        let turn = (radius[0].max(radius[1]) * sweep).powi(2);
-        main = (turn + (radius[1] - radius[0]).powi(2) + others.sum::<f64>()).sqrt();
-    }
-    if main == 0.0 {
-        return element.tracking_length();
-    }
-    let tracking = (0..element.from.len()).filter(|k| !element.main.contains(k));
-    tracking.map(|k| element.travel(k).abs() / 1024.0).fold(main, f64::max)
+    let along = |axes: &[usize]| match &element.shape {
+        Shape::Line => axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt(),
+        Shape::Arc { axes: plane, radius, sweep, .. } => {
+            let others = axes.iter().filter(|k| !plane.contains(k)).map(|&k| element.travel(k).powi(2));
+            let turn = (radius[0].max(radius[1]) * sweep).powi(2);
+            (turn + (radius[1] - radius[0]).powi(2) + others.sum::<f64>()).sqrt()
+        }
+    };
+    let fed = along(&element.feed_axes);
+    let path = [fed, along(&element.main)].into_iter().find(|path| *path > 0.0);
+    let path = path.unwrap_or_else(|| element.tracking_length());
+    let steepest = if fed > 0.0 && element.feed_axes != element.main { 64.0 } else { 1024.0 };
+    (0..element.from.len()).map(|k| element.travel(k).abs() / steepest).fold(path, f64::max)
 }
 
 /// Largest share of the path speed that each axis can have within the block.

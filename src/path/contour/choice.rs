@@ -31,7 +31,8 @@ impl Candidate {
     ) -> Option<Self> {
         let dynamics = setting.dynamics;
         let [first, second] = [&held.block, &next.block];
-        let soft = matches!(rule.method, ContourMethod::DistSoft | ContourMethod::DistMaster);
+        let led = corner.led(rule, setting.measure);
+        let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {
             ContourMethod::Dev => dynamics.slope() == SlopeType::Hsc && !setting.parameters.const_vel,
             ContourMethod::Ptp => true,
@@ -46,23 +47,27 @@ impl Candidate {
         let [v2, a2, j2] = dynamics.along(&second.element, second.data.feed)?;
         let v = min(v1, v2);
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
-        let change = plus(t2, -1.0, t1);
+        let mut change = plus(t2, -1.0, t1);
+        if let (true, Some(x)) = (led, setting.measure.master().and_then(|k| change.get_mut(k))) {
+            // But for rounding.
+            *x = 0.0;
+        }
         // Both at once: every axis changes its speed evenly.
         let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
         let [a, j] = dynamics.together(&change, rapid, of);
         if soft {
             let mut distance = rule.distances([most; 2])[0];
-            if tracks(setting.main, &change) {
+            if tracks(&setting.measure.main, &change) {
                 distance = min(distance, rule.track_distance());
             }
             let way = Overlap::whole(soft_rise(rule, distance, [v, a, j])?);
             return way.is_long().then_some(Self { way, limits: None });
         }
         // How far both may be from the corner when they are equally far from it.
-        let turn = f64::from(size(setting.main, &change));
+        let turn = f64::from(size(&setting.measure.main, &change));
         let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
         let track = tolerance.track;
-        for (_, x) in change.iter().enumerate().filter(|(k, _)| !setting.main.contains(&Some(*k))) {
+        for (_, x) in change.iter().enumerate().filter(|(k, _)| !setting.measure.main.contains(&Some(*k))) {
             if track > 0.0 && *x != 0.0 {
                 off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
             }
@@ -103,7 +108,7 @@ impl Candidate {
         let quicker = |limits: [f32; 3]| {
             let c = distance * part;
             let curve = corner.between([c; 2]);
-            let length = curve.length(corner.main, 0.0, 1.0);
+            let length = corner.path(&curve);
             let through = speed(&curve, length, limits[0], rapid, setting);
             (self.way.duration() as f32) < even_time([through, c, length], &self.way, limits)
         };

@@ -4,8 +4,11 @@
 //! curvatures, and with a speed over its parameter that makes it even: through a corner of 90° its arc length
 //! goes with the parameter to 0.2 %. Its deviation grows with the corner distances. Those with which it takes all of a tolerance are
 //! searched for, a few trials per call.
-use super::curve::{Deviation, Main, Quintic, Side, Site, dot, even_speed, plus, size};
+use super::curve::{Deviation, Main, Quintic, Side, dot, even_speed, plus, size};
+use super::{Parameters, TANGENTIAL};
 use crate::lookahead::{max, min};
+use crate::nc::ContourMethod;
+use crate::path::Measure;
 
 /// Part of a tolerance that is aimed at, and how closely: the rest is for rounding.
 const AIM: f32 = 1.0 - 2e-4;
@@ -42,19 +45,46 @@ pub struct Tolerance {
 }
 
 impl<const AXES: usize> Corner<'_, AXES> {
-    /// The curve from `a` before the corner to `b` behind it.
-    fn curve(&self, a: &Site<AXES>, b: &Site<AXES>) -> Quintic<AXES> {
-        Quintic::new(a, b, even_speed(self.main, a, b))
+    /// DIST_MASTER: whether the master axis goes on in its direction, and is the path on both sides.
+    pub fn led(&self, rule: &Parameters, measure: &Measure) -> bool {
+        let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
+            return false;
+        };
+        let along = |side: &Side<AXES>| side.tangent().get(k).copied().unwrap_or(0.0);
+        let (before, behind) = (along(&self.before), along(&self.behind));
+        let product = before * behind;
+        self.before.rate == 0.0 && self.behind.rate == 0.0 && product > 1.0 - 1e-4 && product < 1.0 + 1e-4
+    }
+
+    /// Whether any axis changes its speed here.
+    pub fn turns(&self) -> bool {
+        let ends = self.before.tangent().iter().zip(self.behind.tangent());
+        ends.fold(0.0, |most, (a, b)| max(most, max(a - b, b - a))) >= TANGENTIAL
+    }
+
+    /// Way in space per path distance: before it, behind it.
+    pub fn paces(&self) -> [f32; 2] {
+        [self.before.pace, self.behind.pace]
     }
 
     /// The curve with these corner distances.
     pub fn between(&self, [c1, c2]: [f32; 2]) -> Quintic<AXES> {
-        let mut end = self.behind.at(c2);
+        let (begin, mut end) = (self.before.at(-c1), self.behind.at(c2));
         if let Some(gap) = &self.gap {
             end.offset = plus(&end.offset, 1.0, gap);
         }
-        self.curve(&self.before.at(-c1), &end)
+        Quintic::new(&begin, &end, even_speed(self.main, &begin, &end, mean(self.paces())))
     }
+
+    /// Path length of such a curve.
+    pub fn path(&self, curve: &Quintic<AXES>) -> f32 {
+        curve.length(self.main, 0.0, 1.0) / mean(self.paces())
+    }
+}
+
+/// Of the paces on both sides of a corner.
+pub fn mean([before, behind]: [f32; 2]) -> f32 {
+    0.5 * (before + behind)
 }
 
 /// How much of a tolerance a curve takes: 1 is all of it. And how far, mm, its elements may be beside it: they pass the place
@@ -203,16 +233,25 @@ pub struct Turn {
     pub track: f32,
 }
 
-/// `None` where main axes do not move as far as the path on both sides.
-pub fn turn<const AXES: usize>(main: &Main, before: &[f32; AXES], behind: &[f32; AXES]) -> Option<Turn> {
-    let whole = |t: &[f32; AXES]| {
-        let square = dot(main, t, t);
+/// Least way in space per path distance.
+const SLOWEST: f32 = 1.0 / 1024.0;
+
+/// `None` where main axes do not move on both sides, or, as feed axes, not as far as the path.
+pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &Side<AXES>) -> Option<Turn> {
+    let main = &measure.main;
+    let moves = |side: &Side<AXES>| {
+        if !measure.is_space() {
+            return side.pace > SLOWEST;
+        }
+        let square = dot(main, side.tangent(), side.tangent());
         square > 1.0 - 1e-4 && square < 1.0 + 1e-4
     };
-    if !whole(before) || !whole(behind) {
+    if !moves(before) || !moves(behind) {
         return None;
     }
-    let (change, both) = (plus(behind, -1.0, before), plus(behind, 1.0, before));
+    let unit = |side: &Side<AXES>| side.tangent().map(|t| t / side.pace);
+    let (before, behind) = (unit(before), unit(behind));
+    let (change, both) = (plus(&behind, -1.0, &before), plus(&behind, 1.0, &before));
     let mut track = 0.0;
     for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
         track = max(track, max(*x, -*x));

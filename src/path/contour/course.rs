@@ -3,12 +3,17 @@
 //! One polynomial of the fifth degree, or two that meet where the interim point is given. Elements are cut from it at places of which
 //! position, direction and curvature are computed once for both neighbours, and each is again a polynomial, now over
 //! its own arc length; as many of them as it takes for the right path speed.
+//!
+//! Where the feed counts along other axes than the main ones, a path distance is another way in space on either side of the
+//! corner. There path is the polynomial's own parameter: its speed goes over from the one to the other, and both halves are
+//! one element each.
+use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
 use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
 use crate::path::poly::{Draft, Knot};
-use crate::path::{Element, End};
+use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 
 /// Largest relative difference between path speed and speed along the curve; half of it where the speed is to be
@@ -28,10 +33,14 @@ const ONE_40: f32 = (1u64 << 40) as f32;
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course<const AXES: usize> {
-    main: Main,
+    measure: Measure,
+    /// Way in space per path distance before and behind the corner.
+    paces: [f32; 2],
     origin: [Position; AXES],
     /// Both halves, and the part of each that belongs to the course.
     halves: [(Quintic<AXES>, [f32; 2]); 2],
+    /// Where path is the parameter: mm per u of both.
+    path: Option<[f32; 2]>,
     /// Where the last element ended, and its site.
     at: Knot<AXES>,
     last: Knot<AXES>,
@@ -59,31 +68,42 @@ pub enum Fit {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> Course<AXES> {
-    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `None` where it cannot be
-    /// made. Before it is handed out: [`Self::fit`].
+    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `lead`: the path between both, where
+    /// a master axis is the path. `None` where it cannot be made. Before it is handed out: [`Self::fit`].
     pub fn new(
-        main: &Main,
+        measure: &Measure,
+        paces: [f32; 2],
         origin: &[Position; AXES],
-        from: &Knot<AXES>,
-        to: &Knot<AXES>,
+        [from, to]: [&Knot<AXES>; 2],
         interim: Option<&[f32; AXES]>,
+        lead: Option<f32>,
     ) -> Option<Self> {
+        let main = &measure.main;
         let [a, b] = [from, to].map(|knot| site_of(knot, origin));
-        let halves = if let Some(point) = interim {
-            let [first, second] = through(main, &a, point, &b)?;
-            [(first, [0.0, 1.0]), (second, [0.0, 1.0])]
+        let pace = mean(paces);
+        if pace <= 0.0 && lead.is_none() {
+            return None;
+        }
+        let (halves, path) = if let Some(point) = interim {
+            let ([first, second], lengths) = through(main, &a, point, &b, pace)?;
+            ([(first, [0.0, 1.0]), (second, [0.0, 1.0])], lengths)
         } else {
-            let speed = even_speed(main, &a, &b);
+            let speed = lead.unwrap_or_else(|| even_speed(main, &a, &b, pace));
             if speed <= 0.0 {
                 return None;
             }
             let curve = Quintic::new(&a, &b, speed);
-            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as planned.
-            let u = min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
-            [(curve, [0.0, u]), (curve, [u, 1.0])]
+            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as planned. A master
+            // axis has reached the corner's coordinate.
+            let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+            let u = if lead.is_some() { 0.5 } else { nearest() };
+            ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
         };
         let (at, last, given) = (*from, *to, interim.is_some());
-        Some(Self { main: *main, origin: *origin, halves, at, last, parts: 1, done: 0, given, any: false })
+        let path = (!measure.is_space()).then_some(path);
+        let (parts, done, any) = (1, 0, false);
+        let (measure, origin) = (*measure, *origin);
+        Some(Self { measure, paces, origin, halves, path, at, last, parts, done, given, any })
     }
 
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
@@ -116,10 +136,24 @@ impl<const AXES: usize> Course<AXES> {
         (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
     }
 
-    /// Ends and arc length of element `i`.
+    /// Ends and path length of element `i`.
     fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
         let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
-        ([u0, u1].map(|u| curve.site(&self.main, u)), curve.length(&self.main, u0, u1))
+        if let Some([first, second]) = self.path {
+            let path = if i < self.parts { first } else { second };
+            return ([u0, u1].map(|u| curve.site_over(path, u)), path * (u1 - u0));
+        }
+        let main = &self.measure.main;
+        ([u0, u1].map(|u| curve.site(main, u)), curve.length(main, u0, u1))
+    }
+
+    /// How far the speed along an element is above and below what its path says at most, relative.
+    fn unevenness(&self, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
+        if self.path.is_some() {
+            let [before, behind] = self.paces;
+            return [element.haste(&self.measure, length, max(before, behind)), 0.0];
+        }
+        element.unevenness(&self.measure.main, length)
     }
 
     /// Whether element `i` has the right path speed, and is not too far beside the curve.
@@ -130,14 +164,16 @@ impl<const AXES: usize> Course<AXES> {
             return false;
         }
         let is_even = || {
-            let [above, below] = element.unevenness(&self.main, length);
+            let [above, below] = self.unevenness(&element, length);
             max(above, below) <= even
         };
         let beside = |t: f32| {
             let (curve, u) = self.place(i, t);
-            curve.distance(&self.main, &element.at(t)[0], u)
+            curve.distance(&self.measure.main, &element.at(t)[0], u)
         };
+        // Over its own parameter an element is a part of the curve.
         self.any
+            || self.path.is_some()
             || (is_even()
                 && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack))
     }
@@ -160,7 +196,7 @@ impl<const AXES: usize> Course<AXES> {
             return None;
         }
         let ([a, b], length) = self.part(self.done);
-        let [above, _] = Quintic::new(&a, &b, length).unevenness(&self.main, length);
+        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
@@ -168,16 +204,17 @@ impl<const AXES: usize> Course<AXES> {
     }
 }
 
-/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their arc
-/// lengths follow in a few rounds, beginning with the straight lines.
+/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their path
+/// lengths follow in a few rounds, beginning with the straight lines. `pace`: of the path in space.
 fn through<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
     point: &[f32; AXES],
     b: &Site<AXES>,
-) -> Option<[Quintic<AXES>; 2]> {
+    pace: f32,
+) -> Option<([Quintic<AXES>; 2], [f32; 2])> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
-    let chords = [size(main, &travel[0]), size(main, &travel[1])];
+    let chords = [size(main, &travel[0]) / pace, size(main, &travel[1]) / pace];
     let mut lengths = chords;
     let mut curves = None;
     for round in 0..=LENGTHS {
@@ -209,14 +246,14 @@ fn through<const AXES: usize>(
         }
         let first = Quintic::new(a, &middle, h1);
         let second = Quintic::new(&middle, b, h2);
-        curves = Some([first, second]);
+        curves = Some(([first, second], lengths));
         if round == LENGTHS {
             break;
         }
         // No longer than twice the way: what is longer would swing out the further.
         lengths = [
-            min(first.length(main, 0.0, 1.0), 2.0 * chords[0]),
-            min(second.length(main, 0.0, 1.0), 2.0 * chords[1]),
+            min(first.length(main, 0.0, 1.0) / pace, 2.0 * chords[0]),
+            min(second.length(main, 0.0, 1.0) / pace, 2.0 * chords[1]),
         ];
     }
     curves

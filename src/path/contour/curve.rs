@@ -5,7 +5,7 @@ use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
-use crate::path::{Element, End};
+use crate::path::{Element, End, Measure};
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 
@@ -68,17 +68,26 @@ pub struct Side<const AXES: usize> {
     plane: Option<[usize; 2]>,
     /// Angle per path distance, 1/mm; 0 for a line.
     pub rate: f32,
+    /// Way in space per path distance: exactly 1 where the main axes are the feed axes.
+    pub pace: f32,
+}
+
+/// Way in space per path distance of a direction.
+pub fn pace<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES]) -> f32 {
+    if measure.is_space() { 1.0 } else { size(&measure.main, tangent) }
+}
+
+/// Direction and speed of one end of an element as numbers.
+pub fn direction<const AXES: usize>(end: &End<AXES>) -> [f32; AXES] {
+    end.tangent.map(|t| to_f32(t) * LSB_40)
 }
 
 impl<const AXES: usize> Side<AXES> {
     /// The block `element`, which has `end` at the corner.
-    pub fn new(element: &Element<AXES>, end: &End<AXES>) -> Self {
-        let mut side = Self {
-            tangent: end.tangent.map(|t| to_f32(t) * LSB_40),
-            curvature: end.curvature,
-            plane: None,
-            rate: 0.0,
-        };
+    pub fn new(element: &Element<AXES>, end: &End<AXES>, measure: &Measure) -> Self {
+        let tangent = direction(end);
+        let pace = pace(measure, &tangent);
+        let mut side = Self { tangent, curvature: end.curvature, plane: None, rate: 0.0, pace };
         if let Some(circle) = element.circle {
             let inside = |x: &[f32; AXES]| {
                 let sum = circle.plane.iter().filter_map(|k| x.get(*k)).fold(0.0, |sum, x| sum + x * x);
@@ -129,7 +138,9 @@ impl<const AXES: usize> Side<AXES> {
         for _ in 0..FOOT_STEPS {
             let site = self.at(s);
             away = plus(point, -1.0, &site.offset);
-            let step = dot(main, &away, &site.tangent) / max(1.0 - dot(main, &away, &site.curvature), 0.25);
+            let square = self.pace * self.pace;
+            let bent = square - dot(main, &away, &site.curvature);
+            let step = dot(main, &away, &site.tangent) / max(bent, 0.25 * square);
             let next = inside(s + step);
             if next == s {
                 break;
@@ -234,6 +245,26 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent, curvature }
     }
 
+    /// The same over a path of which there are so many mm per u.
+    pub fn site_over(&self, path: f32, u: f32) -> Site<AXES> {
+        let [offset, first, second] = self.at(u);
+        let per = 1.0 / path;
+        Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
+    }
+
+    /// How far the feed axes are faster at most than a path of so many mm per u says, relative, and the main axes than `pace` times that,
+    /// at places between the ends.
+    pub fn haste(&self, measure: &Measure, path: f32, pace: f32) -> f32 {
+        let mut most = 0.0;
+        for u in PLACES {
+            let [_, first, _] = self.at(u);
+            let fed = measure.length(&first) / path;
+            let along = size(&measure.main, &first) / (path * pace);
+            most = max(most, max(fed, along) - 1.0);
+        }
+        most
+    }
+
     /// Arc length from `u0` to `u1`: Gauss's rule of eight points.
     pub fn length(&self, main: &Main, u0: f32, u1: f32) -> f32 {
         let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
@@ -249,7 +280,7 @@ impl<const AXES: usize> Quintic<AXES> {
     /// How far the speed along the curve is above and below `speed` at most, relative, at places between the ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut above, mut below] = [0.0, 0.0];
-        for u in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+        for u in PLACES {
             let off = size(main, &self.at(u)[1]) / speed - 1.0;
             above = max(above, off);
             below = max(below, -off);
@@ -402,6 +433,9 @@ const NEAREST_STEPS: usize = 4;
 const SAMPLES: u8 = 8;
 const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 
+/// Places between the ends where speed is looked at.
+const PLACES: [f32; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+
 /// Gauss's rule of eight points: places and weights of one half.
 const GAUSS: [(f32, f32); 4] = [
     (0.183_434_64, 0.362_683_78),
@@ -411,15 +445,15 @@ const GAUSS: [(f32, f32); 4] = [
 ];
 
 /// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its middle,
-/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32.
-pub fn even_speed<const AXES: usize>(main: &Main, a: &Site<AXES>, b: &Site<AXES>) -> f32 {
+/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `pace`: of the path there, in space.
+pub fn even_speed<const AXES: usize>(main: &Main, a: &Site<AXES>, b: &Site<AXES>, pace: f32) -> f32 {
     let travel = plus(&b.offset, -1.0, &a.offset);
     let both = plus(&a.tangent, 1.0, &b.tangent);
     let bend = plus(&a.curvature, -1.0, &b.curvature);
     let mut speed = 0.0;
     for _ in 0..3 {
         let reach = plus(&travel, -speed * speed * (1.0 / 60.0), &bend);
-        let a = 1.0 - (49.0 / 256.0) * dot(main, &both, &both);
+        let a = pace * pace - (49.0 / 256.0) * dot(main, &both, &both);
         let b = (105.0 / 128.0) * dot(main, &reach, &both);
         let c = (225.0 / 64.0) * dot(main, &reach, &reach);
         speed = (sqrt_f32(max(b * b + a * c, 0.0)) - b) / a;

@@ -1,10 +1,10 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
-use super::curve::{Main, segment_distance, size};
+use super::curve::{Main, direction, pace, segment_distance, size};
 use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
 use crate::lookahead::{Dynamics, max, min};
 use crate::math::float::to_f32;
 use crate::nc::ContourMethod;
-use crate::path::{Element, PathError, arc, line};
+use crate::path::{Element, Measure, PathError, arc, line};
 use crate::quantity::Position;
 
 /// A block whose end waits for the next one.
@@ -44,7 +44,7 @@ pub(super) struct Standing {
 }
 
 /// A block below 16 µm behind blocks left out is replaced by a line from where they began.
-const SYSTEM_LEAST: i64 = (1 << 44) / 1000 * 16;
+const SYSTEM_LEAST: f32 = 0.016;
 
 /// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much the direction may
 /// change, LSB 2^-40. And how far blocks may be from a line over many.
@@ -74,10 +74,21 @@ impl<const AXES: usize> Held<AXES> {
         size(main, &travel) <= path && others.all(|(_, x)| max(*x, -*x) <= track)
     }
 
+    /// A length of path of a block in space, mm.
+    fn in_space(element: &Element<AXES>, length: i64, measure: &Measure) -> f32 {
+        to_f32(length) * LSB_44 * pace(measure, &direction(&element.entry))
+    }
+
     /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end of this one. Where there is a
     /// tolerance only as long as a straight line over them keeps a part of it; the corner has the rest.
-    pub fn leave_out(&self, next: &Block<AXES>, rule: &Parameters, main: &Main) -> Option<Skipped<AXES>> {
-        let length = to_f32(next.element.shape.length.to_bits()) * LSB_44;
+    pub fn leave_out(
+        &self,
+        next: &Block<AXES>,
+        rule: &Parameters,
+        measure: &Measure,
+    ) -> Option<Skipped<AXES>> {
+        let main = &measure.main;
+        let length = Self::in_space(&next.element, next.element.shape.length.to_bits(), measure);
         let arc = next.form != Form::Line;
         let short = !arc || length <= rule.relevant()[0];
         if rule.method == ContourMethod::Pos
@@ -98,17 +109,12 @@ impl<const AXES: usize> Held<AXES> {
         (stray <= rule.stray()).then_some(Skipped { to: next.to, data: next.data, stray, radius })
     }
 
-    /// Whether a line to `to` stands for blocks held back or left out together with the next one, which is so long: this one is too
+    /// Whether a line stands for blocks held back or left out together with the next one: this one is too
     /// short to begin a curve, or the next one is to end it.
-    pub fn stands(
-        &self,
-        to: &[Position; AXES],
-        (straight, length): (bool, i64),
-        rule: &Parameters,
-        main: &Main,
-    ) -> Option<Standing> {
-        let short = to_f32(self.length) * LSB_44 <= rule.relevant()[0];
-        let whole = straight && self.is_line() && short && rule.method != ContourMethod::Pos;
+    pub fn stands(&self, next: &Self, rule: &Parameters, measure: &Measure) -> Option<Standing> {
+        let (main, to) = (&measure.main, &next.block.to);
+        let short = Self::in_space(&self.block.element, self.length, measure) <= rule.relevant()[0];
+        let whole = next.is_line() && self.is_line() && short && rule.method != ContourMethod::Pos;
         let standing = match &self.skipped {
             _ if whole => {
                 let over = travel(&self.block.from, to);
@@ -119,7 +125,7 @@ impl<const AXES: usize> Held<AXES> {
                 let corner = off(&self.block.to);
                 Standing { whole, stray: max(self.stray + corner, behind + corner) }
             }
-            Some(skipped) if length < SYSTEM_LEAST => {
+            Some(skipped) if Self::in_space(&next.block.element, next.length, measure) < SYSTEM_LEAST => {
                 let over = travel(&self.block.to, to);
                 let off = segment_distance(main, &over, &travel(&self.block.to, &skipped.to));
                 Standing { whole, stray: skipped.stray + off }
@@ -137,7 +143,7 @@ impl<const AXES: usize> Held<AXES> {
         next: &Self,
         rule: &Parameters,
         dynamics: &Dynamics<AXES>,
-        main: &Main,
+        measure: &Measure,
     ) -> Option<Self> {
         let (block, data) = (&next.block, &next.block.data);
         if rule.method != ContourMethod::Ptp
@@ -148,7 +154,7 @@ impl<const AXES: usize> Held<AXES> {
         {
             return None;
         }
-        let element = line(&self.block.from, &block.to, main).ok()??;
+        let element = line(&self.block.from, &block.to, measure).ok()??;
         let [first, both] = [&self.block.element, &element].map(|element| element.shape.length.to_bits());
         let part = first as f64 / both as f64;
         let ways = self.block.from.iter().zip(&self.block.to).zip(&block.to);
@@ -191,21 +197,21 @@ impl<const AXES: usize> Held<AXES> {
     }
 
     /// The line in place of the blocks left out.
-    pub fn bridge(&self, main: &Main) -> Option<Outgoing<AXES>> {
+    pub fn bridge(&self, measure: &Measure) -> Option<Outgoing<AXES>> {
         let Skipped { to, data, .. } = self.skipped?;
-        let element = line(&self.block.to, &to, main).ok().flatten()?;
+        let element = line(&self.block.to, &to, measure).ok().flatten()?;
         Some(Outgoing { element, data, curving: None, due: data.number })
     }
 
     /// The rest of the block from a point on it.
-    pub fn renewed(&self, from: &[Position; AXES], main: &Main) -> Result<Element<AXES>, PathError> {
+    pub fn renewed(&self, from: &[Position; AXES], measure: &Measure) -> Result<Element<AXES>, PathError> {
         if *from == self.block.from {
             return Ok(self.block.element);
         }
         match self.block.form {
-            Form::Line => Ok(line(from, &self.block.to, main)?.unwrap_or(self.block.element)),
+            Form::Line => Ok(line(from, &self.block.to, measure)?.unwrap_or(self.block.element)),
             Form::Arc { centre, plane, clockwise } => {
-                arc(from, &self.block.to, centre, plane, clockwise, main)
+                arc(from, &self.block.to, centre, plane, clockwise, measure)
             }
         }
     }

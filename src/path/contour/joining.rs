@@ -3,20 +3,27 @@
 use super::choice::Candidate;
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
-use super::curve::{Main, Side};
+use super::curve::Side;
 use super::held::{Held, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::lookahead::{Curving, Dynamics, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
-use crate::path::Element;
 use crate::path::poly::Knot;
+use crate::path::{Element, Measure};
 use crate::quantity::{Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
 /// tolerance has to spare.
 const SLIVER: u32 = 14;
+
+/// The same of a curve over time, which becomes slower by that much: its distance comes short of what is there by what its
+/// rounding needs.
+const SCRAP: u32 = 18;
+
+/// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
+const HALVED: i64 = 64;
 
 /// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
@@ -32,8 +39,8 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
 /// What holds for a corner beside its blocks and their rule.
 pub struct Setting<'a, const AXES: usize> {
-    /// Main axes.
-    pub main: &'a Main,
+    /// Main axes and feed axes.
+    pub measure: &'a Measure,
     /// CHECK_JERK and CONST_VEL as they stand now.
     pub parameters: &'a Parameters,
     /// Limits of the axes.
@@ -86,11 +93,15 @@ pub struct Joining<const AXES: usize> {
     stage: Stage<AXES>,
 }
 
-fn corner<'a, const AXES: usize>(held: &Held<AXES>, next: &Held<AXES>, main: &'a Main) -> Corner<'a, AXES> {
-    let before = Side::new(&held.block.element, &held.block.element.exit);
-    let behind = Side::new(&next.block.element, &next.block.element.entry);
+fn corner<'a, const AXES: usize>(
+    held: &Held<AXES>,
+    next: &Held<AXES>,
+    measure: &'a Measure,
+) -> Corner<'a, AXES> {
+    let before = Side::new(&held.block.element, &held.block.element.exit, measure);
+    let behind = Side::new(&next.block.element, &next.block.element.entry, measure);
     let gap = held.skipped.map(|skipped| travel(&held.block.to, &skipped.to));
-    Corner { main, before, behind, gap }
+    Corner { main: &measure.main, before, behind, gap }
 }
 
 impl<const AXES: usize> Joining<AXES> {
@@ -114,15 +125,22 @@ impl<const AXES: usize> Joining<AXES> {
         setting: &Setting<'_, AXES>,
         remark: &mut Option<NcWarningKind>,
     ) -> Option<Stage<AXES>> {
-        let corner = corner(held, next, setting.main);
+        let corner = corner(held, next, setting.measure);
         let (before, behind) = (&corner.before, &corner.behind);
-        let turn = turn(setting.main, before.tangent(), behind.tangent())?;
-        let position = rule.method == ContourMethod::Pos;
-        if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
-            return None;
-        }
-        if !(held.is_line() && next.is_line()) {
+        if corner.led(rule, setting.measure) {
+            // All others are alike: whether it is a corner in space does not matter.
+            if !corner.turns() {
+                return None;
+            }
+        } else {
+            let turn = turn(setting.measure, before, behind)?;
+            let position = rule.method == ContourMethod::Pos;
+            if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+                return None;
+            }
             match rule.method {
+                ContourMethod::DistMaster => *remark = Some(NcWarningKind::MasterRests),
+                _ if held.is_line() && next.is_line() => {}
                 ContourMethod::Ptp => return None,
                 ContourMethod::DistSoft => *remark = Some(NcWarningKind::SoftArc),
                 _ => {}
@@ -147,7 +165,7 @@ impl<const AXES: usize> Joining<AXES> {
         room: Room,
         setting: &Setting<'_, AXES>,
     ) -> Option<Stage<AXES>> {
-        let corner = corner(held, next, setting.main);
+        let corner = corner(held, next, setting.measure);
         let mut tolerance = rule.tolerance();
         if let Some(path) = &mut tolerance.path {
             // What straight lines that stand for several blocks have already taken.
@@ -181,14 +199,14 @@ impl<const AXES: usize> Joining<AXES> {
         let following = match stage {
             Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
             Stage::Reaching { room, reach, candidate } => {
-                let found = reach.go_on(&corner(held, next, setting.main))?;
+                let found = reach.go_on(&corner(held, next, setting.measure))?;
                 match *candidate {
                     Some(candidate) => Some(Stage::Comparing { room: *room, candidate, found }),
                     None => found.and_then(|found| room.cut(held, next, &rule, Some(found))),
                 }
             }
             Stage::Comparing { room, candidate, found } => {
-                let corner = corner(held, next, setting.main);
+                let corner = corner(held, next, setting.measure);
                 let part = found.map_or(0.0, |(part, _)| part);
                 if candidate.is_better(&corner, [room.distances[0], part], held.is_rapid(), setting) {
                     Some(Stage::Overlapping(candidate.way))
@@ -213,17 +231,26 @@ impl<const AXES: usize> Joining<AXES> {
             }
             Stage::Joining { cut, course } => {
                 let (cut, course) = (*cut, *course);
-                let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
+                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
                 return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
             }
             Stage::Overlapping(overlap) => {
-                let overlap = *overlap;
-                let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
-                // What is left of a halved line may be some LSB less than its half.
-                let before = reach.min(held.block.element.shape.length.to_bits());
+                let mut overlap = *overlap;
+                let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+                let left = held.block.element.shape.length.to_bits();
                 let half = if rule.weighs() { next.length } else { next.length / 2 };
+                // What rounding leaves of a block between two curves would be too short for their speed.
+                for all in [half, left] {
+                    let more = all - reach;
+                    if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
+                        overlap = overlap.stretched(all as f64 / reach as f64);
+                        reach = all;
+                    }
+                }
+                // What is left of a halved line may be some LSB less than its half, or more.
+                let before = if left - reach <= HALVED { left } else { reach };
                 let cut = Cut { before, behind: reach.min(half) };
-                let Some(ends) = Ends::new(held, next, cut, setting.main) else { return Some(None) };
+                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
                 if overlap.rise.v <= 0.0 {
                     return Some(None);
                 }
@@ -244,16 +271,20 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
     ) -> Option<Option<Course<AXES>>> {
-        let ends = Ends::new(held, next, cut, setting.main)?;
+        let ends = Ends::new(held, next, cut, setting.measure)?;
         let mut point = [0.0; AXES];
-        for (k, value) in setting.main.iter().zip(rule.point) {
+        for (k, value) in setting.measure.main.iter().zip(rule.point) {
             let (Some(k), Some(value)) = (*k, value) else { continue };
             if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }
         }
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
-        Some(Course::new(setting.main, &held.block.to, &ends.from, &ends.to(), interim))
+        let corner = corner(held, next, setting.measure);
+        let path = || to_f32(cut.before.saturating_add(cut.behind)) * LSB_44;
+        let lead = corner.led(rule, setting.measure).then(path);
+        let knots = [&ends.from, &ends.to()];
+        Some(Course::new(setting.measure, corner.paces(), &held.block.to, knots, interim, lead))
     }
 }
 
@@ -334,7 +365,7 @@ struct Ends<const AXES: usize> {
 }
 
 impl<const AXES: usize> Ends<AXES> {
-    fn new(held: &Held<AXES>, next: &Held<AXES>, cut: Cut, main: &Main) -> Option<Self> {
+    fn new(held: &Held<AXES>, next: &Held<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
         let element = &held.block.element;
         let rest = element.shape.length.to_bits() - cut.before;
         let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
@@ -347,7 +378,7 @@ impl<const AXES: usize> Ends<AXES> {
         if cut.behind > 0 {
             next.block.element.shape.at(cut.behind, &next_base, &mut begin);
         }
-        let renewed = next.renewed(&begin, main).ok()?;
+        let renewed = next.renewed(&begin, measure).ok()?;
         Some(Self { rest, from, renewed, begin })
     }
 

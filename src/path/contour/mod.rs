@@ -1,6 +1,6 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
 //! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, PTP; DEV with HSC): `timed.rs` says why and where.
+//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV with HSC): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
@@ -31,7 +31,7 @@ use self::held::Held;
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use super::poly::Draft;
-use super::{Element, line};
+use super::{Element, Measure, line};
 use crate::lookahead::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
 use crate::quantity::{Distance, Position};
@@ -130,7 +130,7 @@ impl<const AXES: usize> Turning<AXES> {
 /// The stage: between the blocks' curves and the look-ahead.
 #[derive(Clone, Copy, Debug)]
 pub struct Contouring<const AXES: usize> {
-    main: [Option<usize>; 3],
+    measure: Measure,
     parameters: Parameters,
     /// G261.
     on: bool,
@@ -200,10 +200,10 @@ const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
     /// Off; `check_jerk` is P-CHAN-00110.
-    pub fn new(main: [Option<usize>; 3], check_jerk: u8) -> Self {
+    pub fn new(measure: Measure, check_jerk: u8) -> Self {
         let parameters = Parameters::new(check_jerk);
         Self {
-            main,
+            measure,
             parameters,
             on: false,
             once: false,
@@ -292,14 +292,13 @@ impl<const AXES: usize> Contouring<AXES> {
         if let Some(held) = &mut self.held
             && let Some(rule) = held.rule
         {
-            if rounds && let Some(skipped) = held.leave_out(&next.block, &rule, &self.main) {
+            if rounds && let Some(skipped) = held.leave_out(&next.block, &rule, &self.measure) {
                 held.skipped = Some(skipped);
                 return;
             }
-            let next_is = (next.is_line(), next.length);
-            if let Some(standing) = held.stands(&block.to, next_is, &rule, &self.main) {
+            if let Some(standing) = held.stands(&next, &rule, &self.measure) {
                 let from = if standing.whole { held.block.from } else { held.block.to };
-                if let Ok(Some(element)) = line(&from, &block.to, &self.main) {
+                if let Ok(Some(element)) = line(&from, &block.to, &self.measure) {
                     next.block = Block { element, from, form: Form::Line, ..block };
                     next.length = element.shape.length.to_bits();
                     next.stray = standing.stray;
@@ -311,17 +310,16 @@ impl<const AXES: usize> Contouring<AXES> {
                 }
             }
         }
-        let merged = self
-            .held
-            .as_ref()
-            .filter(|_| !parted)
-            .and_then(|held| held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.main)));
+        let merged =
+            self.held.as_ref().filter(|_| !parted).and_then(|held| {
+                held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.measure))
+            });
         if let Some(merged) = merged {
             self.held = Some(merged);
             return;
         }
         if let Some(held) = self.held.take() {
-            let setting = Setting { main: &self.main, parameters: &self.parameters, dynamics };
+            let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
             next.previous = held.rule.map(|_| held.length);
             let (joining, remark) = Joining::new(&held, &next, behind, &setting);
             self.joining = Some(joining);
@@ -375,12 +373,12 @@ impl<const AXES: usize> Contouring<AXES> {
     /// [`Self::outgoing`] knows what goes on.
     pub fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
-            let setting = Setting { main: &self.main, parameters: &self.parameters, dynamics };
+            let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
             let Some(course) = joining.go_on(next, &setting) else { return true };
             self.before =
                 Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
             if course.is_none() {
-                self.bridge = joining.held.bridge(&self.main);
+                self.bridge = joining.held.bridge(&self.measure);
             }
             self.course = course;
             self.joining = None;
@@ -404,9 +402,10 @@ impl<const AXES: usize> Contouring<AXES> {
         true
     }
 
-    /// The block that waits comes in, when what is before it is done and it need not wait for another one; whether it does.
+    /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; whether it does.
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if self.bridge.is_some() || self.waiting.is_none_or(|waiting| waiting.weighs()) {
+        let goes_on = self.before.is_some() || self.bridge.is_some();
+        if goes_on || self.waiting.is_none_or(|waiting| waiting.weighs()) {
             return false;
         }
         let Some(waiting) = self.waiting.take() else { return false };
@@ -427,7 +426,7 @@ impl<const AXES: usize> Contouring<AXES> {
             return None;
         }
         let held = self.held.take()?;
-        self.bridge = held.bridge(&self.main);
+        self.bridge = held.bridge(&self.measure);
         Some(held.outgoing())
     }
 }

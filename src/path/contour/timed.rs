@@ -16,6 +16,9 @@
 //! With the whole of both motions overlapping the path speed is that of the feed, and each axis changes its speed by one
 //! even acceleration: the curve of DIST_SOFT.
 //!
+//! DIST_MASTER is that with the master axis as path ([`mod@crate::path::measure`]): its tangent is 1 on both lines, so it is 1
+//! all along the curve, and the master goes on at its speed.
+//!
 //! The speed along the curve is below the path speed, at the corner far below. So this is no curve for CONST_VEL.
 //!
 //! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve is e·|t2 − t1| from
@@ -172,6 +175,11 @@ impl Overlap {
     /// As long as the first is `distance` from the corner when the second begins.
     pub fn from_distance(rise: Rise, distance: f64) -> Self {
         Self { rise, time: rise.arrives(distance) }
+    }
+
+    /// The same in so many times the time, and so many times as far from the corner.
+    pub fn stretched(self, by: f64) -> Self {
+        Self { rise: self.rise.stretched(by), time: self.time * by }
     }
 
     /// Only ramps overlap.

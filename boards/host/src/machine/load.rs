@@ -486,7 +486,7 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepath::machine::{AccelerationUnit, SynchTable};
+    use glidepath::machine::{AccelerationUnit, MODE_LINEAR, MODE_MASTER, SynchTable};
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -503,7 +503,8 @@ mod tests {
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
-            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n[axis.X.dynamik]\na_max = 4000\n\
+            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n\
+            default_feed_axis = 1\nkenngr.achs_mode = 0x1000_0001\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
             a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
             vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
@@ -522,6 +523,8 @@ mod tests {
             d_stufe: [7, 8],
             vb_stufe_1_2: 9,
             vb_grenz_stufe_1_2: 10,
+            achs_mode: MODE_LINEAR | MODE_MASTER,
+            default_feed_axis: true,
             ..AxisData::new(name, AxisKind::Linear)
         };
         let channel = ChannelData {

@@ -60,6 +60,13 @@ impl Machine {
         linear.map(|(index, _)| index).take(3).collect()
     }
 
+    /// Indices of the feed axes: P-CHAN-00011, the main axes where there are none.
+    pub fn feed_axes(&self) -> Vec<usize> {
+        let feed = self.axes.iter().enumerate().filter(|(_, axis)| axis.default_feed_axis);
+        let feed: Vec<usize> = feed.map(|(index, _)| index).collect();
+        if feed.is_empty() { self.main_axes() } else { feed }
+    }
+
     /// The slope at program start: P-CHAN-00071.
     pub fn slope(&self) -> SlopeType {
         SlopeType::of_profile(self.channel.slope_profile)

@@ -1,0 +1,109 @@
+//! By what a path is measured: the feed axes (P-CHAN-00011).
+//!
+//! The sources name the parameter and do not say what it does. The reading taken here, which is that of ISG's public lists as far as
+//! they go:
+//!
+//! - The path length of a block, and with it F, `s`, path speed and the limits of #VECTOR LIMIT, is what its feed axes travel
+//!   together. Every other axis moves along with them, a main axis too. With one feed axis the path speed is the speed of that axis.
+//! - Without any, the main axes are the feed axes, as everywhere else in ISG's texts.
+//! - A block that moves no feed axis counts along its main axes; one that moves none of those along all others together.
+//! - Where an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts: path distances and speeds have a
+//!   resolution of their own, which such an axis would show that many times. (Beside main axes that are the feed axes it is a
+//!   1024th.)
+//! - An arc needs both axes of its plane: along one of them it goes to and fro, and its speed would be none that a feed can mean.
+//!   ISG demands even all main axes there.
+//! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed counts along:
+//!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST, POST_DIST, PATH_DIST
+//!   ("on the feed axes' path"), SYM_DIST, shares of blocks.
+use super::{FINER, hypot};
+use crate::math::root::sqrt_f32;
+
+/// Main axes, feed axes and master axis of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measure {
+    /// The main axes: they span the space.
+    pub main: [Option<usize>; 3],
+    /// The feed axes where they are others, bit k for axis k.
+    feed: Option<u32>,
+    master: Option<usize>,
+}
+
+/// More axes have no bit.
+pub const FEED_AXES: usize = 32;
+
+/// How many times as far as the feed axes another one may go, as a power of two.
+const STEEPEST: u32 = 6;
+
+fn bits(axes: impl Iterator<Item = usize>) -> u32 {
+    axes.filter(|k| *k < FEED_AXES).fold(0, |bits, k| bits | 1 << k)
+}
+
+impl Measure {
+    /// From the main axes, those with P-CHAN-00011, and those marked as master axis in P-AXIS-00015.
+    pub fn new(
+        main: [Option<usize>; 3],
+        feed: impl Iterator<Item = usize>,
+        marked: impl Iterator<Item = usize>,
+    ) -> Self {
+        let space = bits(main.into_iter().flatten());
+        let feed = match bits(feed) {
+            0 => space,
+            feed => feed,
+        };
+        let only = feed.count_ones() == 1 && feed & bits(marked) != 0;
+        let master = only.then_some(feed.trailing_zeros() as usize);
+        Self { main, feed: (feed != space).then_some(feed), master }
+    }
+
+    /// Whether the main axes are the feed axes.
+    #[inline(always)]
+    pub fn is_space(&self) -> bool {
+        self.feed.is_none()
+    }
+
+    /// The only feed axis, if it is marked as master axis.
+    pub fn master(&self) -> Option<usize> {
+        self.master
+    }
+
+    /// Whether the feed counts along this axis.
+    pub fn feeds(&self, axis: usize) -> bool {
+        match self.feed {
+            None => self.main.contains(&Some(axis)),
+            Some(feed) => axis < FEED_AXES && feed >> axis & 1 == 1,
+        }
+    }
+
+    /// Length of a direction along the feed axes.
+    pub fn length<const AXES: usize>(&self, direction: &[f32; AXES]) -> f32 {
+        let feed = direction.iter().enumerate().filter(|(k, _)| self.feeds(*k));
+        sqrt_f32(feed.fold(0.0, |sum, (_, x)| sum + x * x))
+    }
+
+    /// What axes that travel so far (LSB of a position) make of path, LSB 2^-44 mm: along the feed axes, where none of them moves along
+    /// the main axes.
+    #[inline(always)]
+    pub(super) fn travelled<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
+        if self.feed.is_some() {
+            let along = self.fed(travel);
+            if along != 0 {
+                return along;
+            }
+        }
+        hypot(self.main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER))
+    }
+
+    #[inline(never)]
+    fn fed<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
+        let feed = travel.iter().enumerate().filter(|(k, _)| self.feeds(*k));
+        self.resolved(hypot(feed.map(|(_, x)| *x << FINER)), travel)
+    }
+
+    /// At least so much of what any axis travels that the path resolves it, if feed axes move at all.
+    pub(super) fn resolved<const AXES: usize>(&self, along: i64, travel: &[i64; AXES]) -> i64 {
+        if self.is_space() || along == 0 {
+            return along;
+        }
+        travel.iter().fold(along, |most, x| most.max(x.saturating_abs() << (FINER - STEEPEST)))
+    }
+}
