@@ -31,7 +31,7 @@ pub(super) struct Span {
 
 impl Default for Span {
     fn default() -> Self {
-        Self { length: 0, limits: Limits::WIDEST, kept: false }
+        Self::NONE
     }
 }
 
@@ -120,6 +120,9 @@ const DISTANCE: f32 = 1.0 / 1_048_576.0;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl Span {
+    /// No block.
+    pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
+
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, share: Option<&Share>) {
         let mut limits = block.limits;
@@ -133,6 +136,15 @@ impl Span {
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
+    }
+
+    /// Takes in a piece of a block beside it.
+    pub fn add_piece(&mut self, limits: &Limits, length: i64) {
+        let v = self.limits.v;
+        self.limits.join(limits);
+        self.limits.v = v;
+        self.kept = true;
+        self.length += length;
     }
 
     /// Takes in the span behind it.

@@ -1,0 +1,535 @@
+//! Dips: how slow blocks are entered and left with acceleration (NO_OPT=0).
+use super::ease::{self, Ease, Trial};
+use super::span::{Law, Span, length_mm};
+use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
+use crate::math::float::to_bits;
+use crate::math::root::sqrt_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::{speed_bits, speed_f32};
+
+/// Part of the ring that is left free for cuts.
+pub(super) const SPARE: usize = 8;
+/// Blocks per call that are counted, and that are compared with a law.
+const WALK: usize = 32;
+const PARTS: [f32; 2] = [1.0, 0.4];
+/// Two speeds that differ by less are one.
+const SAME: f32 = 1.0 + 1.0 / 65_536.0;
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
+const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
+/// Deepest dip, as a part of the speed.
+const DEEPEST: f32 = 0.132;
+/// Depth of the best dip below a speed that is small beside that of the fast block.
+const BEST: f32 = 1.0 / 4.12;
+/// A dip is so much shorter than its jerk permits.
+const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
+
+/// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    /// Speed at the anchor.
+    v: f32,
+    /// Distance of the anchor from the end of the block.
+    way: f32,
+}
+
+impl Side {
+    /// `v`: limit; `j`: jerk; `t`: time from the anchor.
+    fn new(v: f32, j: f32, t: f32) -> Self {
+        let gain = 0.5 * j * t * t;
+        Self { v: v - gain, way: t * (v - gain * (2.0 / 3.0)) * SHORTER }
+    }
+
+    /// Time of the best one beside a peak, `a` being the largest acceleration.
+    fn best(v: f32, peak: f32, j: f32, a: f32, part: f32) -> f32 {
+        let depth = v * part * min(DEEPEST, BEST * max(0.0, 1.0 - v / peak));
+        min(sqrt_f32(2.0 * depth / j), a / j)
+    }
+
+    /// Time of one of that way.
+    fn fill(v: f32, j: f32, way: f32) -> f32 {
+        let mut t = way / v;
+        for _ in 0..3 {
+            let square = j * t * t;
+            t += (way - t * (v - square * (1.0 / 3.0))) / (v - square);
+        }
+        t
+    }
+}
+
+/// What to do next.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    /// Find out which span is the slow one.
+    Look,
+    /// Take in the blocks.
+    TakeIn,
+    /// Find how deep.
+    Weigh,
+}
+
+/// Up to three spans, of which the middle one is slow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dip {
+    /// A law is being fitted to the blocks of the span before (1), behind (2), or not (0).
+    fitting: u8,
+    /// Dips tried.
+    tried: u8,
+    /// Where the spans begin, and the last one ends.
+    edges: [usize; 4],
+    spans: [Span; 3],
+    speeds: [Speed; 4],
+    /// Highest speeds on both sides.
+    peaks: [f32; 2],
+    /// Time as it is, and of what is decided.
+    before: f32,
+    time: f32,
+    /// What the law at hand begins with before its first block, LSB 2^-44 mm.
+    pub head: i64,
+    /// Where the slow block is cut, from its start and from its end; speeds there; only one dip from end to end.
+    cuts: [i64; 2],
+    v: [f32; 2],
+    meet: bool,
+    eases: [Ease; 2],
+}
+
+impl Dip {
+    pub const NONE: Self = Self {
+        fitting: 0,
+        tried: 0,
+        edges: [0; 4],
+        spans: [Span::NONE; 3],
+        speeds: [Speed::ZERO; 4],
+        peaks: [0.0; 2],
+        before: 0.0,
+        time: 0.0,
+        head: 0,
+        cuts: [0; 2],
+        v: [0.0; 2],
+        meet: false,
+        eases: [Ease::NONE; 2],
+    };
+
+    pub fn is_fitting(&self) -> bool {
+        self.fitting > 0
+    }
+
+    /// What comes after an anchor that stays, or a dip that is no gain.
+    pub fn after_failure(&self) -> Step {
+        if self.is_fitting() { Step::Weigh } else { Step::Look }
+    }
+
+    fn enters(&self) -> bool {
+        self.edges[0] < self.edges[1]
+    }
+
+    fn leaves(&self) -> bool {
+        self.edges[2] < self.edges[3]
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    pub(super) fn dip(&mut self, pass: &mut Trial, step: Step) {
+        match step {
+            Step::Look => self.look(pass),
+            Step::TakeIn => self.take_in(pass),
+            Step::Weigh => self.weigh_dip(pass),
+        }
+    }
+
+    /// The next anchor. `tried`: not this one again.
+    fn leave_anchor(&mut self, pass: &mut Trial, tried: bool) {
+        pass.dip = Dip::NONE;
+        if tried {
+            return self.pass_anchor(pass);
+        }
+        (pass.from, pass.next) = (pass.at, pass.at + 1);
+        pass.step = ease::Step::Seek;
+    }
+
+    fn anchor_after(&self, from: usize) -> usize {
+        (from + 1..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
+            .unwrap_or(self.blocks.len())
+    }
+
+    /// Final speed at an anchor.
+    fn final_speed(&self, k: usize) -> Speed {
+        match self.blocks.get(k) {
+            Some(block) if k == 0 => block.v_in,
+            Some(block) => block.v_reached,
+            None => Speed::ZERO,
+        }
+    }
+
+    fn limit(&self, k: usize) -> f32 {
+        self.blocks.get(k).map_or(0.0, |block| block.limits.v)
+    }
+
+    fn look(&mut self, pass: &mut Trial) {
+        let at = pass.at;
+        let to = self.anchor_after(at);
+        let planned = |k: usize| {
+            self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+        };
+        if to > pass.last || at == 0 {
+            return self.leave_anchor(pass, true);
+        }
+        let v = speed_f32(self.final_speed(at).to_bits());
+        let (before, behind) = (self.limit(at - 1), self.limit(at));
+        if v <= 0.0 || min(before, behind) > v * SAME {
+            return self.leave_anchor(pass, true);
+        }
+        let mut edges = [pass.from, at, to, to];
+        if before > v * RISE {
+            // Into a slow span.
+            let v_out = self.final_speed(to);
+            let leaves = to < self.blocks.len()
+                && self.limit(to) > self.limit(to - 1) * RISE
+                && speed_f32(v_out.to_bits()) * SAME >= self.limit(to - 1)
+                && self.blocks.get(to).is_some_and(|block| block.limits.may_dip() && block.joint.is_open());
+            if leaves {
+                let behind = self.anchor_after(to);
+                if behind > pass.last {
+                    return self.leave_anchor(pass, false);
+                }
+                if planned(to) {
+                    edges[3] = behind;
+                }
+            }
+        } else if behind > v * RISE {
+            edges = [pass.from, pass.from, at, to];
+        } else {
+            return self.leave_anchor(pass, true);
+        }
+        let [a, b, c, d] = edges;
+        let checked = [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || planned(from));
+        let last = self.open && d == self.blocks.len();
+        if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
+            return self.leave_anchor(pass, true);
+        }
+        pass.dip = Dip { edges, ..Dip::NONE };
+        pass.next = a;
+        pass.step = ease::Step::Dip(Step::TakeIn);
+    }
+
+    fn take_in(&mut self, pass: &mut Trial) {
+        let [a, b, c, d] = pass.dip.edges;
+        for _ in 0..WALK {
+            if pass.next >= d {
+                let dip = &mut pass.dip;
+                dip.speeds = dip.edges.map(|k| self.final_speed(k));
+                let starts = [a, b, c];
+                for k in 0..3 {
+                    if dip.edges[k] == dip.edges[k + 1] {
+                        continue;
+                    }
+                    let mut span = dip.spans[k];
+                    span.limits.ease(self.ease(starts[k]));
+                    let law = Law::new(&span, dip.speeds[k], dip.speeds[k + 1], true);
+                    dip.before += law.time();
+                    if k != 1 {
+                        dip.peaks[k / 2] = law.peak();
+                    }
+                }
+                pass.step = ease::Step::Dip(Step::Weigh);
+                return;
+            }
+            let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, true) };
+            let [first, middle, last] = &mut pass.dip.spans;
+            let span = if pass.next < b {
+                first
+            } else if pass.next < c {
+                middle
+            } else {
+                last
+            };
+            span.add(block, None);
+            pass.next += 1;
+        }
+    }
+
+    fn weigh_dip(&mut self, pass: &mut Trial) {
+        let [a, b, c, d] = pass.dip.edges;
+        let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
+            return self.leave_anchor(pass, true);
+        };
+        let (first, last) = (*first, *last);
+        let lengths = [first, last].map(|block| length_mm(&block.shape));
+        let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
+        let [v_in, v_out] = [first.limits.v, last.limits.v];
+        while let Some(&part) = PARTS.get(usize::from(pass.dip.tried)) {
+            pass.dip.tried += 1;
+            let peaks = pass.dip.peaks;
+            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
+            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
+            let mut enter = Side::new(v_in, j_in, t_in);
+            let mut leave = Side::new(v_out, j_out, t_out);
+            let mut meet = false;
+            if b + 1 == c {
+                // One block: both, or one from end to end.
+                let most = lengths[0] * (1.0 - 1.0 / 16.0);
+                if a < b && c < d && enter.way + leave.way > most {
+                    meet = true;
+                    let t = Side::fill(v_in, max(j_in, j_out), 0.5 * lengths[0]);
+                    enter = Side::new(v_in, max(j_in, j_out), t);
+                    leave = enter;
+                } else if enter.way > most {
+                    enter = Side::new(v_in, j_in, Side::fill(v_in, j_in, most));
+                } else if leave.way > most {
+                    leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most));
+                }
+            } else {
+                let most = lengths.map(|length| length * (1.0 - 1.0 / 16.0));
+                if enter.way > most[0] {
+                    enter = Side::new(v_in, j_in, Side::fill(v_in, j_in, most[0]));
+                }
+                if leave.way > most[1] {
+                    leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
+                }
+            }
+            if self.try_dip(pass, [enter, leave], meet).is_some() {
+                return;
+            }
+        }
+        self.leave_anchor(pass, true);
+    }
+
+    /// `None`: no gain.
+    fn try_dip(&mut self, pass: &mut Trial, [enter, leave]: [Side; 2], meet: bool) -> Option<()> {
+        let dip = &mut pass.dip;
+        let [a, b, c, d] = dip.edges;
+        let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
+        let mut slow = dip.spans[1];
+        dip.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
+        if meet {
+            dip.cuts[0] = slow.length / 2;
+            dip.cuts[1] = slow.length - dip.cuts[0];
+        }
+        let [mut v_in, mut v_out] = [dip.speeds[1], dip.speeds[2]];
+        dip.meet = meet;
+        dip.v = [enter.v, leave.v];
+        dip.time = 0.0;
+        dip.eases = [self.ease(a), self.ease(c)];
+        if a < b {
+            if dip.cuts[0] <= 0 {
+                return None;
+            }
+            v_in = Speed::from_bits(speed_bits(enter.v));
+            let mut fast = dip.spans[0];
+            fast.add_piece(&first.limits, dip.cuts[0]);
+            fast.limits.ease(dip.eases[0]);
+            if fast.leave(dip.speeds[0], v_in)? != v_in {
+                return None;
+            }
+            dip.time += Law::new(&fast, dip.speeds[0], v_in, true).time();
+            slow.length -= dip.cuts[0];
+        }
+        if c < d {
+            if dip.cuts[1] <= 0 {
+                return None;
+            }
+            v_out = Speed::from_bits(speed_bits(leave.v));
+            let mut fast = dip.spans[2];
+            fast.add_piece(&last.limits, dip.cuts[1]);
+            fast.limits.ease(dip.eases[1]);
+            if fast.leave(v_out, dip.speeds[3])? != dip.speeds[3] {
+                return None;
+            }
+            dip.time += Law::new(&fast, v_out, dip.speeds[3], true).time();
+            slow.length -= dip.cuts[1];
+        }
+        if !meet {
+            if slow.length <= 0 {
+                return None;
+            }
+            slow.limits.ease(self.ease(b));
+            if slow.leave(v_in, v_out)? != v_out {
+                return None;
+            }
+            dip.time += Law::new(&slow, v_in, v_out, true).time();
+        }
+        if dip.time >= dip.before * GAIN {
+            return None;
+        }
+        self.fit(pass, 1);
+        Some(())
+    }
+
+    /// Fits the law of one of the outer spans to its blocks.
+    fn fit(&mut self, pass: &mut Trial, which: u8) {
+        let dip = &mut pass.dip;
+        let [a, b, c, d] = dip.edges;
+        dip.fitting = which;
+        let (from, to) = if which == 1 { (a, b) } else { (c, d) };
+        if to <= from + 1 {
+            return if which == 1 { self.fit(pass, 2) } else { self.do_dip(pass) };
+        }
+        let piece = if which == 1 { b } else { c - 1 };
+        let side = usize::from(which - 1);
+        let Some(block) = self.blocks.get(piece) else { return self.leave_anchor(pass, true) };
+        let v = Speed::from_bits(speed_bits(dip.v[side]));
+        let mut span = dip.spans[2 * side];
+        span.add_piece(&block.limits, dip.cuts[side]);
+        pass.spans[0] = span;
+        pass.speeds = if which == 1 { [dip.speeds[0], v, v] } else { [v, v, dip.speeds[3]] };
+        dip.head = if which == 1 { 0 } else { dip.cuts[1] };
+        pass.ease = dip.eases[side];
+        let mut eased = span;
+        eased.limits.ease(pass.ease);
+        let time = Law::new(&eased, pass.speeds[0], pass.speeds[2], true).time();
+        // What is left for it.
+        dip.time -= time;
+        pass.time = dip.before * GAIN - dip.time;
+        (pass.from, pass.to) = (from, to);
+        pass.rounds = ease::ROUNDS;
+        self.try_law(pass);
+    }
+
+    /// The law keeps the limits of the blocks.
+    pub(super) fn fitted(&mut self, pass: &mut Trial) {
+        let time = pass.law.as_ref().map_or(0.0, Law::time);
+        let dip = &mut pass.dip;
+        dip.time += time;
+        dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
+        if dip.fitting == 1 { self.fit(pass, 2) } else { self.do_dip(pass) }
+    }
+
+    /// Cuts a block at a distance from its start: what is behind becomes the next one.
+    fn cut(&mut self, k: usize, distance: i64) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let rest = block.shape.cut(distance);
+        let mut piece = *block;
+        piece.shape = rest;
+        piece.ahead = 0;
+        piece.marks = Marks::default();
+        piece.marks.set(Marks::LONG, block.is(Marks::LONG));
+        piece.marks.set(Marks::CHECKED, true);
+        block.marks.set(Marks::LONG, false);
+        piece.give_way();
+        let behind = self.blocks.len() - (k + 1);
+        if self.blocks.push_back(piece).is_err() {
+            return;
+        }
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back).rev();
+        // From the end: every block takes the place behind it.
+        if let Some(mut place) = ring.next() {
+            for before in ring.take(behind) {
+                *place = *before;
+                place = before;
+            }
+            *place = piece;
+        }
+        self.through += 1;
+    }
+
+    /// Acceleration is zero where the block `k` begins, at that speed, for good.
+    fn dip_at(&mut self, k: usize, v: f32) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let speed = Speed::from_bits(speed_bits(v));
+        block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
+        (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
+        block.cap = v;
+        block.joint = Joint::new(1.0, false);
+        self.through -= 1;
+    }
+
+    /// The transition at the start of block `k` no longer counts.
+    fn open_up(&mut self, k: usize, cap: f32) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let open = block.joint.is_open();
+        block.give_way();
+        block.joint = Joint::new(2.0, false);
+        block.cap = cap;
+        self.through += 1;
+        self.untried -= usize::from(open).min(self.untried);
+    }
+
+    /// The block `k` is part of a span with another limit, that of the block `like`.
+    fn give_to(&mut self, k: usize, like: usize) {
+        let Some((v, headroom)) = self.blocks.get(like).map(|block| (block.limits.v, block.headroom)) else {
+            return;
+        };
+        if let Some(block) = self.blocks.get_mut(k) {
+            block.limits.v = v;
+            block.headroom = headroom;
+        }
+    }
+
+    fn do_dip(&mut self, pass: &mut Trial) {
+        let dip = pass.dip;
+        let [a, b, mut c, d] = dip.edges;
+        let mut at = b;
+        let mut cuts = 0;
+        if dip.enters() {
+            self.cut(b, dip.cuts[0]);
+            cuts += 1;
+            c += 1;
+            self.open_up(b, self.limit(b - 1));
+            self.give_to(b, b - 1);
+            at = b + 1;
+            self.dip_at(at, dip.v[0]);
+            self.keep_ease(a, dip.eases[0]);
+            let mut span = dip.spans[0];
+            if let Some(piece) = self.blocks.get(b) {
+                span.add(piece, None);
+            }
+            span.limits.ease(dip.eases[0]);
+            self.renew(a, &span, Speed::from_bits(speed_bits(dip.v[0])));
+        }
+        if dip.leaves() {
+            at = c - 1;
+            if !dip.meet {
+                let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());
+                self.cut(at, length - dip.cuts[1]);
+                cuts += 1;
+                (at, c) = (c, c + 1);
+                self.dip_at(at, dip.v[1]);
+            }
+            self.give_to(at, c);
+            self.open_up(c, self.limit(c));
+            if let Some(block) = self.blocks.get_mut(c + 1)
+                && !block.is(Marks::ANCHOR)
+            {
+                block.v_reached = UNPLANNED;
+            }
+            self.keep_ease(at, dip.eases[1]);
+        }
+        // It gets no faster there, although the new law might.
+        if let Some(end) = self.blocks.get_mut(d + cuts) {
+            end.v_in = end.v_reached;
+        }
+        pass.last += cuts;
+        (pass.from, pass.next) = (at, at + 1);
+        pass.dip = Dip::NONE;
+        pass.step = ease::Step::Seek;
+    }
+
+    /// The span that begins with this block leaves that unused.
+    fn keep_ease(&mut self, from: usize, ease: Ease) {
+        if let Some(second) = self.blocks.get_mut(from + 1)
+            && !second.is(Marks::ANCHOR)
+        {
+            second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
+        }
+    }
+
+    /// A block that was cut becomes whole again.
+    #[inline(never)]
+    pub(super) fn unite_first(&mut self) {
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back);
+        let Some(first) = ring.next() else { return };
+        for block in ring.take_while(|block| block.shape.is_continued()) {
+            first.shape.unite(&block.shape);
+        }
+    }
+}
+
+/// Of a ramp.
+fn jerk(limits: &Limits, ramp: usize) -> f32 {
+    match limits.law {
+        limits::Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
+        limits::Law::Stepped { .. } => f32::MAX,
+    }
+}
