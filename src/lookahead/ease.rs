@@ -295,7 +295,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let before = Law::new(&first, speeds[0], speeds[1], true);
         let behind = Law::new(&second, speeds[1], speeds[2], true);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        if before.peak() > v && behind.peak() > v {
+        // Unless it could be faster than planned, for what lies before a dip.
+        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_dip() && at.cap() > v);
+        if before.peak() > v && behind.peak() > v && !slow {
             return self.keep_anchor(pass);
         }
         let [first, second] = &mut pass.spans;
