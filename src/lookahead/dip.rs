@@ -174,19 +174,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if to > pass.last || at == 0 {
             return self.leave_anchor(pass, true);
         }
-        let v = speed_f32(self.final_speed(at).to_bits());
         let (before, behind) = (self.limit(at - 1), self.limit(at));
-        if v <= 0.0 || min(before, behind) > v * SAME {
+        let v = min(before, behind);
+        if self.final_speed(at) <= Speed::ZERO || self.blocks.get(at).is_none_or(|at| v > at.cap() * SAME) {
             return self.leave_anchor(pass, true);
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
             // Into a slow span.
-            let v_out = self.final_speed(to);
             let leaves = to < self.blocks.len()
                 && self.limit(to) > self.limit(to - 1) * RISE
-                && speed_f32(v_out.to_bits()) * SAME >= self.limit(to - 1)
-                && self.blocks.get(to).is_some_and(|block| block.limits.may_dip() && block.joint.is_open());
+                && self.blocks.get(to).is_some_and(|block| {
+                    block.cap() * SAME >= self.limit(to - 1)
+                        && block.limits.may_dip()
+                        && block.joint.is_open()
+                });
             if leaves {
                 let behind = self.anchor_after(to);
                 if behind > pass.last {
