@@ -114,6 +114,7 @@ pub(super) struct Trial {
     worst: [Option<Excess>; 2],
     pub rounds: u8,
     pub dip: Dip,
+    first: bool,
 }
 
 impl Trial {
@@ -134,6 +135,7 @@ impl Trial {
             worst: [None; 2],
             rounds: 0,
             dip: Dip::NONE,
+            first: true,
         }
     }
 
@@ -213,15 +215,30 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
+    /// The span that begins with this block gets no faster than that.
+    pub(super) fn lower_peak(&mut self, from: usize, v: f32) {
+        let mut ease = self.ease(from);
+        ease.v = v;
+        if let Some(second) = self.blocks.get_mut(from + 1) {
+            second.v_reached = ease.kept();
+        }
+    }
+
     /// Goes on to the next anchor that may be tried.
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
         for _ in 0..WALK {
+            if pass.next >= pass.last && core::mem::take(&mut pass.first) {
+                (pass.from, pass.next) = (0, 1);
+            }
             if pass.next >= pass.last {
                 return Some(self.complete());
             }
             let Some(block) = self.blocks.get(pass.next) else { return Some(self.complete()) };
             let anchor = block.is(Marks::ANCHOR);
-            let untried = block.joint.is_open();
+            let untried = block.joint.is_open()
+                && !(pass.first
+                    && block.limits.may_dip()
+                    && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
             let planned = |k: usize| {
                 self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
             };
@@ -243,7 +260,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
-            pass.step = Step::Dip(pass.dip.after_failure());
+            if pass.first {
+                (pass.from, pass.next) = (pass.at, pass.at + 1);
+                pass.step = Step::Seek;
+            } else {
+                pass.step = Step::Dip(pass.dip.after_failure());
+            }
             return;
         }
         self.pass_anchor(pass);

@@ -562,7 +562,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if flat {
                 return self.slow_down(&pass.forward);
             }
-            let [enters, leaves] = self.too_fast(pass, first, behind, v);
+            let [enters, leaves] = self.needed(pass, self.too_fast(pass, first, behind, v), first, behind);
+            if !enters
+                && !leaves
+                && firm
+                && self.blocks.get(first).is_some_and(|block| block.limits.may_dip())
+            {
+                self.lower_peak(from, v);
+                return self.plan_again(from, to);
+            }
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
                 if needed && from < block && block < to {
                     self.set_anchor(block);
@@ -596,6 +604,25 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut law = pass.law;
         let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
         [first > from && !law.keeps(v, enter, enter), behind < to && !law.keeps(v, leave, leave)]
+    }
+
+    fn needed(&self, pass: &Inside, [enters, leaves]: [bool; 2], first: usize, behind: usize) -> [bool; 2] {
+        let Forward { from, .. } = pass.forward;
+        if !(enters && leaves && pass.law.firm && self.blocks.get(first).is_some_and(|b| b.limits.may_dip())) {
+            return [enters, leaves];
+        }
+        let length = |range: core::ops::Range<usize>| {
+            let blocks = range.zip(self.blocks.iter().skip(from)).map(|(_, block)| length_mm(&block.shape));
+            blocks.sum::<f32>()
+        };
+        let [enter, leave] = [length(from..first), length(from..behind)];
+        if enter >= pass.law.brakes_at() {
+            [true, false]
+        } else if leave <= pass.law.reaches_at() {
+            [false, true]
+        } else {
+            [true, true]
+        }
     }
 
     fn set_anchor(&mut self, block: usize) {
