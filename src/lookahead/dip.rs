@@ -11,7 +11,7 @@ use crate::slope::profile::{speed_bits, speed_f32};
 pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted, and that are compared with a law.
 const WALK: usize = 32;
-const PARTS: [f32; 2] = [1.0, 0.4];
+const PARTS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
 const RISE: f32 = 1.0 + 1.0 / 1024.0;
@@ -259,11 +259,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let lengths = [first, last].map(|block| length_mm(&block.shape));
         let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
-        while let Some(&part) = PARTS.get(usize::from(pass.dip.tried)) {
+        while let Some(&(part, common)) = PARTS.get(usize::from(pass.dip.tried)) {
             pass.dip.tried += 1;
             let peaks = pass.dip.peaks;
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
             let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
+            let (t_in, t_out) = if common {
+                if a == b || c == d { continue; }
+                let depth = 0.25 * (j_in * t_in * t_in + j_out * t_out * t_out);
+                (sqrt_f32(2.0 * depth / j_in), sqrt_f32(2.0 * depth / j_out))
+            } else {
+                (t_in, t_out)
+            };
             let mut enter = Side::new(v_in, j_in, t_in);
             let mut leave = Side::new(v_out, j_out, t_out);
             let mut meet = false;
