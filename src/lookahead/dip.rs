@@ -2,7 +2,7 @@
 use super::ease::{self, Ease, Trial};
 use super::span::{Law, Span, length_mm};
 use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
-use crate::math::float::to_bits;
+use crate::math::float::{to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::{speed_bits, speed_f32};
@@ -11,6 +11,9 @@ use crate::slope::profile::{speed_bits, speed_f32};
 pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted, and that are compared with a law.
 const WALK: usize = 32;
+/// Steps of the search for the place of an anchor.
+const SHIFTS: usize = 8;
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const PARTS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
@@ -65,6 +68,8 @@ pub(super) enum Step {
     TakeIn,
     /// Find how deep.
     Weigh,
+    /// Find how far the anchor moves.
+    Shift,
 }
 
 /// Up to three spans, of which the middle one is slow.
@@ -89,7 +94,9 @@ pub(super) struct Dip {
     cuts: [i64; 2],
     v: [f32; 2],
     meet: bool,
-    eases: [Ease; 2],
+    eases: [Ease; 3],
+    /// An anchor moves, instead of a dip.
+    shifts: bool,
 }
 
 impl Dip {
@@ -106,7 +113,8 @@ impl Dip {
         cuts: [0; 2],
         v: [0.0; 2],
         meet: false,
-        eases: [Ease::NONE; 2],
+        eases: [Ease::NONE; 3],
+        shifts: false,
     };
 
     pub fn is_fitting(&self) -> bool {
@@ -115,7 +123,11 @@ impl Dip {
 
     /// What comes after an anchor that stays, or a dip that is no gain.
     pub fn after_failure(&self) -> Step {
-        if self.is_fitting() { Step::Weigh } else { Step::Look }
+        match (self.is_fitting(), self.shifts) {
+            (true, true) => Step::Shift,
+            (true, false) => Step::Weigh,
+            _ => Step::Look,
+        }
     }
 
     fn enters(&self) -> bool {
@@ -133,7 +145,139 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             Step::Look => self.look(pass),
             Step::TakeIn => self.take_in(pass),
             Step::Weigh => self.weigh_dip(pass),
+            Step::Shift => self.weigh_shift(pass),
         }
+    }
+
+    /// An anchor that is slower than it may be.
+    pub(super) fn look_further(&mut self, pass: &mut Trial) {
+        let (from, at) = (pass.from, pass.at);
+        let to = self.anchor_after(at);
+        if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
+            return self.try_knee(pass);
+        }
+        pass.dip = Dip { edges: [from, at, at, to], shifts: true, ..Dip::NONE };
+        pass.next = from;
+        pass.step = ease::Step::Dip(Step::TakeIn);
+    }
+
+    /// Goes on with the knee.
+    fn try_knee(&mut self, pass: &mut Trial) {
+        pass.dip = Dip::NONE;
+        pass.next = pass.from;
+        pass.spans = [Span::NONE; 2];
+        pass.step = ease::Step::Gather;
+    }
+
+    fn weigh_shift(&mut self, pass: &mut Trial) {
+        if pass.dip.is_fitting() || self.try_shift(pass).is_none() {
+            if pass.dip.is_fitting() {
+                (pass.from, pass.at) = (pass.dip.edges[0], pass.dip.edges[1]);
+            }
+            self.try_knee(pass);
+        }
+    }
+
+    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits.
+    fn try_shift(&mut self, pass: &mut Trial) -> Option<()> {
+        let dip = &mut pass.dip;
+        let [a, b, ..] = dip.edges;
+        let [v_from, v, _, v_end] = dip.speeds;
+        let high = speed_f32(v.to_bits()) * RISE;
+        let early = match [dip.peaks[0] > high, dip.peaks[1] > high] {
+            [true, false] => true,
+            [false, true] => false,
+            _ => return None,
+        };
+        dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
+        let cap = self.blocks.get(b)?.cap();
+        let block = self.blocks.get(if early { b - 1 } else { b })?;
+        let [before, behind] = [dip.spans[0], dip.spans[2]];
+        let law = |way: i64| {
+            let mut span = if early { behind } else { before };
+            let at = if early { to_f32(way) * LSB_44 } else { to_f32(span.length) * LSB_44 };
+            span.add_piece(&block.limits, way);
+            span.limits.ease(dip.eases[usize::from(early)]);
+            let law;
+            let v;
+            if early {
+                v = span.faster(&span.limits.brake(), v_end, block.limits.v);
+                law = Law::new(&span, v, v_end, true);
+            } else {
+                v = span.faster(&span.limits.speed_up(), v_from, block.limits.v);
+                law = Law::new(&span, v_from, v, true);
+            }
+            let mut asked = law;
+            asked.keeps(cap, at, at).then_some((v, law.time()))
+        };
+        let (mut near, mut far) = (0, block.shape.length.to_bits() / 16 * 15);
+        let mut best = None;
+        for _ in 0..SHIFTS {
+            let middle = near + (far - near) / 2;
+            match law(middle) {
+                Some(found) => {
+                    near = middle;
+                    best = Some(found);
+                }
+                None => far = middle,
+            }
+        }
+        let (w, time) = best?;
+        dip.cuts = if early { [-near, near] } else { [near, -near] };
+        let speed = speed_f32(w.to_bits());
+        dip.v = [speed; 2];
+        let w = Speed::from_bits(speed_bits(speed));
+        let mut other = if early { before } else { behind };
+        other.length -= near;
+        other.limits.ease(dip.eases[usize::from(!early)]);
+        let [from, to] = if early { [v_from, w] } else { [w, v_end] };
+        if other.leave(from, to)? != to {
+            return None;
+        }
+        dip.time = time + Law::new(&other, from, to, true).time();
+        if dip.time >= dip.before * GAIN {
+            return None;
+        }
+        self.fit(pass, 1);
+        Some(())
+    }
+
+    fn do_shift(&mut self, pass: &mut Trial) {
+        let dip = pass.dip;
+        let [a, b, _, _] = dip.edges;
+        let early = dip.cuts[0] < 0;
+        let at = if early { b } else { b + 1 };
+        let k = at - 1;
+        let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
+        let distance = if early { length + dip.cuts[0] } else { dip.cuts[0] };
+        self.cut(k, distance);
+        // The anchor that was.
+        let was = if early { b + 1 } else { b };
+        let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
+        let joint = self.blocks.get(was).map_or(Joint::new(1.0, false), |block| block.joint);
+        self.open_up(was, cap);
+        if let Some(block) = self.blocks.get_mut(was) {
+            block.joint = Joint::new(joint.rises(), false);
+        }
+        self.dip_at(at, dip.v[0]);
+        let v = self.limit(at);
+        if let Some(block) = self.blocks.get_mut(at) {
+            block.cap = v;
+            block.joint = Joint::new(2.0, true);
+            self.untried += 1;
+        }
+        if early {
+            if let Some(block) = self.blocks.get_mut(was + 1)
+                && !block.is(Marks::ANCHOR)
+            {
+                block.v_reached = UNPLANNED;
+            }
+            self.keep_ease(at, dip.eases[1]);
+        }
+        self.keep_ease(a, dip.eases[0]);
+        pass.last += 1;
+        (pass.from, pass.at) = (a, at);
+        self.try_knee(pass);
     }
 
     /// The next anchor. `tried`: not this one again.
@@ -233,7 +377,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                         dip.peaks[k / 2] = law.peak();
                     }
                 }
-                pass.step = ease::Step::Dip(Step::Weigh);
+                pass.step = ease::Step::Dip(if dip.shifts { Step::Shift } else { Step::Weigh });
                 return;
             }
             let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, true) };
@@ -265,7 +409,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
             let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
-                if a == b || c == d { continue; }
+                if a == b || c == d || v_in != v_out {
+                    continue;
+                }
                 let depth = 0.25 * (j_in * t_in * t_in + j_out * t_out * t_out);
                 (sqrt_f32(2.0 * depth / j_in), sqrt_f32(2.0 * depth / j_out))
             } else {
@@ -279,7 +425,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 let most = lengths[0] * (1.0 - 1.0 / 16.0);
                 if a < b && c < d && enter.way + leave.way > most {
                     meet = true;
-                    let t = Side::fill(v_in, max(j_in, j_out), 0.5 * lengths[0]);
+                    let t = Side::fill(v_in, max(j_in, j_out), 0.5 / SHORTER * lengths[0]);
                     enter = Side::new(v_in, max(j_in, j_out), t);
                     leave = enter;
                 } else if enter.way > most {
@@ -318,7 +464,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         dip.meet = meet;
         dip.v = [enter.v, leave.v];
         dip.time = 0.0;
-        dip.eases = [self.ease(a), self.ease(c)];
+        dip.eases = [self.ease(a), self.ease(c), self.ease(b)];
         if a < b {
             if dip.cuts[0] <= 0 {
                 return None;
@@ -369,19 +515,57 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let dip = &mut pass.dip;
         let [a, b, c, d] = dip.edges;
         dip.fitting = which;
-        let (from, to) = if which == 1 { (a, b) } else { (c, d) };
-        if to <= from + 1 {
-            return if which == 1 { self.fit(pass, 2) } else { self.do_dip(pass) };
-        }
-        let piece = if which == 1 { b } else { c - 1 };
         let side = usize::from(which - 1);
-        let Some(block) = self.blocks.get(piece) else { return self.leave_anchor(pass, true) };
-        let v = Speed::from_bits(speed_bits(dip.v[side]));
-        let mut span = dip.spans[2 * side];
-        span.add_piece(&block.limits, dip.cuts[side]);
+        let cut = dip.cuts.get(side).copied().unwrap_or(0);
+        let (from, to) = match which {
+            1 => (a, b),
+            2 => (c, d),
+            _ => (b, c),
+        };
+        if to <= from + 1 && (cut <= 0 || !dip.shifts) {
+            return if which < 3 { self.fit(pass, which + 1) } else { self.do_it(pass) };
+        }
+        let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
+            return self.leave_anchor(pass, true);
+        };
+        let [enter, leave] = dip.v.map(|v| Speed::from_bits(speed_bits(v)));
+        let mut span = dip.spans[[0, 2, 1][side]];
+        let [v_in, v_out] = match which {
+            1 => [dip.speeds[0], enter],
+            2 => [leave, dip.speeds[3]],
+            _ => [
+                if dip.enters() { enter } else { dip.speeds[1] },
+                if dip.leaves() { leave } else { dip.speeds[2] },
+            ],
+        };
+        pass.speeds = [v_in, v_out, v_out];
+        // The piece of an anchor that moves is compared too.
+        let (mut from, mut to) = (from, to);
+        let mut before = 0;
+        if dip.shifts && cut > 0 {
+            if which == 1 {
+                to += 1;
+            } else {
+                from -= 1;
+                before = block.shape.length.to_bits();
+            }
+        }
+        dip.head = match which {
+            1 => 0,
+            2 => cut - before,
+            _ => {
+                let [near, far] = [(dip.enters(), dip.cuts[0]), (dip.leaves(), dip.cuts[1])]
+                    .map(|(is, cut)| if is { cut } else { 0 });
+                span.length -= near + far;
+                -near
+            }
+        };
+        if cut > 0 {
+            span.add_piece(&block.limits, cut);
+        } else {
+            span.length += cut;
+        }
         pass.spans[0] = span;
-        pass.speeds = if which == 1 { [dip.speeds[0], v, v] } else { [v, v, dip.speeds[3]] };
-        dip.head = if which == 1 { 0 } else { dip.cuts[1] };
         pass.ease = dip.eases[side];
         let mut eased = span;
         eased.limits.ease(pass.ease);
@@ -400,7 +584,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let dip = &mut pass.dip;
         dip.time += time;
         dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
-        if dip.fitting == 1 { self.fit(pass, 2) } else { self.do_dip(pass) }
+        let which = dip.fitting;
+        if which < 3 { self.fit(pass, which + 1) } else { self.do_it(pass) }
+    }
+
+    fn do_it(&mut self, pass: &mut Trial) {
+        if pass.dip.shifts { self.do_shift(pass) } else { self.do_dip(pass) }
     }
 
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
@@ -479,6 +668,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             at = b + 1;
             self.dip_at(at, dip.v[0]);
             self.keep_ease(a, dip.eases[0]);
+            self.keep_ease(at, dip.eases[2]);
             let mut span = dip.spans[0];
             if let Some(piece) = self.blocks.get(b) {
                 span.add(piece, None);
@@ -487,6 +677,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.renew(a, &span, Speed::from_bits(speed_bits(dip.v[0])));
         }
         if dip.leaves() {
+            if !dip.enters() {
+                self.keep_ease(b, dip.eases[2]);
+            }
             at = c - 1;
             if !dip.meet {
                 let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());

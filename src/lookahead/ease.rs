@@ -244,6 +244,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             };
             if anchor && untried && planned(pass.from) && planned(pass.next) {
                 pass.at = pass.next;
+                if pass.first && block.limits.may_dip() {
+                    self.look_further(pass);
+                    return None;
+                }
                 pass.next = pass.from;
                 pass.spans = [Span::default(); 2];
                 pass.step = Step::Gather;
@@ -260,7 +264,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
-            if pass.first {
+            if pass.first && !pass.dip.is_fitting() {
                 (pass.from, pass.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
             } else {
@@ -347,9 +351,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 Some(block) if pass.next < pass.to => block,
                 _ => return self.compared(pass),
             };
-            let start = to_f32(pass.way) * LSB_44;
+            let start = to_f32(pass.way.max(0)) * LSB_44;
             pass.way += block.shape.length.to_bits();
-            let end = to_f32(pass.way) * LSB_44;
+            let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
             let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
                 if !law.keeps(v, places[0], places[1]) && !pass.exceeds(&law, v, places, length) {
