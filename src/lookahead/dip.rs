@@ -12,6 +12,10 @@ pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted, and that are compared with a law.
 const WALK: usize = 32;
 /// Steps of the search for the place of an anchor.
+/// An anchor moves only for so much.
+const WORTH: f32 = 0.995;
+/// Whole blocks that an anchor passes, at most.
+const MOVES: u8 = 4;
 const SHIFTS: usize = 8;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const PARTS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
@@ -95,8 +99,10 @@ pub(super) struct Dip {
     v: [f32; 2],
     meet: bool,
     eases: [Ease; 3],
-    /// An anchor moves, instead of a dip.
+    /// An anchor moves, instead of a dip: where it was, and by how much in whole blocks.
     shifts: bool,
+    was: usize,
+    moved: i64,
 }
 
 impl Dip {
@@ -115,6 +121,8 @@ impl Dip {
         meet: false,
         eases: [Ease::NONE; 3],
         shifts: false,
+        was: 0,
+        moved: 0,
     };
 
     pub fn is_fitting(&self) -> bool {
@@ -156,7 +164,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
             return self.try_knee(pass);
         }
-        pass.dip = Dip { edges: [from, at, at, to], shifts: true, ..Dip::NONE };
+        pass.dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
         pass.next = from;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
@@ -172,7 +180,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn weigh_shift(&mut self, pass: &mut Trial) {
         if pass.dip.is_fitting() || self.try_shift(pass).is_none() {
             if pass.dip.is_fitting() {
-                (pass.from, pass.at) = (pass.dip.edges[0], pass.dip.edges[1]);
+                (pass.from, pass.at) = (pass.dip.edges[0], pass.dip.was);
             }
             self.try_knee(pass);
         }
@@ -181,7 +189,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits.
     fn try_shift(&mut self, pass: &mut Trial) -> Option<()> {
         let dip = &mut pass.dip;
-        let [a, b, ..] = dip.edges;
+        let [a, b, _, d] = dip.edges;
         let [v_from, v, _, v_end] = dip.speeds;
         let high = speed_f32(v.to_bits()) * RISE;
         let early = match [dip.peaks[0] > high, dip.peaks[1] > high] {
@@ -190,13 +198,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             _ => return None,
         };
         dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
-        let cap = self.blocks.get(b)?.cap();
+        let cap = self.blocks.get(dip.was)?.cap();
         let block = self.blocks.get(if early { b - 1 } else { b })?;
         let [before, behind] = [dip.spans[0], dip.spans[2]];
         let law = |way: i64| {
             let mut span = if early { behind } else { before };
-            let at = if early { to_f32(way) * LSB_44 } else { to_f32(span.length) * LSB_44 };
-            span.add_piece(&block.limits, way);
+            let at = if early { dip.moved + way } else { span.length - dip.moved };
+            let at = to_f32(at) * LSB_44;
+            if way > 0 {
+                span.add_piece(&block.limits, way);
+            }
             span.limits.ease(dip.eases[usize::from(early)]);
             let law;
             let v;
@@ -210,8 +221,20 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let mut asked = law;
             asked.keeps(cap, at, at).then_some((v, law.time()))
         };
-        let (mut near, mut far) = (0, block.shape.length.to_bits() / 16 * 15);
-        let mut best = None;
+        let length = block.shape.length.to_bits();
+        let more = if early { b - 1 > a } else { b + 1 < d };
+        if more && dip.tried < MOVES && law(length).is_some() {
+            dip.tried += 1;
+            dip.moved += length;
+            let b = if early { b - 1 } else { b + 1 };
+            dip.edges = [a, b, b, d];
+            dip.spans = [Span::NONE; 3];
+            pass.next = a;
+            pass.step = ease::Step::Dip(Step::TakeIn);
+            return Some(());
+        }
+        let (mut near, mut far) = (0, length / 16 * 15);
+        let mut best = if dip.moved > 0 { law(0) } else { None };
         for _ in 0..SHIFTS {
             let middle = near + (far - near) / 2;
             match law(middle) {
@@ -223,6 +246,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
         }
         let (w, time) = best?;
+        if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
+            return None;
+        }
         dip.cuts = if early { [-near, near] } else { [near, -near] };
         let speed = speed_f32(w.to_bits());
         dip.v = [speed; 2];
@@ -235,7 +261,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return None;
         }
         dip.time = time + Law::new(&other, from, to, true).time();
-        if dip.time >= dip.before * GAIN {
+        if dip.time >= dip.before * WORTH {
             return None;
         }
         self.fit(pass, 1);
@@ -245,26 +271,38 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn do_shift(&mut self, pass: &mut Trial) {
         let dip = pass.dip;
         let [a, b, _, _] = dip.edges;
-        let early = dip.cuts[0] < 0;
-        let at = if early { b } else { b + 1 };
-        let k = at - 1;
-        let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
-        let distance = if early { length + dip.cuts[0] } else { dip.cuts[0] };
-        self.cut(k, distance);
+        let mut was = dip.was;
+        let at = if dip.cuts[0] == 0 {
+            b
+        } else {
+            let early = dip.cuts[0] < 0;
+            let k = if early { b - 1 } else { b };
+            let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
+            self.cut(k, if early { length + dip.cuts[0] } else { dip.cuts[0] });
+            was += usize::from(early);
+            pass.last += 1;
+            k + 1
+        };
+        let early = at < was;
         // The anchor that was.
-        let was = if early { b + 1 } else { b };
-        let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
-        let joint = self.blocks.get(was).map_or(Joint::new(1.0, false), |block| block.joint);
+        let (cap, joint) =
+            self.blocks.get(was).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
         self.open_up(was, cap);
         if let Some(block) = self.blocks.get_mut(was) {
             block.joint = Joint::new(joint.rises(), false);
         }
+        let (cap_here, joint_here) =
+            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
         self.dip_at(at, dip.v[0]);
         let v = self.limit(at);
         if let Some(block) = self.blocks.get_mut(at) {
-            block.cap = v;
-            block.joint = Joint::new(2.0, true);
-            self.untried += 1;
+            if dip.cuts[0] != 0 {
+                (block.cap, block.joint) = (v, Joint::new(2.0, true));
+                self.untried += 1;
+            } else {
+                (block.cap, block.joint) = (cap_here, joint_here);
+                self.untried += usize::from(joint_here.is_open());
+            }
         }
         if early {
             if let Some(block) = self.blocks.get_mut(was + 1)
@@ -275,7 +313,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.keep_ease(at, dip.eases[1]);
         }
         self.keep_ease(a, dip.eases[0]);
-        pass.last += 1;
         (pass.from, pass.at) = (a, at);
         self.try_knee(pass);
     }
@@ -361,6 +398,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn take_in(&mut self, pass: &mut Trial) {
         let [a, b, c, d] = pass.dip.edges;
         for _ in 0..WALK {
+            if pass.next >= d && pass.dip.moved > 0 {
+                pass.step = ease::Step::Dip(Step::Shift);
+                return;
+            }
             if pass.next >= d {
                 let dip = &mut pass.dip;
                 dip.speeds = dip.edges.map(|k| self.final_speed(k));
