@@ -26,7 +26,7 @@ fn main() {
         let over = 100.0 * (t / rows[i as usize].time - 1.0);
         short = short.min(over);
         if verbose {
-            println!("{i} {} {over:.2}", rows[i as usize].blocks);
+            println!("{i} {} {over:.4}", rows[i as usize].blocks);
         }
         sum += over;
         worst = worst.max(over);

@@ -1,7 +1,7 @@
 //! Dips: how slow blocks are entered and left with acceleration (NO_OPT=0).
 use super::ease::{self, Ease, Trial};
 use super::span::{Law, Span, length_mm};
-use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
+use super::{Joint, ROUNDED, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
 use crate::math::float::{to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
@@ -16,7 +16,7 @@ const WALK: usize = 32;
 const WORTH: f32 = 0.995;
 /// Whole blocks that an anchor passes, at most.
 const MOVES: u8 = 4;
-const SHIFTS: usize = 8;
+const SHIFTS: usize = 12;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const PARTS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Two speeds that differ by less are one.
@@ -250,11 +250,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return None;
         }
         dip.cuts = if early { [-near, near] } else { [near, -near] };
-        let speed = speed_f32(w.to_bits());
+        let speed = speed_f32(w.to_bits()) * ROUNDED;
         dip.v = [speed; 2];
         let w = Speed::from_bits(speed_bits(speed));
         let mut other = if early { before } else { behind };
-        other.length -= near;
+        other.shorten(near);
         other.limits.ease(dip.eases[usize::from(!early)]);
         let [from, to] = if early { [v_from, w] } else { [w, v_end] };
         if other.leave(from, to)? != to {
@@ -291,16 +291,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some(block) = self.blocks.get_mut(was) {
             block.joint = Joint::new(joint.rises(), false);
         }
-        let (cap_here, joint_here) =
-            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
+        let joint_here = self.blocks.get(at).map_or(Joint::new(1.0, false), |block| block.joint);
         self.dip_at(at, dip.v[0]);
-        let v = self.limit(at);
         if let Some(block) = self.blocks.get_mut(at) {
             if dip.cuts[0] != 0 {
-                (block.cap, block.joint) = (v, Joint::new(2.0, true));
+                block.joint = Joint::new(1.0, true);
                 self.untried += 1;
             } else {
-                (block.cap, block.joint) = (cap_here, joint_here);
+                block.joint = Joint::new(1.0, joint_here.is_open());
                 self.untried += usize::from(joint_here.is_open());
             }
         }
@@ -518,7 +516,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return None;
             }
             dip.time += Law::new(&fast, dip.speeds[0], v_in, true).time();
-            slow.length -= dip.cuts[0];
+            slow.shorten(dip.cuts[0]);
         }
         if c < d {
             if dip.cuts[1] <= 0 {
@@ -532,7 +530,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return None;
             }
             dip.time += Law::new(&fast, v_out, dip.speeds[3], true).time();
-            slow.length -= dip.cuts[1];
+            slow.shorten(dip.cuts[1]);
         }
         if !meet {
             if slow.length <= 0 {
@@ -597,14 +595,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             _ => {
                 let [near, far] = [(dip.enters(), dip.cuts[0]), (dip.leaves(), dip.cuts[1])]
                     .map(|(is, cut)| if is { cut } else { 0 });
-                span.length -= near + far;
+                span.shorten(near + far);
                 -near
             }
         };
         if cut > 0 {
             span.add_piece(&block.limits, cut);
         } else {
-            span.length += cut;
+            span.shorten(-cut);
         }
         pass.spans[0] = span;
         pass.ease = dip.eases[side];

@@ -147,6 +147,12 @@ impl Span {
         self.length += length;
     }
 
+    /// Loses a piece at an end.
+    pub fn shorten(&mut self, length: i64) {
+        self.kept = true;
+        self.length -= length;
+    }
+
     /// Takes in the span behind it.
     pub fn append(&mut self, other: &Self) {
         self.limits.join(&other.limits);
