@@ -11,6 +11,7 @@ fn main() {
         machines::accelerations(axis, ACCELERATION as u32, ACCELERATION as u32);
         machines::ramps(axis, (f.ramp * 1e6) as u32);
         axis.tr_geom = axis.tr_beschl_ab;
+        if std::env::args().nth(2).is_some() { if i % 3 == 1 { axis.a_brems = 1300; } if i % 3 == 2 { axis.a_beschl = 900; } }
     });
     m.channel.slope_profile = 3;
     let mut at = 0.0;
@@ -34,6 +35,7 @@ fn main() {
         }
     }
     println!("optimum");
+    if std::env::args().nth(2).is_some() { return; }
     let o = optimum(&f.blocks, &f.limits).unwrap();
     let (mut s, mut t) = (0.0, 0.0);
     // Turning points of speed, and the motion at block ends.

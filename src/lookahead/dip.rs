@@ -308,8 +308,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             {
                 block.v_reached = UNPLANNED;
             }
-            self.keep_ease(at, dip.eases[1]);
         }
+        self.keep_ease(at, dip.eases[1]);
         self.keep_ease(a, dip.eases[0]);
         (pass.from, pass.at) = (a, at);
         self.try_knee(pass);
