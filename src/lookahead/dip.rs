@@ -311,6 +311,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         self.keep_ease(at, dip.eases[1]);
         self.keep_ease(a, dip.eases[0]);
+        // It gets no faster there, although the new law might.
+        let end = dip.edges[3] + usize::from(dip.cuts[0] != 0);
+        if let Some(end) = self.blocks.get_mut(end) {
+            end.v_in = end.v_reached;
+        }
         (pass.from, pass.at) = (a, at);
         self.try_knee(pass);
     }
