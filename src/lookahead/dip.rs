@@ -291,14 +291,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if let Some(block) = self.blocks.get_mut(was) {
             block.joint = Joint::new(joint.rises(), false);
         }
-        let joint_here = self.blocks.get(at).map_or(Joint::new(1.0, false), |block| block.joint);
+        let (cap_here, joint_here) =
+            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
         self.dip_at(at, dip.v[0]);
         if let Some(block) = self.blocks.get_mut(at) {
             if dip.cuts[0] != 0 {
-                block.joint = Joint::new(1.0, true);
+                block.joint = Joint::new(2.0, true);
+                block.cap = block.limits.v;
                 self.untried += 1;
             } else {
-                block.joint = Joint::new(1.0, joint_here.is_open());
+                block.cap = cap_here;
+                block.joint = joint_here;
                 self.untried += usize::from(joint_here.is_open());
             }
         }
