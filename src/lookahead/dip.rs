@@ -24,9 +24,9 @@ const SAME: f32 = 1.0 + 1.0 / 65_536.0;
 const RISE: f32 = 1.0 + 1.0 / 1024.0;
 const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 /// Deepest dip, as a part of the speed.
-const DEEPEST: f32 = 0.132;
+const DEEPEST: f32 = 0.125;
 /// Depth of the best dip below a speed that is small beside that of the fast block.
-const BEST: f32 = 1.0 / 4.12;
+const BEST: f32 = 1.0 / 3.9;
 /// A dip is so much shorter than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
