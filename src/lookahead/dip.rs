@@ -70,10 +70,8 @@ pub(super) enum Step {
     Look,
     /// Take in the blocks.
     TakeIn,
-    /// Find how deep.
+    /// Find how deep, or how far the anchor moves.
     Weigh,
-    /// Find how far the anchor moves.
-    Shift,
 }
 
 /// Up to three spans, of which the middle one is slow.
@@ -92,8 +90,6 @@ pub(super) struct Dip {
     /// Time as it is, and of what is decided.
     before: f32,
     time: f32,
-    /// What the law at hand begins with before its first block, LSB 2^-44 mm.
-    pub head: i64,
     /// Where the slow block is cut, from its start and from its end; speeds there; only one dip from end to end.
     cuts: [i64; 2],
     v: [f32; 2],
@@ -115,7 +111,6 @@ impl Dip {
         peaks: [0.0; 2],
         before: 0.0,
         time: 0.0,
-        head: 0,
         cuts: [0; 2],
         v: [0.0; 2],
         meet: false,
@@ -124,19 +119,6 @@ impl Dip {
         was: 0,
         moved: 0,
     };
-
-    pub fn is_fitting(&self) -> bool {
-        self.fitting > 0
-    }
-
-    /// What comes after an anchor that stays, or a dip that is no gain.
-    pub fn after_failure(&self) -> Step {
-        match (self.is_fitting(), self.shifts) {
-            (true, true) => Step::Shift,
-            (true, false) => Step::Weigh,
-            _ => Step::Look,
-        }
-    }
 
     fn enters(&self) -> bool {
         self.edges[0] < self.edges[1]
@@ -149,47 +131,60 @@ impl Dip {
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub(super) fn dip(&mut self, pass: &mut Trial, step: Step) {
+        // Apart from the pass, which is copied with every step.
+        let mut dip = self.dip;
+        self.step_dip(pass, &mut dip, step);
+        self.dip = dip;
+    }
+
+    fn step_dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
         match step {
-            Step::Look => self.look(pass),
-            Step::TakeIn => self.take_in(pass),
-            Step::Weigh => self.weigh_dip(pass),
-            Step::Shift => self.weigh_shift(pass),
+            Step::Look => self.look(pass, dip),
+            Step::TakeIn => self.take_in(pass, dip),
+            Step::Weigh if dip.shifts => self.weigh_shift(pass, dip),
+            Step::Weigh => self.weigh_dip(pass, dip),
         }
     }
 
     /// An anchor that is slower than it may be.
     pub(super) fn look_further(&mut self, pass: &mut Trial) {
+        let mut dip = self.dip;
+        self.look_shift(pass, &mut dip);
+        self.dip = dip;
+    }
+
+    fn look_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let (from, at) = (pass.from, pass.at);
         let to = self.anchor_after(at);
         if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
-            return self.try_knee(pass);
+            return self.try_knee(pass, dip);
         }
-        pass.dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
+        *dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
         pass.next = from;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
 
     /// Goes on with the knee.
-    fn try_knee(&mut self, pass: &mut Trial) {
-        pass.dip = Dip::NONE;
+    fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
         pass.next = pass.from;
         pass.spans = [Span::NONE; 2];
         pass.step = ease::Step::Gather;
     }
 
-    fn weigh_shift(&mut self, pass: &mut Trial) {
-        if pass.dip.is_fitting() || self.try_shift(pass).is_none() {
-            if pass.dip.is_fitting() {
-                (pass.from, pass.at) = (pass.dip.edges[0], pass.dip.was);
+    fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        if pass.fitting || self.try_shift(pass, dip).is_none() {
+            if pass.fitting {
+                (pass.from, pass.at) = (dip.edges[0], dip.was);
             }
-            self.try_knee(pass);
+            self.try_knee(pass, dip);
         }
     }
 
     /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits.
-    fn try_shift(&mut self, pass: &mut Trial) -> Option<()> {
-        let dip = &mut pass.dip;
-        let [a, b, _, d] = dip.edges;
+    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
+                let [a, b, _, d] = dip.edges;
         let [v_from, v, _, v_end] = dip.speeds;
         let high = speed_f32(v.to_bits()) * RISE;
         let early = match [dip.peaks[0] > high, dip.peaks[1] > high] {
@@ -264,21 +259,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if dip.time >= dip.before * WORTH {
             return None;
         }
-        self.fit(pass, 1);
+        self.fit(pass, dip, 1);
         Some(())
     }
 
-    fn do_shift(&mut self, pass: &mut Trial) {
-        let dip = pass.dip;
-        let [a, b, _, _] = dip.edges;
-        let mut was = dip.was;
-        let at = if dip.cuts[0] == 0 {
+    fn do_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let plan = *dip;
+        let [a, b, _, _] = plan.edges;
+        let mut was = plan.was;
+        let at = if plan.cuts[0] == 0 {
             b
         } else {
-            let early = dip.cuts[0] < 0;
+            let early = plan.cuts[0] < 0;
             let k = if early { b - 1 } else { b };
             let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
-            self.cut(k, if early { length + dip.cuts[0] } else { dip.cuts[0] });
+            self.cut(k, if early { length + plan.cuts[0] } else { plan.cuts[0] });
             was += usize::from(early);
             pass.last += 1;
             k + 1
@@ -293,9 +288,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         let (cap_here, joint_here) =
             self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
-        self.dip_at(at, dip.v[0]);
+        self.dip_at(at, plan.v[0]);
         if let Some(block) = self.blocks.get_mut(at) {
-            if dip.cuts[0] != 0 {
+            if plan.cuts[0] != 0 {
                 block.joint = Joint::new(2.0, true);
                 block.cap = block.limits.v;
                 self.untried += 1;
@@ -312,20 +307,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 block.v_reached = UNPLANNED;
             }
         }
-        self.keep_ease(at, dip.eases[1]);
-        self.keep_ease(a, dip.eases[0]);
+        self.keep_ease(at, plan.eases[1]);
+        self.keep_ease(a, plan.eases[0]);
         // It gets no faster there, although the new law might.
-        let end = dip.edges[3] + usize::from(dip.cuts[0] != 0);
+        let end = plan.edges[3] + usize::from(plan.cuts[0] != 0);
         if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;
         }
         (pass.from, pass.at) = (a, at);
-        self.try_knee(pass);
+        self.try_knee(pass, dip);
     }
 
     /// The next anchor. `tried`: not this one again.
-    fn leave_anchor(&mut self, pass: &mut Trial, tried: bool) {
-        pass.dip = Dip::NONE;
+    fn leave_anchor(&mut self, pass: &mut Trial, dip: &mut Dip, tried: bool) {
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
         if tried {
             return self.pass_anchor(pass);
         }
@@ -352,19 +348,19 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.blocks.get(k).map_or(0.0, |block| block.limits.v)
     }
 
-    fn look(&mut self, pass: &mut Trial) {
+    fn look(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let at = pass.at;
         let to = self.anchor_after(at);
         let planned = |k: usize| {
             self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
         };
         if to > pass.last || at == 0 {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         }
         let (before, behind) = (self.limit(at - 1), self.limit(at));
         let v = min(before, behind);
         if self.final_speed(at) <= Speed::ZERO || self.blocks.get(at).is_none_or(|at| v > at.cap() * SAME) {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
@@ -379,7 +375,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if leaves {
                 let behind = self.anchor_after(to);
                 if behind > pass.last {
-                    return self.leave_anchor(pass, false);
+                    return self.leave_anchor(pass, dip, false);
                 }
                 if planned(to) {
                     edges[3] = behind;
@@ -388,29 +384,28 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         } else if behind > v * RISE {
             edges = [pass.from, pass.from, at, to];
         } else {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         }
         let [a, b, c, d] = edges;
         let checked = [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || planned(from));
         let last = self.open && d == self.blocks.len();
         if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         }
-        pass.dip = Dip { edges, ..Dip::NONE };
+        *dip = Dip { edges, ..Dip::NONE };
         pass.next = a;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
 
-    fn take_in(&mut self, pass: &mut Trial) {
-        let [a, b, c, d] = pass.dip.edges;
+    fn take_in(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let [a, b, c, d] = dip.edges;
         for _ in 0..WALK {
-            if pass.next >= d && pass.dip.moved > 0 {
-                pass.step = ease::Step::Dip(Step::Shift);
+            if pass.next >= d && dip.moved > 0 {
+                pass.step = ease::Step::Dip(Step::Weigh);
                 return;
             }
             if pass.next >= d {
-                let dip = &mut pass.dip;
-                dip.speeds = dip.edges.map(|k| self.final_speed(k));
+                                dip.speeds = dip.edges.map(|k| self.final_speed(k));
                 let starts = [a, b, c];
                 for k in 0..3 {
                     if dip.edges[k] == dip.edges[k + 1] {
@@ -424,11 +419,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                         dip.peaks[k / 2] = law.peak();
                     }
                 }
-                pass.step = ease::Step::Dip(if dip.shifts { Step::Shift } else { Step::Weigh });
+                pass.step = ease::Step::Dip(Step::Weigh);
                 return;
             }
-            let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, true) };
-            let [first, middle, last] = &mut pass.dip.spans;
+            let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, dip, true) };
+            let [first, middle, last] = &mut dip.spans;
             let span = if pass.next < b {
                 first
             } else if pass.next < c {
@@ -441,18 +436,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    fn weigh_dip(&mut self, pass: &mut Trial) {
-        let [a, b, c, d] = pass.dip.edges;
+    fn weigh_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let [a, b, c, d] = dip.edges;
         let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         };
         let (first, last) = (*first, *last);
         let lengths = [first, last].map(|block| length_mm(&block.shape));
         let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
-        while let Some(&(part, common)) = PARTS.get(usize::from(pass.dip.tried)) {
-            pass.dip.tried += 1;
-            let peaks = pass.dip.peaks;
+        while let Some(&(part, common)) = PARTS.get(usize::from(dip.tried)) {
+            dip.tried += 1;
+            let peaks = dip.peaks;
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
             let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
@@ -489,17 +484,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
                 }
             }
-            if self.try_dip(pass, [enter, leave], meet).is_some() {
+            if self.try_dip(pass, dip, [enter, leave], meet).is_some() {
                 return;
             }
         }
-        self.leave_anchor(pass, true);
+        self.leave_anchor(pass, dip, true);
     }
 
     /// `None`: no gain.
-    fn try_dip(&mut self, pass: &mut Trial, [enter, leave]: [Side; 2], meet: bool) -> Option<()> {
-        let dip = &mut pass.dip;
-        let [a, b, c, d] = dip.edges;
+    fn try_dip(&mut self, pass: &mut Trial, dip: &mut Dip, [enter, leave]: [Side; 2], meet: bool) -> Option<()> {
+                let [a, b, c, d] = dip.edges;
         let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
         let mut slow = dip.spans[1];
         dip.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
@@ -553,15 +547,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if dip.time >= dip.before * GAIN {
             return None;
         }
-        self.fit(pass, 1);
+        self.fit(pass, dip, 1);
         Some(())
     }
 
     /// Fits the law of one of the outer spans to its blocks.
-    fn fit(&mut self, pass: &mut Trial, which: u8) {
-        let dip = &mut pass.dip;
-        let [a, b, c, d] = dip.edges;
-        dip.fitting = which;
+    fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
+                let [a, b, c, d] = dip.edges;
+        (dip.fitting, pass.fitting) = (which, true);
         let side = usize::from(which - 1);
         let cut = dip.cuts.get(side).copied().unwrap_or(0);
         let (from, to) = match which {
@@ -570,10 +563,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             _ => (b, c),
         };
         if to <= from + 1 && (cut <= 0 || !dip.shifts) {
-            return if which < 3 { self.fit(pass, which + 1) } else { self.do_it(pass) };
+            return if which < 3 { self.fit(pass, dip, which + 1) } else { self.do_it(pass, dip) };
         }
         let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
-            return self.leave_anchor(pass, true);
+            return self.leave_anchor(pass, dip, true);
         };
         let [enter, leave] = dip.v.map(|v| Speed::from_bits(speed_bits(v)));
         let mut span = dip.spans[[0, 2, 1][side]];
@@ -597,7 +590,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 before = block.shape.length.to_bits();
             }
         }
-        dip.head = match which {
+        pass.head = match which {
             1 => 0,
             2 => cut - before,
             _ => {
@@ -627,16 +620,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The law keeps the limits of the blocks.
     pub(super) fn fitted(&mut self, pass: &mut Trial) {
-        let time = pass.law.as_ref().map_or(0.0, Law::time);
-        let dip = &mut pass.dip;
-        dip.time += time;
-        dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
-        let which = dip.fitting;
-        if which < 3 { self.fit(pass, which + 1) } else { self.do_it(pass) }
+        let mut dip = self.dip;
+        self.next_fit(pass, &mut dip);
+        self.dip = dip;
     }
 
-    fn do_it(&mut self, pass: &mut Trial) {
-        if pass.dip.shifts { self.do_shift(pass) } else { self.do_dip(pass) }
+    fn next_fit(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let time = pass.law.as_ref().map_or(0.0, Law::time);
+                dip.time += time;
+        dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
+        let which = dip.fitting;
+        if which < 3 { self.fit(pass, dip, which + 1) } else { self.do_it(pass, dip) }
+    }
+
+    fn do_it(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        if dip.shifts { self.do_shift(pass, dip) } else { self.do_dip(pass, dip) }
     }
 
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
@@ -701,39 +699,39 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    fn do_dip(&mut self, pass: &mut Trial) {
-        let dip = pass.dip;
-        let [a, b, mut c, d] = dip.edges;
+    fn do_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let plan = *dip;
+        let [a, b, mut c, d] = plan.edges;
         let mut at = b;
         let mut cuts = 0;
-        if dip.enters() {
-            self.cut(b, dip.cuts[0]);
+        if plan.enters() {
+            self.cut(b, plan.cuts[0]);
             cuts += 1;
             c += 1;
             self.open_up(b, self.limit(b - 1));
             self.give_to(b, b - 1);
             at = b + 1;
-            self.dip_at(at, dip.v[0]);
-            self.keep_ease(a, dip.eases[0]);
-            self.keep_ease(at, dip.eases[2]);
-            let mut span = dip.spans[0];
+            self.dip_at(at, plan.v[0]);
+            self.keep_ease(a, plan.eases[0]);
+            self.keep_ease(at, plan.eases[2]);
+            let mut span = plan.spans[0];
             if let Some(piece) = self.blocks.get(b) {
                 span.add(piece, None);
             }
-            span.limits.ease(dip.eases[0]);
-            self.renew(a, &span, Speed::from_bits(speed_bits(dip.v[0])));
+            span.limits.ease(plan.eases[0]);
+            self.renew(a, &span, Speed::from_bits(speed_bits(plan.v[0])));
         }
-        if dip.leaves() {
-            if !dip.enters() {
-                self.keep_ease(b, dip.eases[2]);
+        if plan.leaves() {
+            if !plan.enters() {
+                self.keep_ease(b, plan.eases[2]);
             }
             at = c - 1;
-            if !dip.meet {
+            if !plan.meet {
                 let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());
-                self.cut(at, length - dip.cuts[1]);
+                self.cut(at, length - plan.cuts[1]);
                 cuts += 1;
                 (at, c) = (c, c + 1);
-                self.dip_at(at, dip.v[1]);
+                self.dip_at(at, plan.v[1]);
             }
             self.give_to(at, c);
             self.open_up(c, self.limit(c));
@@ -742,7 +740,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             {
                 block.v_reached = UNPLANNED;
             }
-            self.keep_ease(at, dip.eases[1]);
+            self.keep_ease(at, plan.eases[1]);
         }
         // It gets no faster there, although the new law might.
         if let Some(end) = self.blocks.get_mut(d + cuts) {
@@ -750,7 +748,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
         pass.last += cuts;
         (pass.from, pass.next) = (at, at + 1);
-        pass.dip = Dip::NONE;
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
         pass.step = ease::Step::Seek;
     }
 

@@ -8,7 +8,7 @@
 //! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
 //! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
 //! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
-use super::dip::{self, Dip};
+use super::dip;
 use super::span::{Law, Pass, Span};
 use super::{Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
@@ -113,7 +113,11 @@ pub(super) struct Trial {
     pub law: Option<Law>,
     worst: [Option<Excess>; 2],
     pub rounds: u8,
-    pub dip: Dip,
+    /// What the law begins with before its first block, LSB 2^-44 mm.
+    pub head: i64,
+    /// It is one of a dip.
+    pub fitting: bool,
+    /// Only anchors that are slower than they may be.
     first: bool,
 }
 
@@ -134,7 +138,8 @@ impl Trial {
             law: None,
             worst: [None; 2],
             rounds: 0,
-            dip: Dip::NONE,
+            head: 0,
+            fitting: false,
             first: true,
         }
     }
@@ -152,7 +157,7 @@ impl Trial {
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
         self.law = Some(law);
-        (self.next, self.way) = (self.from, self.dip.head);
+        (self.next, self.way) = (self.from, self.head);
         self.worst = [None; 2];
     }
 
@@ -264,11 +269,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
-            if pass.first && !pass.dip.is_fitting() {
+            if pass.first && !pass.fitting {
                 (pass.from, pass.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
             } else {
-                pass.step = Step::Dip(pass.dip.after_failure());
+                pass.step = Step::Dip(if pass.fitting { dip::Step::Weigh } else { dip::Step::Look });
             }
             return;
         }
@@ -380,7 +385,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn compared(&mut self, pass: &mut Trial) {
         let [up, down] = pass.worst;
         if up.is_none() && down.is_none() {
-            return if pass.dip.is_fitting() { self.fitted(pass) } else { self.do_without(pass) };
+            return if pass.fitting { self.fitted(pass) } else { self.do_without(pass) };
         }
         if pass.rounds == 0 {
             return self.keep_anchor(pass);

@@ -34,6 +34,7 @@ use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
+use dip::Dip;
 use heapless::Deque;
 use span::Pass;
 
@@ -294,6 +295,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     level: f32,
     /// Blocks that are left free for cuts.
     spare: usize,
+    /// What is tried to be cut.
+    dip: Dip,
 }
 
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
@@ -325,6 +328,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             stale: false,
             level: 1.0,
             spare: 0,
+            dip: Dip::NONE,
         }
     }
 
