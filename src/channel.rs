@@ -23,8 +23,8 @@ use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourMethod, Decoder, DwellTime, Head, NcError, NcWarning, Place, Setup,
-    Spline, Step, Text,
+    Command, Contour, ContourMethod, Decoder, DwellTime, Head, NcError, NcWarning, Place, Setup, Spline,
+    Step, Text,
 };
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};

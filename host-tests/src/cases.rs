@@ -316,7 +316,12 @@ impl Program {
             let stop = i > 0 && self.moves[i - 1].stop;
             Move { kind, target: points[i].clone(), feed: block.feed, stop }
         });
-        Self { name: format!("{} reversed", self.name), start: self.end().to_vec(), moves: moves.collect(), ..self.clone() }
+        Self {
+            name: format!("{} reversed", self.name),
+            start: self.end().to_vec(),
+            moves: moves.collect(),
+            ..self.clone()
+        }
     }
 
     fn mapped(

@@ -1,7 +1,7 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
-use super::limits::{Share, min};
 use super::dip::SPARE;
+use super::limits::{Share, min};
 use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;

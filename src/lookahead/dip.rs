@@ -1,7 +1,27 @@
-//! Dips: how slow blocks are entered and left with acceleration (NO_OPT=0).
+//! NO_OPT=0: acceleration where a slow block begins and ends.
+//!
+//! An anchor at the end of a slow block makes acceleration zero where its limit is met. The optimum passes such a point with an
+//! acceleration: it goes on slowing down inside the slow block, and begins to speed up before its end. So the anchor moves
+//! into the slow block, and is as much slower: a *dip*. The piece between it and the end of the slow block belongs to the fast
+//! span. With jerk J and a depth of h below the limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
+//!
+//! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w t + J t³/6 at the
+//! soonest, and where s is given, v grows with w above v/2 and falls below: its highest values are those of w = V − h, which is
+//! V, and of w = 0, which is below V as long as h ≤ V/8. The same seen backward. So any motion that begins or ends with acceleration zero at the
+//! anchor, at its speed or slower, keeps the limit of the piece: after a hold, with another override, with new
+//! blocks behind. The piece has the limit of the fast block from then on.
+//!
+//! A dip costs time inside the slow block and gains some in front of it: with a fast block of speed F the best depth is about
+//! V (1 − V/F)/4. A slow block too short for two dips gets one from end to end. Two laws, or three, are compared with those of
+//! the plan as it is: what is no faster is left. Speeds at the other ends of both spans stay, what follows relies on them.
+//!
+//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
+//! zero either: it moves into the block on the other side, as far as the limit where it was permits.
+//!
+//! A block that is cut takes two places of the ring. The first one has its curve, see [`crate::path::Shape::cut`].
 use super::ease::{self, Ease, Trial};
 use super::span::{Law, Span, length_mm};
-use super::{Joint, ROUNDED, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
+use super::{Joint, Limits, Lookahead, Marks, ROUNDED, UNPLANNED, limits, max, min};
 use crate::math::float::{to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
@@ -9,26 +29,30 @@ use crate::slope::profile::{speed_bits, speed_f32};
 
 /// Part of the ring that is left free for cuts.
 pub(super) const SPARE: usize = 8;
-/// Blocks per call that are counted, and that are compared with a law.
+/// Blocks per call that are counted.
 const WALK: usize = 32;
-/// Steps of the search for the place of an anchor.
-/// An anchor moves only for so much.
-const WORTH: f32 = 0.995;
-/// Whole blocks that an anchor passes, at most.
+/// Dips tried: a part of the best depth, and whether both sides get one depth.
+const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
+/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
 const MOVES: u8 = 4;
-const SHIFTS: usize = 12;
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
-const PARTS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
+const SHIFTS: u8 = 12;
+const LAWS: usize = 4;
+/// An anchor moves only for so much: less is better gained without it.
+const WORTH: f32 = 0.995;
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
+/// Less is no rise of speed.
 const RISE: f32 = 1.0 + 1.0 / 1024.0;
+/// Less is no gain.
 const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
-/// Deepest dip, as a part of the speed.
+/// Deepest dip, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
 const DEEPEST: f32 = 0.125;
 /// Depth of the best dip below a speed that is small beside that of the fast block.
 const BEST: f32 = 1.0 / 3.9;
 /// A dip is so much shorter than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,7 +101,7 @@ pub(super) enum Step {
 /// Up to three spans, of which the middle one is slow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dip {
-    /// A law is being fitted to the blocks of the span before (1), behind (2), or not (0).
+    /// The span whose law is being fitted to its blocks: before (1), behind (2), between (3).
     fitting: u8,
     /// Dips tried.
     tried: u8,
@@ -99,6 +123,10 @@ pub(super) struct Dip {
     shifts: bool,
     was: usize,
     moved: i64,
+    /// The search for its place: steps done, distances into the block, speed and time found.
+    steps: u8,
+    between: [i64; 2],
+    best: Option<(Speed, f32)>,
 }
 
 impl Dip {
@@ -118,6 +146,9 @@ impl Dip {
         shifts: false,
         was: 0,
         moved: 0,
+        steps: 0,
+        between: [0; 2],
+        best: None,
     };
 
     fn enters(&self) -> bool {
@@ -173,74 +204,92 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         pass.step = ease::Step::Gather;
     }
 
+    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
     fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        if pass.fitting || self.try_shift(pass, dip).is_none() {
-            if pass.fitting {
-                (pass.from, pass.at) = (dip.edges[0], dip.was);
-            }
+        let moves = if pass.fitting { None } else { self.search_shift(pass, dip) };
+        if moves.is_none() {
+            (pass.from, pass.at) = (dip.edges[0], dip.was);
             self.try_knee(pass, dip);
         }
     }
 
-    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits.
-    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
-                let [a, b, _, d] = dip.edges;
-        let [v_from, v, _, v_end] = dip.speeds;
-        let high = speed_f32(v.to_bits()) * RISE;
-        let early = match [dip.peaks[0] > high, dip.peaks[1] > high] {
-            [true, false] => true,
-            [false, true] => false,
-            _ => return None,
-        };
-        dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
+    /// Whether the motion speeds up to the anchor, or slows down from it: which block it moves into.
+    fn shifts_early(&self, dip: &Dip) -> Option<bool> {
+        let high = speed_f32(dip.speeds[1].to_bits()) * RISE;
+        match [dip.peaks[0] > high, dip.peaks[1] > high] {
+            [true, false] => Some(true),
+            [false, true] => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a block; `None` if that law
+    /// is too fast where the anchor was.
+    fn shifted(&self, dip: &Dip, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
+        let mut span = dip.spans[if early { 2 } else { 0 }];
+        let at = to_f32(if early { dip.moved + way } else { span.length - dip.moved }) * LSB_44;
+        if way > 0 {
+            span.add_piece(limits, way);
+        }
+        span.limits.ease(dip.eases[usize::from(early)]);
+        let [v_from, .., v_end] = dip.speeds;
+        let ramp = if early { span.limits.brake() } else { span.limits.speed_up() };
+        let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
+        let [from, to] = if early { [v, v_end] } else { [v_from, v] };
+        let mut law = Law::new(&span, from, to, true);
         let cap = self.blocks.get(dip.was)?.cap();
+        law.keeps(cap, at, at).then(|| (v, law.time()))
+    }
+
+    /// Goes on with the search. `None`: it stays.
+    fn search_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
+        let early = self.shifts_early(dip)?;
+        let [a, b, _, d] = dip.edges;
         let block = self.blocks.get(if early { b - 1 } else { b })?;
-        let [before, behind] = [dip.spans[0], dip.spans[2]];
-        let law = |way: i64| {
-            let mut span = if early { behind } else { before };
-            let at = if early { dip.moved + way } else { span.length - dip.moved };
-            let at = to_f32(at) * LSB_44;
-            if way > 0 {
-                span.add_piece(&block.limits, way);
+        let (limits, length) = (block.limits, block.shape.length.to_bits());
+        if dip.steps == 0 {
+            if dip.moved == 0 {
+                dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
             }
-            span.limits.ease(dip.eases[usize::from(early)]);
-            let law;
-            let v;
-            if early {
-                v = span.faster(&span.limits.brake(), v_end, block.limits.v);
-                law = Law::new(&span, v, v_end, true);
-            } else {
-                v = span.faster(&span.limits.speed_up(), v_from, block.limits.v);
-                law = Law::new(&span, v_from, v, true);
+            let more = if early { b - 1 > a } else { b + 1 < d };
+            if more && dip.tried < MOVES && self.shifted(dip, &limits, early, length).is_some() {
+                dip.tried += 1;
+                dip.moved += length;
+                let b = if early { b - 1 } else { b + 1 };
+                dip.edges = [a, b, b, d];
+                dip.spans = [Span::NONE; 3];
+                pass.next = a;
+                pass.step = ease::Step::Dip(Step::TakeIn);
+                return Some(());
             }
-            let mut asked = law;
-            asked.keeps(cap, at, at).then_some((v, law.time()))
-        };
-        let length = block.shape.length.to_bits();
-        let more = if early { b - 1 > a } else { b + 1 < d };
-        if more && dip.tried < MOVES && law(length).is_some() {
-            dip.tried += 1;
-            dip.moved += length;
-            let b = if early { b - 1 } else { b + 1 };
-            dip.edges = [a, b, b, d];
-            dip.spans = [Span::NONE; 3];
-            pass.next = a;
-            pass.step = ease::Step::Dip(Step::TakeIn);
-            return Some(());
+            dip.best = if dip.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
+            dip.between = [0, length / 16 * 15];
         }
-        let (mut near, mut far) = (0, length / 16 * 15);
-        let mut best = if dip.moved > 0 { law(0) } else { None };
-        for _ in 0..SHIFTS {
+        for _ in 0..LAWS {
+            if dip.steps >= SHIFTS {
+                return self.try_shift(pass, dip, early);
+            }
+            dip.steps += 1;
+            let [near, far] = dip.between;
             let middle = near + (far - near) / 2;
-            match law(middle) {
+            match self.shifted(dip, &limits, early, middle) {
                 Some(found) => {
-                    near = middle;
-                    best = Some(found);
+                    dip.between[0] = middle;
+                    dip.best = Some(found);
                 }
-                None => far = middle,
+                None => dip.between[1] = middle,
             }
         }
-        let (w, time) = best?;
+        pass.step = ease::Step::Dip(Step::Weigh);
+        Some(())
+    }
+
+    /// `None`: no gain.
+    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip, early: bool) -> Option<()> {
+        let [_, b, ..] = dip.edges;
+        let [v_from, .., v_end] = dip.speeds;
+        let (w, time) = dip.best?;
+        let near = dip.between[0];
         if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
             return None;
         }
@@ -248,7 +297,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let speed = speed_f32(w.to_bits()) * ROUNDED;
         dip.v = [speed; 2];
         let w = Speed::from_bits(speed_bits(speed));
-        let mut other = if early { before } else { behind };
+        let mut other = dip.spans[if early { 0 } else { 2 }];
         other.shorten(near);
         other.limits.ease(dip.eases[usize::from(!early)]);
         let [from, to] = if early { [v_from, w] } else { [w, v_end] };
@@ -405,7 +454,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return;
             }
             if pass.next >= d {
-                                dip.speeds = dip.edges.map(|k| self.final_speed(k));
+                dip.speeds = dip.edges.map(|k| self.final_speed(k));
                 let starts = [a, b, c];
                 for k in 0..3 {
                     if dip.edges[k] == dip.edges[k + 1] {
@@ -445,7 +494,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let lengths = [first, last].map(|block| length_mm(&block.shape));
         let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
-        while let Some(&(part, common)) = PARTS.get(usize::from(dip.tried)) {
+        while let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
             dip.tried += 1;
             let peaks = dip.peaks;
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
@@ -492,8 +541,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// `None`: no gain.
-    fn try_dip(&mut self, pass: &mut Trial, dip: &mut Dip, [enter, leave]: [Side; 2], meet: bool) -> Option<()> {
-                let [a, b, c, d] = dip.edges;
+    fn try_dip(
+        &mut self,
+        pass: &mut Trial,
+        dip: &mut Dip,
+        [enter, leave]: [Side; 2],
+        meet: bool,
+    ) -> Option<()> {
+        let [a, b, c, d] = dip.edges;
         let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
         let mut slow = dip.spans[1];
         dip.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
@@ -553,7 +608,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Fits the law of one of the outer spans to its blocks.
     fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
-                let [a, b, c, d] = dip.edges;
+        let [a, b, c, d] = dip.edges;
         (dip.fitting, pass.fitting) = (which, true);
         let side = usize::from(which - 1);
         let cut = dip.cuts.get(side).copied().unwrap_or(0);
@@ -627,7 +682,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn next_fit(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let time = pass.law.as_ref().map_or(0.0, Law::time);
-                dip.time += time;
+        dip.time += time;
         dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
         let which = dip.fitting;
         if which < 3 { self.fit(pass, dip, which + 1) } else { self.do_it(pass, dip) }

@@ -147,7 +147,9 @@ impl Limits {
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {
-            Law::Bowed { bend, j: [rise, fall, ..], .. } => Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall)),
+            Law::Bowed { bend, j: [rise, fall, ..], .. } => {
+                Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall))
+            }
             Law::Stepped { change_over, a_up, .. } => {
                 Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
             }

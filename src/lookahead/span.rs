@@ -614,7 +614,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     fn needed(&self, pass: &Inside, [enters, leaves]: [bool; 2], first: usize, behind: usize) -> [bool; 2] {
         let Forward { from, .. } = pass.forward;
-        if !(enters && leaves && pass.law.firm && self.blocks.get(first).is_some_and(|b| b.limits.may_dip())) {
+        if !(enters && leaves && pass.law.firm && self.blocks.get(first).is_some_and(|b| b.limits.may_dip()))
+        {
             return [enters, leaves];
         }
         let length = |range: core::ops::Range<usize>| {
