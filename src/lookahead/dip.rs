@@ -36,7 +36,7 @@ const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
 const MOVES: u8 = 4;
 const SHIFTS: u8 = 12;
-const LAWS: usize = 4;
+const LAWS: usize = 2;
 /// An anchor moves only for so much: less is better gained without it.
 const WORTH: f32 = 0.995;
 /// Two speeds that differ by less are one.
@@ -94,8 +94,21 @@ pub(super) enum Step {
     Look,
     /// Take in the blocks.
     TakeIn,
+    /// Find the time of the plan as it is.
+    Measure,
     /// Find how deep, or how far the anchor moves.
     Weigh,
+    /// Fit the law of one of the spans to its blocks.
+    Fit(u8),
+    /// Do it.
+    Do,
+}
+
+impl Step {
+    /// What follows when the law of that span is fitted.
+    const fn behind(which: u8) -> Self {
+        if which < 3 { Self::Fit(which + 1) } else { Self::Do }
+    }
 }
 
 /// Up to three spans, of which the middle one is slow.
@@ -172,6 +185,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         match step {
             Step::Look => self.look(pass, dip),
             Step::TakeIn => self.take_in(pass, dip),
+            Step::Measure => self.measure(pass, dip),
+            Step::Fit(which) => self.fit(pass, dip, which),
+            Step::Do if dip.shifts => self.do_shift(pass, dip),
+            Step::Do => self.do_dip(pass, dip),
             Step::Weigh if dip.shifts => self.weigh_shift(pass, dip),
             Step::Weigh => self.weigh_dip(pass, dip),
         }
@@ -308,7 +325,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if dip.time >= dip.before * WORTH {
             return None;
         }
-        self.fit(pass, dip, 1);
+        pass.step = ease::Step::Dip(Step::Fit(1));
         Some(())
     }
 
@@ -447,28 +464,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     fn take_in(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let [a, b, c, d] = dip.edges;
+        let [_, b, c, d] = dip.edges;
         for _ in 0..WALK {
-            if pass.next >= d && dip.moved > 0 {
-                pass.step = ease::Step::Dip(Step::Weigh);
-                return;
-            }
             if pass.next >= d {
-                dip.speeds = dip.edges.map(|k| self.final_speed(k));
-                let starts = [a, b, c];
-                for k in 0..3 {
-                    if dip.edges[k] == dip.edges[k + 1] {
-                        continue;
-                    }
-                    let mut span = dip.spans[k];
-                    span.limits.ease(self.ease(starts[k]));
-                    let law = Law::new(&span, dip.speeds[k], dip.speeds[k + 1], true);
-                    dip.before += law.time();
-                    if k != 1 {
-                        dip.peaks[k / 2] = law.peak();
-                    }
-                }
-                pass.step = ease::Step::Dip(Step::Weigh);
+                let known = dip.moved > 0;
+                pass.step = ease::Step::Dip(if known { Step::Weigh } else { Step::Measure });
                 return;
             }
             let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, dip, true) };
@@ -485,6 +485,29 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
+    fn measure(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        dip.speeds = dip.edges.map(|k| self.final_speed(k));
+        let [a, b, c, d] = dip.edges;
+        let [v0, v1, v2, v3] = dip.speeds;
+        let [first, middle, last] = dip.spans;
+        let spans = [(a, b, first, v0, v1), (b, c, middle, v1, v2), (c, d, last, v2, v3)];
+        for (k, (from, to, mut span, v_in, v_out)) in spans.into_iter().enumerate() {
+            if from == to {
+                continue;
+            }
+            span.limits.ease(self.ease(from));
+            let law = Law::new(&span, v_in, v_out, true);
+            dip.before += law.time();
+            match k {
+                0 => dip.peaks[0] = law.peak(),
+                2 => dip.peaks[1] = law.peak(),
+                _ => {}
+            }
+        }
+        pass.step = ease::Step::Dip(Step::Weigh);
+    }
+
+    /// Tries the next depth.
     fn weigh_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let [a, b, c, d] = dip.edges;
         let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
@@ -494,14 +517,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let lengths = [first, last].map(|block| length_mm(&block.shape));
         let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
-        while let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
+        if let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
             dip.tried += 1;
+            pass.step = ease::Step::Dip(Step::Weigh);
             let peaks = dip.peaks;
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
             let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
                 if a == b || c == d || v_in != v_out {
-                    continue;
+                    return;
                 }
                 let depth = 0.25 * (j_in * t_in * t_in + j_out * t_out * t_out);
                 (sqrt_f32(2.0 * depth / j_in), sqrt_f32(2.0 * depth / j_out))
@@ -533,9 +557,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
                 }
             }
-            if self.try_dip(pass, dip, [enter, leave], meet).is_some() {
-                return;
-            }
+            // What is no gain leaves the next depth to be tried.
+            let _ = self.try_dip(pass, dip, [enter, leave], meet);
+            return;
         }
         self.leave_anchor(pass, dip, true);
     }
@@ -602,7 +626,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if dip.time >= dip.before * GAIN {
             return None;
         }
-        self.fit(pass, dip, 1);
+        pass.step = ease::Step::Dip(Step::Fit(1));
         Some(())
     }
 
@@ -618,7 +642,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             _ => (b, c),
         };
         if to <= from + 1 && (cut <= 0 || !dip.shifts) {
-            return if which < 3 { self.fit(pass, dip, which + 1) } else { self.do_it(pass, dip) };
+            pass.step = ease::Step::Dip(Step::behind(which));
+            return;
         }
         let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
             return self.leave_anchor(pass, dip, true);
@@ -684,12 +709,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let time = pass.law.as_ref().map_or(0.0, Law::time);
         dip.time += time;
         dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
-        let which = dip.fitting;
-        if which < 3 { self.fit(pass, dip, which + 1) } else { self.do_it(pass, dip) }
-    }
-
-    fn do_it(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        if dip.shifts { self.do_shift(pass, dip) } else { self.do_dip(pass, dip) }
+        pass.step = ease::Step::Dip(Step::behind(dip.fitting));
     }
 
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
