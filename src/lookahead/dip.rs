@@ -634,12 +634,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
         let [a, b, c, d] = dip.edges;
         (dip.fitting, pass.fitting) = (which, true);
-        let side = usize::from(which - 1);
-        let cut = dip.cuts.get(side).copied().unwrap_or(0);
-        let (from, to) = match which {
-            1 => (a, b),
-            2 => (c, d),
-            _ => (b, c),
+        let (from, to, cut, mut span, ease) = match which {
+            1 => (a, b, dip.cuts[0], dip.spans[0], dip.eases[0]),
+            2 => (c, d, dip.cuts[1], dip.spans[2], dip.eases[1]),
+            _ => (b, c, 0, dip.spans[1], dip.eases[2]),
         };
         if to <= from + 1 && (cut <= 0 || !dip.shifts) {
             pass.step = ease::Step::Dip(Step::behind(which));
@@ -649,7 +647,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.leave_anchor(pass, dip, true);
         };
         let [enter, leave] = dip.v.map(|v| Speed::from_bits(speed_bits(v)));
-        let mut span = dip.spans[[0, 2, 1][side]];
         let [v_in, v_out] = match which {
             1 => [dip.speeds[0], enter],
             2 => [leave, dip.speeds[3]],
@@ -686,7 +683,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             span.shorten(-cut);
         }
         pass.spans[0] = span;
-        pass.ease = dip.eases[side];
+        pass.ease = ease;
         let mut eased = span;
         eased.limits.ease(pass.ease);
         let time = Law::new(&eased, pass.speeds[0], pass.speeds[2], true).time();
@@ -708,7 +705,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn next_fit(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let time = pass.law.as_ref().map_or(0.0, Law::time);
         dip.time += time;
-        dip.eases[usize::from(dip.fitting - 1)] = pass.ease;
+        let [first, behind, middle] = &mut dip.eases;
+        *match dip.fitting {
+            1 => first,
+            2 => behind,
+            _ => middle,
+        } = pass.ease;
         pass.step = ease::Step::Dip(Step::behind(dip.fitting));
     }
 
