@@ -318,7 +318,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         other.shorten(near);
         other.limits.ease(dip.eases[usize::from(!early)]);
         let [from, to] = if early { [v_from, w] } else { [w, v_end] };
-        if other.leave(from, to)? != to {
+        if !other.joins(from, to) {
             return None;
         }
         dip.time = time + Law::new(&other, from, to, true).time();
@@ -593,7 +593,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let mut fast = dip.spans[0];
             fast.add_piece(&first.limits, dip.cuts[0]);
             fast.limits.ease(dip.eases[0]);
-            if fast.leave(dip.speeds[0], v_in)? != v_in {
+            if !fast.joins(dip.speeds[0], v_in) {
                 return None;
             }
             dip.time += Law::new(&fast, dip.speeds[0], v_in, true).time();
@@ -607,7 +607,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let mut fast = dip.spans[2];
             fast.add_piece(&last.limits, dip.cuts[1]);
             fast.limits.ease(dip.eases[1]);
-            if fast.leave(v_out, dip.speeds[3])? != dip.speeds[3] {
+            if !fast.joins(v_out, dip.speeds[3]) {
                 return None;
             }
             dip.time += Law::new(&fast, v_out, dip.speeds[3], true).time();
@@ -618,7 +618,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 return None;
             }
             slow.limits.ease(self.ease(b));
-            if slow.leave(v_in, v_out)? != v_out {
+            if !slow.joins(v_in, v_out) {
                 return None;
             }
             dip.time += Law::new(&slow, v_in, v_out, true).time();
@@ -781,6 +781,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let [a, b, mut c, d] = plan.edges;
         let mut at = b;
         let mut cuts = 0;
+        pass.step = ease::Step::Dip(Step::Do);
         if plan.enters() {
             self.cut(b, plan.cuts[0]);
             cuts += 1;
@@ -797,11 +798,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             span.limits.ease(plan.eases[0]);
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.v[0])));
+            if plan.leaves() {
+                // The other end in the next call.
+                dip.edges = [at, at, c, d + 1];
+                pass.last += 1;
+                return;
+            }
         }
         if plan.leaves() {
-            if !plan.enters() {
-                self.keep_ease(b, plan.eases[2]);
-            }
+            self.keep_ease(b, plan.eases[2]);
             at = c - 1;
             if !plan.meet {
                 let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());

@@ -174,6 +174,18 @@ impl Span {
     }
 }
 
+impl Span {
+    /// Whether it is long enough from one speed to the other.
+    pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
+        if v_out < v_in {
+            loses(&self.limits.brake(), self.millimetres(), v_in, v_out)
+        } else {
+            v_out.to_bits() <= speed_bits(self.limits.v)
+                && self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
+        }
+    }
+}
+
 impl Law {
     pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
         let (up, down) = (span.limits.speed_up(), span.limits.brake());
