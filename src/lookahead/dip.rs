@@ -366,12 +366,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 self.untried += usize::from(joint_here.is_open());
             }
         }
-        if early {
-            if let Some(block) = self.blocks.get_mut(was + 1)
-                && !block.is(Marks::ANCHOR)
-            {
-                block.v_reached = UNPLANNED;
-            }
+        if early
+            && let Some(block) = self.blocks.get_mut(was + 1)
+            && !block.is(Marks::ANCHOR)
+        {
+            block.v_reached = UNPLANNED;
         }
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);
