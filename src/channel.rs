@@ -23,8 +23,8 @@ use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Slope,
-    SlopeType, Spline, Step, Text,
+    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Spline,
+    Step, Text,
 };
 use crate::path::measure::FEED_AXES;
 use crate::planning::{MotionError, Planning, Work};
@@ -443,13 +443,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 return Ok(self.output(Held::new(head, Function::Spindle(*speed))));
             }
             Command::Tool(head, tool) => return Ok(self.output(Held::new(head, Function::Tool(*tool)))),
-            Command::Slope(_, slope) if slope.default => self.planning.set_slope(None),
-            // Only HSC has a better use of jerk.
-            Command::Slope(_, Slope { kind: Some(SlopeType::Hsc), no_opt: Some(false), .. }) => {
-                return refuse("#SLOPE NO_OPT=0");
+            Command::Slope(_, slope) if slope.default => self.planning.set_slope(None, false),
+            Command::Slope(_, slope) => {
+                let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
+                self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
             }
-            Command::Slope(_, slope) if slope.kind.is_some() => self.planning.set_slope(slope.kind),
-            Command::Slope(..) => {}
             Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),
             Command::VectorLimit(head, limit) => {
                 let others = [

@@ -250,9 +250,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// The first block of the ring becomes a curve in the queue. There is room.
     fn curve(&mut self) {
         self.curves -= 1;
-        let Some(block) = self.lookahead.first() else { return };
+        let Some((block, length)) = self.lookahead.first_whole() else { return };
         if block.has_functions() {
             self.functions.pass(self.distance, &mut self.queue.events);
+        }
+        if block.shape.is_continued() {
+            self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
+            self.lookahead.drop_first();
+            return;
         }
         let base = block.shape.base(&self.position);
         self.number = self.number.wrapping_add(u32::from(block.ahead));
@@ -264,7 +269,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             segment.n = block.n;
             segment.block = number;
         });
-        let length = block.shape.length.to_bits();
         block.shape.end(&base, &mut self.position);
         self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
         self.lookahead.drop_first();

@@ -5,7 +5,7 @@ use host_tests::trace::run;
 fn main() {
     let rows = accepted().unwrap();
     let slope: u8 = std::env::args().nth(1).map_or(3, |a| a.parse().unwrap());
-    let verbose = std::env::args().nth(2).is_some();
+    let verbose = std::env::args().nth(2).is_some_and(|a| a == "v");
     let (mut sum, mut worst) = (0.0, 0.0f64);
     let (mut over3, mut over6) = (0, 0);
     let mut short = 0.0f64;
@@ -19,13 +19,14 @@ fn main() {
             axis.tr_geom = axis.tr_beschl_ab;
         });
         m.channel.slope_profile = slope;
-        let p = f.program(format!("feeds {i}"), 1);
+        let mut p = f.program(format!("feeds {i}"), 1);
+        p.optimised = std::env::args().nth(3).is_some_and(|a| a == "0");
         let r = run::<1, 120>(&p, &m).unwrap();
         let t: f64 = r.blocks.iter().map(|b| b.time.to_bits() as f64 / 2f64.powi(36)).sum::<f64>() * 1e-3;
         let over = 100.0 * (t / rows[i as usize].time - 1.0);
         short = short.min(over);
         if verbose {
-            println!("{i} {} {over:.2}", rows[i as usize].blocks);
+            println!("{i} {} {over:.4}", rows[i as usize].blocks);
         }
         sum += over;
         worst = worst.max(over);

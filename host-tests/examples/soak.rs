@@ -12,7 +12,9 @@ fn soak<const AXES: usize>(seeds: std::ops::Range<u64>, slope: u8) -> usize {
     for seed in seeds {
         let mut machine = machines::arbitrary::<AXES>(seed);
         machine.channel.slope_profile = slope;
-        match verify::<AXES, 120>(&program(seed, Mix::arbitrary(AXES, seed)), &machine) {
+        let mut program = program(seed, Mix::arbitrary(AXES, seed));
+        program.optimised = seed % 2 == 1;
+        match verify::<AXES, 120>(&program, &machine) {
             Ok(verdict) => {
                 error = error.max(verdict.course.error);
                 for (peaks, limits) in verdict.peaks.iter().zip(axis_limits(&machine, &verdict.contour)) {

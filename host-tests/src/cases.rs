@@ -92,12 +92,14 @@ pub struct Program {
     pub start: Vec<i64>,
     /// Motion blocks.
     pub moves: Vec<Move>,
+    /// NO_OPT=0, with HSC.
+    pub optimised: bool,
 }
 
 impl Program {
     /// An empty program that starts at zero.
     pub fn new(name: impl Into<String>, axes: usize) -> Self {
-        Self { name: name.into(), start: vec![0; axes], moves: Vec::new() }
+        Self { name: name.into(), start: vec![0; axes], moves: Vec::new(), optimised: false }
     }
 
     /// Where the last block ends.
@@ -144,6 +146,9 @@ impl Program {
     /// NC text: absolute coordinates, relative centres, every word written out.
     pub fn text<const AXES: usize>(&self, machine: &MachineData<AXES>) -> String {
         let mut text = String::from("%case\nN1 G90\n");
+        if self.optimised && machine.channel.slope_profile == 3 {
+            text.push_str("N2 #SLOPE [TYPE=HSC NO_OPT=0]\n");
+        }
         let mut plane = Plane::Xy;
         for (i, block) in self.moves.iter().enumerate() {
             let n = 10 * (i + 1);
@@ -314,7 +319,12 @@ impl Program {
             let stop = i > 0 && self.moves[i - 1].stop;
             Move { kind, target: points[i].clone(), feed: block.feed, stop }
         });
-        Self { name: format!("{} reversed", self.name), start: self.end().to_vec(), moves: moves.collect() }
+        Self {
+            name: format!("{} reversed", self.name),
+            start: self.end().to_vec(),
+            moves: moves.collect(),
+            ..self.clone()
+        }
     }
 
     fn mapped(

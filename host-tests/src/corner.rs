@@ -121,7 +121,7 @@ pub fn random(seed: u64) -> Case {
         Move { kind: about(kind2, centre2, &corner), target: end, feed: 6000.0, stop: false },
     ];
     let path_dev = (r.magnitude(0.001, 10.0) * NM as f64) as i64;
-    Case { program: Program { name: format!("corner {seed}"), start, moves }, path_dev }
+    Case { program: Program { optimised: false, name: format!("corner {seed}"), start, moves }, path_dev }
 }
 
 /// Decimals as the decoder has them.

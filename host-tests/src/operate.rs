@@ -214,7 +214,7 @@ pub fn judge<const AXES: usize>(
     check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map(|_| ())
 }
 
-/// A random program, a random machine with any slope, any mode of the override and a reduced speed, and random numbers for the
+/// A random program, every second one with NO_OPT=0 where the slope is HSC, a random machine with any slope, any mode of the override and a reduced speed, and random numbers for the
 /// operator.
 pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     let mut machine = machines::arbitrary::<3>(seed);
@@ -224,7 +224,9 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     for axis in &mut machine.axes {
         axis.vb_max_red = (f64::from(axis.vb_max) * random.unit()) as u32;
     }
-    (program(seed, Mix::arbitrary(3, seed)), machine, random)
+    let mut program = program(seed, Mix::arbitrary(3, seed));
+    program.optimised = (seed / 4).is_multiple_of(2);
+    (program, machine, random)
 }
 
 /// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.

@@ -1,11 +1,12 @@
 //! HSC: acceleration runs across the ends of blocks. Cutting a path changes nothing, and the limits hold as ever.
 use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, edges, machines, named};
 use host_tests::properties::{Verdict, verify};
 use host_tests::reference::optimum::TOLERANCE;
-use host_tests::trace::run;
+use host_tests::trace::{run, run_text};
 use std::f64::consts::TAU;
 
 fn hsc<const AXES: usize>(mut machine: MachineData<AXES>) -> MachineData<AXES> {
@@ -36,8 +37,11 @@ fn a_line_cut_into_pieces_takes_the_same_time() {
     let machine = machines::examples::<3>(1000);
     let whole = good(&cut(1, 0), &machine).run.trace.ticks();
     for (blocks, seed) in [(2, 1), (10, 2), (10, 3), (100, 4)] {
-        let ticks = good(&cut(blocks, seed), &machine).run.trace.ticks();
-        assert!(ticks.abs_diff(whole) <= 1, "{blocks} pieces: {ticks} ticks, one piece {whole}");
+        for optimised in [false, true] {
+            let program = Program { optimised, ..cut(blocks, seed) };
+            let ticks = good(&program, &machine).run.trace.ticks();
+            assert!(ticks.abs_diff(whole) <= 1, "{blocks} pieces: {ticks} ticks, one piece {whole}");
+        }
     }
 }
 
@@ -89,7 +93,10 @@ fn random<const AXES: usize>(seeds: std::ops::Range<u64>, cycle_us: u32) {
     for seed in seeds {
         let machines = [machines::even(cycle_us), machines::uneven(cycle_us), machines::mill(cycle_us)];
         let mix = if seed % 4 == 3 { Mix::surface(AXES, 400) } else { Mix::general(AXES, 60) };
-        good::<AXES>(&program(seed, mix), &machines[seed as usize % 3]);
+        for optimised in [false, true] {
+            let program = Program { optimised, ..program(seed, mix) };
+            good::<AXES>(&program, &machines[seed as usize % 3]);
+        }
     }
 }
 
@@ -107,8 +114,12 @@ fn random_programs_keep_their_limits() {
 fn arbitrary_machines_keep_their_limits() {
     // `cargo run --release -p host-tests --example soak -- 0 5000 3` goes on with it.
     for seed in 0..60 {
-        good::<1>(&program(seed, Mix::arbitrary(1, seed)), &machines::arbitrary(seed));
-        good::<3>(&program(seed, Mix::arbitrary(3, seed)), &machines::arbitrary(seed));
+        for optimised in [false, true] {
+            let one = Program { optimised, ..program(seed, Mix::arbitrary(1, seed)) };
+            good::<1>(&one, &machines::arbitrary(seed));
+            let three = Program { optimised, ..program(seed, Mix::arbitrary(3, seed)) };
+            good::<3>(&three, &machines::arbitrary(seed));
+        }
     }
     // A plan of single blocks, then a tiny block with less jerk in one span with the last of them.
     good::<2>(&program(655, Mix::arbitrary(2, 655)), &machines::arbitrary(655));
@@ -140,22 +151,29 @@ fn never_slower_than_with_zero_acceleration_at_every_block_end() {
 /// Mean and worst time over the optimum, %.
 const MEAN: f64 = 3.0;
 const WORST: f64 = 6.0;
+/// The same with NO_OPT=0.
+const OPTIMISED_MEAN: f64 = 1.0;
+const OPTIMISED_WORST: f64 = 2.5;
 
-#[test]
-fn near_the_optimum_along_changing_feeds_and_never_faster() {
-    // `cargo run --release -p host-tests --example compare` prints every path.
+/// The machine of a path with changing feeds.
+fn feeds_machine(path: &Feeds) -> MachineData<1> {
+    let ramp = (path.ramp * 1e6) as u32;
+    hsc(machines::machine::<1>(1000, |_, axis| {
+        (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
+        machines::accelerations(axis, ACCELERATION as u32, ACCELERATION as u32);
+        machines::ramps(axis, ramp);
+        axis.tr_geom = ramp;
+    }))
+}
+
+/// `cargo run --release -p host-tests --example compare` prints every path.
+fn beside_the_optimum(optimised: bool) -> [f64; 2] {
     let (mut sum, mut worst) = (0.0, 0.0_f64);
     let optima = accepted().expect("the table");
     for (number, optimum) in (0..PATHS).zip(&optima) {
         let path = Feeds::new(number);
-        let ramp = (path.ramp * 1e6) as u32;
-        let machine = hsc(machines::machine::<1>(1000, |_, axis| {
-            (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
-            machines::accelerations(axis, ACCELERATION as u32, ACCELERATION as u32);
-            machines::ramps(axis, ramp);
-            axis.tr_geom = ramp;
-        }));
-        let blocks = run::<1, 120>(&path.program(format!("feeds {number}"), 1), &machine).unwrap().blocks;
+        let program = Program { optimised, ..path.program(format!("feeds {number}"), 1) };
+        let blocks = run::<1, 120>(&program, &feeds_machine(&path)).unwrap().blocks;
         // Ticks to s.
         let time = blocks.iter().map(|span| span.time.to_bits() as f64).sum::<f64>() / 2f64.powi(36) * 1e-3;
         let over = time / optimum.time - 1.0;
@@ -165,5 +183,72 @@ fn near_the_optimum_along_changing_feeds_and_never_faster() {
     }
     let mean = sum / optima.len() as f64;
     println!("{mean:.2} % over the optimum on average, {worst:.2} % at worst");
+    [mean, worst]
+}
+
+#[test]
+fn near_the_optimum_along_changing_feeds_and_never_faster() {
+    let [mean, worst] = beside_the_optimum(false);
     assert!(mean <= MEAN && worst <= WORST, "{mean} % over the optimum on average, {worst} % at worst");
+}
+
+#[test]
+fn nearer_to_the_optimum_with_no_opt_0() {
+    let [mean, worst] = beside_the_optimum(true);
+    assert!(
+        mean <= OPTIMISED_MEAN && worst <= OPTIMISED_WORST,
+        "{mean} % over the optimum on average, {worst} % at worst"
+    );
+}
+
+#[test]
+fn changing_feeds_keep_their_limits_with_no_opt_0() {
+    for number in 1000..1150 {
+        let path = Feeds::new(number);
+        let mut machine = feeds_machine(&path);
+        for axis in &mut machine.axes {
+            match number % 3 {
+                1 => axis.a_brems = 1300,
+                2 => axis.a_beschl = 900,
+                _ => {}
+            }
+        }
+        machine.channel.look_ahead = [120, 60, 30, 20][(number / 3 % 4) as usize];
+        let program = Program { optimised: true, ..path.program(format!("feeds {number}"), 1) };
+        good::<1>(&program, &machine);
+    }
+}
+
+/// Slow arcs, a slow line and slow corners between fast blocks: each is cut, whatever its shape.
+#[test]
+fn blocks_of_every_shape_are_entered_and_left_with_acceleration() {
+    let machine = machines::examples::<3>(1000);
+    let program = Program::new("shapes", 3)
+        .line(&[80.0], 18_000.0)
+        .arc(&[80.0, 60.0], [0.0, 30.0], false, 3_000.0)
+        .line(&[0.0, 60.0], 18_000.0)
+        .line(&[-20.0, 60.0], 2_000.0)
+        .line(&[-100.0, 60.0], 18_000.0)
+        .line(&[-102.0, 60.0], 4_000.0)
+        .line(&[-160.0, 60.0], 18_000.0);
+    let before = good(&program, &machine).run.trace.ticks();
+    let program = Program { optimised: true, ..program };
+    let verdict = good(&program, &machine);
+    let ticks = verdict.run.trace.ticks();
+    let inside = verdict.run.blocks.iter().filter(|span| span.blocks == 0).count();
+    println!("{before} ticks, {ticks} with NO_OPT=0, {inside} spans inside a block");
+    assert!(ticks < before && inside > 0, "{before} ticks, {ticks} with NO_OPT=0, {inside} spans inside");
+}
+
+#[test]
+fn no_opt_0_changes_nothing_but_hsc() {
+    let machine = machines::even::<3>(1000);
+    let program = named::slot(6000.0, 3).text(&machine);
+    let digest = |slope: &str| {
+        let text = program.replacen("N10 ", &format!("N2 #SLOPE [{slope}]\nN10 "), 1);
+        run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1).unwrap().digest
+    };
+    assert_eq!(digest("TYPE=TRAPEZ NO_OPT=0"), digest("TYPE=TRAPEZ"));
+    assert_eq!(digest("TYPE=SIN2 NO_OPT=0"), digest("TYPE=SIN2 NO_OPT=1"));
+    assert_eq!(digest("TYPE=HSC"), digest("TYPE=HSC NO_OPT=1"));
 }

@@ -130,7 +130,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
         "#HSC ON [SURFACE]",
         "#HSC [BSPLINE PATH_DEV=0.1]",
-        "#SLOPE [TYPE=HSC NO_OPT=0]",
         "#FILTER ON [ORDER=20]",
         "#VECTOR LIMIT ON [RADIAL_ACC=1000]",
         "#VECTOR LIMIT ON [VEL=1000 RADIAL_JERK]",

@@ -1,5 +1,6 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
+use super::dip::SPARE;
 use super::limits::{Share, max, min};
 use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
@@ -90,6 +91,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.through += 1;
         }
         self.span += distance;
+        self.spare = if limits.may_dip() { self.depth / SPARE } else { 0 };
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };

@@ -8,6 +8,7 @@
 //! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
 //! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
 //! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
+use super::dip;
 use super::span::{Law, Pass, Span};
 use super::{Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
@@ -34,7 +35,7 @@ impl Ease {
     }
 
     /// The same to be kept there.
-    fn kept(self) -> Speed {
+    pub fn kept(self) -> Speed {
         let ([up, down], [v0, v1, v2, v3]) = (self.less, self.v.to_le_bytes());
         Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
     }
@@ -53,7 +54,7 @@ const STEPS: usize = 8;
 /// Laws per call.
 const LAWS: usize = 4;
 /// Blocks for which the acceleration is lowered, at most.
-const ROUNDS: u8 = 4;
+pub(super) const ROUNDS: u8 = 4;
 /// Longest span made of two, as a part of the ring.
 const PART: usize = 2;
 /// Less is no gain, and no rise of speed.
@@ -75,7 +76,7 @@ struct Excess {
 
 /// What to do next.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+pub(super) enum Step {
     /// Look for the next anchor to try, from block `next` on.
     Seek,
     /// Take in the blocks of both spans.
@@ -85,31 +86,39 @@ enum Step {
     /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
     /// number, enough with the second.
     Search(usize, [u8; 2]),
+    /// The anchor stays where it is, unless it becomes a dip: see [`super::dip`].
+    Dip(dip::Step),
 }
 
 /// Tries to do without one anchor after the other, from the front to the last one whose speed is final.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
-    step: Step,
+    pub step: Step,
     /// First block of the first span, the anchor behind it, and the one behind the second span.
-    from: usize,
-    at: usize,
-    to: usize,
+    pub from: usize,
+    pub at: usize,
+    pub to: usize,
     /// Block to look at, and its distance from the start.
-    next: usize,
-    way: i64,
+    pub next: usize,
+    pub way: i64,
     /// The last anchor with a final speed.
-    last: usize,
+    pub last: usize,
     /// Both spans, then in the first one all of it.
-    spans: [Span; 2],
+    pub spans: [Span; 2],
     /// Speeds at their ends.
-    speeds: [Speed; 3],
+    pub speeds: [Speed; 3],
     /// Time of the plan as it is.
-    time: f32,
-    ease: Ease,
-    law: Option<Law>,
+    pub time: f32,
+    pub ease: Ease,
+    pub law: Option<Law>,
     worst: [Option<Excess>; 2],
-    rounds: u8,
+    pub rounds: u8,
+    /// What the law begins with before its first block, LSB 2^-44 mm.
+    pub head: i64,
+    /// It is one of a dip.
+    pub fitting: bool,
+    /// Only anchors that are slower than they may be.
+    first: bool,
 }
 
 impl Trial {
@@ -129,6 +138,9 @@ impl Trial {
             law: None,
             worst: [None; 2],
             rounds: 0,
+            head: 0,
+            fitting: false,
+            first: true,
         }
     }
 
@@ -145,7 +157,7 @@ impl Trial {
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
         self.law = Some(law);
-        (self.next, self.way) = (self.from, 0);
+        (self.next, self.way) = (self.from, self.head);
         self.worst = [None; 2];
     }
 
@@ -190,6 +202,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 self.search(pass, side, between);
                 None
             }
+            Step::Dip(step) => {
+                self.dip(pass, step);
+                None
+            }
         }
     }
 
@@ -204,20 +220,39 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
+    /// The span that begins with this block gets no faster than that.
+    pub(super) fn lower_peak(&mut self, from: usize, v: f32) {
+        let mut ease = self.ease(from);
+        ease.v = v;
+        if let Some(second) = self.blocks.get_mut(from + 1) {
+            second.v_reached = ease.kept();
+        }
+    }
+
     /// Goes on to the next anchor that may be tried.
     fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
         for _ in 0..WALK {
+            if pass.next >= pass.last && core::mem::take(&mut pass.first) {
+                (pass.from, pass.next) = (0, 1);
+            }
             if pass.next >= pass.last {
                 return Some(self.complete());
             }
             let Some(block) = self.blocks.get(pass.next) else { return Some(self.complete()) };
             let anchor = block.is(Marks::ANCHOR);
-            let untried = block.joint.is_open();
+            let untried = block.joint.is_open()
+                && !(pass.first
+                    && block.limits.may_dip()
+                    && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
             let planned = |k: usize| {
                 self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
             };
             if anchor && untried && planned(pass.from) && planned(pass.next) {
                 pass.at = pass.next;
+                if pass.first && block.limits.may_dip() {
+                    self.look_further(pass);
+                    return None;
+                }
                 pass.next = pass.from;
                 pass.spans = [Span::default(); 2];
                 pass.step = Step::Gather;
@@ -233,6 +268,20 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
+        if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
+            if pass.first && !pass.fitting {
+                (pass.from, pass.next) = (pass.at, pass.at + 1);
+                pass.step = Step::Seek;
+            } else {
+                pass.step = Step::Dip(if pass.fitting { dip::Step::Weigh } else { dip::Step::Look });
+            }
+            return;
+        }
+        self.pass_anchor(pass);
+    }
+
+    /// Goes on behind the anchor, which is not tried again.
+    pub(super) fn pass_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
             self.untried = self.untried.saturating_sub(1);
@@ -277,7 +326,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let before = Law::new(&first, speeds[0], speeds[1], true);
         let behind = Law::new(&second, speeds[1], speeds[2], true);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        if before.peak() > v && behind.peak() > v {
+        // Unless it could be faster than planned, for what lies before a dip.
+        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_dip() && at.cap() > v);
+        if before.peak() > v && behind.peak() > v && !slow {
             return self.keep_anchor(pass);
         }
         let [first, second] = &mut pass.spans;
@@ -289,7 +340,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The law with the acceleration at hand, if it gains anything, against all blocks.
-    fn try_law(&mut self, pass: &mut Trial) {
+    pub(super) fn try_law(&mut self, pass: &mut Trial) {
         match pass.law(pass.ease) {
             Some(law) if law.time() < pass.time => pass.compare(law),
             _ => self.keep_anchor(pass),
@@ -302,12 +353,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let length = to_f32(pass.spans[0].length) * LSB_44;
         for _ in 0..STEPS {
             let block = match self.blocks.get(pass.next) {
-                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => block,
+                Some(block) if pass.next < pass.to => block,
                 _ => return self.compared(pass),
             };
-            let start = to_f32(pass.way) * LSB_44;
+            let start = to_f32(pass.way.max(0)) * LSB_44;
             pass.way += block.shape.length.to_bits();
-            let end = to_f32(pass.way) * LSB_44;
+            let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
             let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
                 if !law.keeps(v, places[0], places[1]) && !pass.exceeds(&law, v, places, length) {
@@ -334,7 +385,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn compared(&mut self, pass: &mut Trial) {
         let [up, down] = pass.worst;
         if up.is_none() && down.is_none() {
-            return self.do_without(pass);
+            return if pass.fitting { self.fitted(pass) } else { self.do_without(pass) };
         }
         if pass.rounds == 0 {
             return self.keep_anchor(pass);
@@ -368,7 +419,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`: what that
     /// permits at its start.
-    fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
+    pub(super) fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
         let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
         if block > 0
             && let Some(block) = self.blocks.get_mut(block)

@@ -33,6 +33,8 @@ pub enum Law {
     Bowed {
         /// Shape of the ramps.
         bend: Bend,
+        /// Slow blocks may be entered and left with acceleration: NO_OPT=0.
+        dips: bool,
         /// Mean jerk of each ramp.
         j: Ramps,
     },
@@ -75,7 +77,7 @@ impl Limits {
         v: f32::MAX,
         a_up: f32::MAX,
         a_down: f32::MAX,
-        law: Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
+        law: Law::Bowed { bend: Bend::Linear, dips: false, j: [f32::MAX; 4] },
     };
 
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
@@ -119,6 +121,11 @@ impl Limits {
         }
     }
 
+    /// NO_OPT=0.
+    pub(super) fn may_dip(&self) -> bool {
+        matches!(self.law, Law::Bowed { dips: true, .. })
+    }
+
     /// Uses less than permitted.
     pub(super) fn ease(&mut self, ease: Ease) {
         let ([up, down], v) = ease.parts();
@@ -149,7 +156,9 @@ impl Limits {
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {
-            Law::Bowed { bend, j: [rise, fall, ..] } => Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall)),
+            Law::Bowed { bend, j: [rise, fall, ..], .. } => {
+                Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall))
+            }
             Law::Stepped { change_over, a_up, .. } => {
                 Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
             }
@@ -159,7 +168,7 @@ impl Limits {
     /// The slope that loses speed, seen backward from the lower one.
     pub fn brake(&self) -> Ramp {
         match self.law {
-            Law::Bowed { bend, j: [.., rise, fall] } => {
+            Law::Bowed { bend, j: [.., rise, fall], .. } => {
                 Ramp::Bowed(Bowed::new(bend, self.a_down, fall, rise))
             }
             Law::Stepped { change_over, a_down, .. } => {
@@ -174,7 +183,7 @@ impl Limits {
     /// and a ramp at the lower speed shorter than a third of the other one, a longer one alone would shorten the way.
     pub(super) fn share(&mut self, share: &Share) {
         match &mut self.law {
-            Law::Bowed { bend: Bend::SineSquare, j } => {
+            Law::Bowed { bend: Bend::SineSquare, j, .. } => {
                 let highest = j.iter().fold(0.0, |highest, j| max(highest, *j));
                 let part = min(1.0, share.j / highest);
                 *j = j.map(|j| j * part);
@@ -209,7 +218,7 @@ impl Limits {
         self.a_down = min(set.a_down * scale, self.a_down);
         let mut peak = 1.0;
         match &mut self.law {
-            Law::Bowed { bend, j } => {
+            Law::Bowed { bend, j, .. } => {
                 lower(j, set.j.map(|j| j * scale));
                 peak = 1.0 / bend.peak_jerk();
             }
@@ -236,7 +245,7 @@ impl Limits {
         self.v = min(self.v, sqrt_f32(normal / curvature));
         let twist = curvature * curvature / share;
         self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
-        if let Law::Bowed { bend, j } = &mut self.law {
+        if let Law::Bowed { bend, j, .. } = &mut self.law {
             lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
         }
         let length = TAU / curvature;

@@ -14,6 +14,7 @@
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
 //! ends early at the first transition whose speed did not change.
 mod append;
+mod dip;
 mod dynamics;
 mod ease;
 mod limits;
@@ -34,6 +35,7 @@ use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
+use dip::Dip;
 use heapless::Deque;
 use span::Pass;
 
@@ -292,6 +294,10 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     stale: bool,
     /// Speeds are those of the programmed feed, so many times.
     level: f32,
+    /// Blocks that are left free for cuts.
+    spare: usize,
+    /// What is tried to be cut.
+    dip: Dip,
 }
 
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
@@ -322,6 +328,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             end: 0,
             stale: false,
             level: 1.0,
+            spare: 0,
+            dip: Dip::NONE,
         }
     }
 
@@ -357,7 +365,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Whether there is no room for another block, or what is there is long enough for any speed.
     pub fn is_full(&self) -> bool {
-        self.blocks.len() >= self.depth || self.long >= LONG_BLOCKS
+        self.blocks.len() + self.spare >= self.depth || self.long >= LONG_BLOCKS
     }
 
     /// Whether there is no block.
@@ -512,6 +520,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// The first block.
     pub fn first(&self) -> Option<&Block<AXES>> {
         self.blocks.front()
+    }
+
+    /// The first block, whole where it was cut, and the length that is its own.
+    #[inline(always)]
+    pub fn first_whole(&mut self) -> Option<(&Block<AXES>, i64)> {
+        let length = self.blocks.front()?.shape.length.to_bits();
+        if self.blocks.get(1).is_some_and(|next| next.shape.is_continued())
+            && !self.blocks.front()?.shape.is_continued()
+        {
+            self.unite_first();
+        }
+        Some((self.blocks.front()?, length))
     }
 
     /// The first block leaves the ring.

@@ -31,7 +31,7 @@ pub(super) struct Span {
 
 impl Default for Span {
     fn default() -> Self {
-        Self { length: 0, limits: Limits::WIDEST, kept: false }
+        Self::NONE
     }
 }
 
@@ -120,6 +120,9 @@ const DISTANCE: f32 = 1.0 / 1_048_576.0;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl Span {
+    /// No block.
+    pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
+
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, share: Option<&Share>) {
         let mut limits = block.limits;
@@ -133,6 +136,21 @@ impl Span {
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.shape.length.to_bits();
+    }
+
+    /// Takes in a piece of a block beside it.
+    pub fn add_piece(&mut self, limits: &Limits, length: i64) {
+        let v = self.limits.v;
+        self.limits.join(limits);
+        self.limits.v = v;
+        self.kept = true;
+        self.length += length;
+    }
+
+    /// Loses a piece at an end.
+    pub fn shorten(&mut self, length: i64) {
+        self.kept = true;
+        self.length -= length;
     }
 
     /// Takes in the span behind it.
@@ -153,6 +171,18 @@ impl Span {
     /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
+    }
+}
+
+impl Span {
+    /// Whether it is long enough from one speed to the other.
+    pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
+        if v_out < v_in {
+            loses(&self.limits.brake(), self.millimetres(), v_in, v_out)
+        } else {
+            v_out.to_bits() <= speed_bits(self.limits.v)
+                && self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
+        }
     }
 }
 
@@ -550,7 +580,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if flat {
                 return self.slow_down(&pass.forward);
             }
-            let [enters, leaves] = self.too_fast(pass, first, behind, v);
+            let [enters, leaves] = self.needed(pass, self.too_fast(pass, first, behind, v), first, behind);
+            if !enters
+                && !leaves
+                && firm
+                && self.blocks.get(first).is_some_and(|block| block.limits.may_dip())
+            {
+                self.lower_peak(from, v);
+                return self.plan_again(from, to);
+            }
             for (block, needed) in [(first, enters || !leaves), (behind, leaves || !enters)] {
                 if needed && from < block && block < to {
                     self.set_anchor(block);
@@ -584,6 +622,26 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut law = pass.law;
         let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
         [first > from && !law.keeps(v, enter, enter), behind < to && !law.keeps(v, leave, leave)]
+    }
+
+    fn needed(&self, pass: &Inside, [enters, leaves]: [bool; 2], first: usize, behind: usize) -> [bool; 2] {
+        let Forward { from, .. } = pass.forward;
+        if !(enters && leaves && pass.law.firm && self.blocks.get(first).is_some_and(|b| b.limits.may_dip()))
+        {
+            return [enters, leaves];
+        }
+        let length = |range: core::ops::Range<usize>| {
+            let blocks = range.zip(self.blocks.iter().skip(from)).map(|(_, block)| length_mm(&block.shape));
+            blocks.sum::<f32>()
+        };
+        let [enter, leave] = [length(from..first), length(from..behind)];
+        if enter >= pass.law.brakes_at() {
+            [true, false]
+        } else if leave <= pass.law.reaches_at() {
+            [false, true]
+        } else {
+            [true, true]
+        }
     }
 
     fn set_anchor(&mut self, block: usize) {

@@ -219,9 +219,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`super::Work::Hungry`].
-    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+    /// `optimised`: NO_OPT=0.
+    pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
-        self.dynamics.set_slope(slope);
+        self.dynamics.set_slope(slope, optimised);
     }
 
     /// The dynamics, for weights and path limits of the blocks that follow. Only after [`super::Work::Hungry`].

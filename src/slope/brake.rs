@@ -125,7 +125,7 @@ impl Brake {
         *profile = Profile::default();
         match limits.law {
             Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), target),
-            Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall] } => {
+            Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall], .. } => {
                 let ramp =
                     Linear { up_fall: up_fall * bend.peak_jerk(), a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {

@@ -42,6 +42,7 @@ pub const CASES_3: &[Case] = cases!(
     "step",
     "sin2",
     "hsc",
+    "hsc_opt",
     "contour",
     "corners"
 );

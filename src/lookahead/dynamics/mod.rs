@@ -69,6 +69,8 @@ pub struct Dynamics<const AXES: usize> {
     /// mm/tick of 1 mm/min.
     feed_unit: f32,
     slope: SlopeType,
+    /// HSC with NO_OPT=0.
+    dips: bool,
     /// Elements are to be good for so many times their feed.
     level: f32,
     /// An axis has a reduced speed.
@@ -91,6 +93,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
+            dips: false,
             level: 1.0,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
         }
@@ -103,8 +106,10 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
-    pub fn set_slope(&mut self, slope: Option<SlopeType>) {
+    /// `optimised`: NO_OPT=0, which only HSC knows.
+    pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
+        self.dips = optimised && slope == SlopeType::Hsc;
         if slope != self.slope {
             self.slope = slope;
             self.change();
@@ -139,8 +144,10 @@ impl<const AXES: usize> Dynamics<AXES> {
     fn law(&self, change_over: f32) -> Law {
         match self.slope {
             SlopeType::Step => Law::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
-            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, j: [f32::MAX; 4] },
-            SlopeType::Trapez | SlopeType::Hsc => Law::Bowed { bend: Bend::Linear, j: [f32::MAX; 4] },
+            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, dips: false, j: [f32::MAX; 4] },
+            SlopeType::Trapez | SlopeType::Hsc => {
+                Law::Bowed { bend: Bend::Linear, dips: self.dips, j: [f32::MAX; 4] }
+            }
         }
     }
 

@@ -78,7 +78,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 if *twist > 0.0 {
                     limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
                 }
-                if let (true, Law::Bowed { bend, j }) = (*slope > 0.0, &mut limits.law) {
+                if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0, &mut limits.law) {
                     lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
@@ -168,7 +168,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             jerk *= TIMED_STEP;
         }
-        if let Law::Bowed { bend, j } = &mut limits.law {
+        if let Law::Bowed { bend, j, .. } = &mut limits.law {
             lower(j, [jerk / bend.peak_jerk(); 4]);
         }
         self.path.lower(&mut limits, rapid, true);

@@ -1,0 +1,864 @@
+//! NO_OPT=0: acceleration where a slow block begins and ends.
+//!
+//! An anchor at the end of a slow block makes acceleration zero where its limit is met. The optimum passes such a point with an
+//! acceleration: it goes on slowing down inside the slow block, and begins to speed up before its end. So the anchor moves
+//! into the slow block, and is as much slower: a *dip*. The piece between it and the end of the slow block belongs to the fast
+//! span. With jerk J and a depth of h below the limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
+//!
+//! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w t + J t³/6 at the
+//! soonest, and where s is given, v grows with w above v/2 and falls below: its highest values are those of w = V − h, which is
+//! V, and of w = 0, which is below V as long as h ≤ V/8. The same seen backward. So any motion that begins or ends with acceleration zero at the
+//! anchor, at its speed or slower, keeps the limit of the piece: after a hold, with another override, with new
+//! blocks behind. The piece has the limit of the fast block from then on.
+//!
+//! A dip costs time inside the slow block and gains some in front of it: with a fast block of speed F the best depth is about
+//! V (1 − V/F)/4. A slow block too short for two dips gets one from end to end. Two laws, or three, are compared with those of
+//! the plan as it is: what is no faster is left. Speeds at the other ends of both spans stay, what follows relies on them.
+//!
+//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
+//! zero either: it moves into the block on the other side, as far as the limit where it was permits.
+//!
+//! A block that is cut takes two places of the ring. The first one has its curve, see [`crate::path::Shape::cut`].
+use super::ease::{self, Ease, Trial};
+use super::span::{Law, Span, length_mm};
+use super::{Joint, Limits, Lookahead, Marks, ROUNDED, UNPLANNED, limits, max, min};
+use crate::math::float::{to_bits, to_f32};
+use crate::math::root::sqrt_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::{speed_bits, speed_f32};
+
+/// Part of the ring that is left free for cuts.
+pub(super) const SPARE: usize = 8;
+/// Blocks per call that are counted.
+const WALK: usize = 32;
+/// Dips tried: a part of the best depth, and whether both sides get one depth.
+const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
+/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
+const MOVES: u8 = 4;
+const SHIFTS: u8 = 12;
+const LAWS: usize = 2;
+/// An anchor moves only for so much: less is better gained without it.
+const WORTH: f32 = 0.995;
+/// Two speeds that differ by less are one.
+const SAME: f32 = 1.0 + 1.0 / 65_536.0;
+/// Less is no rise of speed.
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
+/// Less is no gain.
+const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
+/// Deepest dip, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
+const DEEPEST: f32 = 0.125;
+/// Depth of the best dip below a speed that is small beside that of the fast block.
+const BEST: f32 = 1.0 / 3.9;
+/// A dip is so much shorter than its jerk permits.
+const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    /// Speed at the anchor.
+    v: f32,
+    /// Distance of the anchor from the end of the block.
+    way: f32,
+}
+
+impl Side {
+    /// `v`: limit; `j`: jerk; `t`: time from the anchor.
+    fn new(v: f32, j: f32, t: f32) -> Self {
+        let gain = 0.5 * j * t * t;
+        Self { v: v - gain, way: t * (v - gain * (2.0 / 3.0)) * SHORTER }
+    }
+
+    /// Time of the best one beside a peak, `a` being the largest acceleration.
+    fn best(v: f32, peak: f32, j: f32, a: f32, part: f32) -> f32 {
+        let depth = v * part * min(DEEPEST, BEST * max(0.0, 1.0 - v / peak));
+        min(sqrt_f32(2.0 * depth / j), a / j)
+    }
+
+    /// Time of one of that way.
+    fn fill(v: f32, j: f32, way: f32) -> f32 {
+        let mut t = way / v;
+        for _ in 0..3 {
+            let square = j * t * t;
+            t += (way - t * (v - square * (1.0 / 3.0))) / (v - square);
+        }
+        t
+    }
+}
+
+/// What to do next.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    /// Find out which span is the slow one.
+    Look,
+    /// Take in the blocks.
+    TakeIn,
+    /// Find the time of the plan as it is.
+    Measure,
+    /// Find how deep, or how far the anchor moves.
+    Weigh,
+    /// Fit the law of one of the spans to its blocks.
+    Fit(u8),
+    /// Do it.
+    Do,
+}
+
+impl Step {
+    /// What follows when the law of that span is fitted.
+    const fn behind(which: u8) -> Self {
+        if which < 3 { Self::Fit(which + 1) } else { Self::Do }
+    }
+}
+
+/// Up to three spans, of which the middle one is slow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dip {
+    /// The span whose law is being fitted to its blocks: before (1), behind (2), between (3).
+    fitting: u8,
+    /// Dips tried.
+    tried: u8,
+    /// Where the spans begin, and the last one ends.
+    edges: [usize; 4],
+    spans: [Span; 3],
+    speeds: [Speed; 4],
+    /// Highest speeds on both sides.
+    peaks: [f32; 2],
+    /// Time as it is, and of what is decided.
+    before: f32,
+    time: f32,
+    /// Where the slow block is cut, from its start and from its end; speeds there; only one dip from end to end.
+    cuts: [i64; 2],
+    v: [f32; 2],
+    meet: bool,
+    eases: [Ease; 3],
+    /// An anchor moves, instead of a dip: where it was, and by how much in whole blocks.
+    shifts: bool,
+    was: usize,
+    moved: i64,
+    /// The search for its place: steps done, distances into the block, speed and time found.
+    steps: u8,
+    between: [i64; 2],
+    best: Option<(Speed, f32)>,
+}
+
+impl Dip {
+    pub const NONE: Self = Self {
+        fitting: 0,
+        tried: 0,
+        edges: [0; 4],
+        spans: [Span::NONE; 3],
+        speeds: [Speed::ZERO; 4],
+        peaks: [0.0; 2],
+        before: 0.0,
+        time: 0.0,
+        cuts: [0; 2],
+        v: [0.0; 2],
+        meet: false,
+        eases: [Ease::NONE; 3],
+        shifts: false,
+        was: 0,
+        moved: 0,
+        steps: 0,
+        between: [0; 2],
+        best: None,
+    };
+
+    fn enters(&self) -> bool {
+        self.edges[0] < self.edges[1]
+    }
+
+    fn leaves(&self) -> bool {
+        self.edges[2] < self.edges[3]
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+    pub(super) fn dip(&mut self, pass: &mut Trial, step: Step) {
+        // Apart from the pass, which is copied with every step.
+        let mut dip = self.dip;
+        self.step_dip(pass, &mut dip, step);
+        self.dip = dip;
+    }
+
+    fn step_dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
+        match step {
+            Step::Look => self.look(pass, dip),
+            Step::TakeIn => self.take_in(pass, dip),
+            Step::Measure => self.measure(pass, dip),
+            Step::Fit(which) => self.fit(pass, dip, which),
+            Step::Do if dip.shifts => self.do_shift(pass, dip),
+            Step::Do => self.do_dip(pass, dip),
+            Step::Weigh if dip.shifts => self.weigh_shift(pass, dip),
+            Step::Weigh => self.weigh_dip(pass, dip),
+        }
+    }
+
+    /// An anchor that is slower than it may be.
+    pub(super) fn look_further(&mut self, pass: &mut Trial) {
+        let mut dip = self.dip;
+        self.look_shift(pass, &mut dip);
+        self.dip = dip;
+    }
+
+    fn look_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let (from, at) = (pass.from, pass.at);
+        let to = self.anchor_after(at);
+        if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
+            return self.try_knee(pass, dip);
+        }
+        *dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
+        pass.next = from;
+        pass.step = ease::Step::Dip(Step::TakeIn);
+    }
+
+    /// Goes on with the knee.
+    fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
+        pass.next = pass.from;
+        pass.spans = [Span::NONE; 2];
+        pass.step = ease::Step::Gather;
+    }
+
+    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
+    fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let moves = if pass.fitting { None } else { self.search_shift(pass, dip) };
+        if moves.is_none() {
+            (pass.from, pass.at) = (dip.edges[0], dip.was);
+            self.try_knee(pass, dip);
+        }
+    }
+
+    /// Whether the motion speeds up to the anchor, or slows down from it: which block it moves into.
+    fn shifts_early(&self, dip: &Dip) -> Option<bool> {
+        let high = speed_f32(dip.speeds[1].to_bits()) * RISE;
+        match [dip.peaks[0] > high, dip.peaks[1] > high] {
+            [true, false] => Some(true),
+            [false, true] => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a block; `None` if that law
+    /// is too fast where the anchor was.
+    fn shifted(&self, dip: &Dip, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
+        let mut span = dip.spans[if early { 2 } else { 0 }];
+        let at = to_f32(if early { dip.moved + way } else { span.length - dip.moved }) * LSB_44;
+        if way > 0 {
+            span.add_piece(limits, way);
+        }
+        span.limits.ease(dip.eases[usize::from(early)]);
+        let [v_from, .., v_end] = dip.speeds;
+        let ramp = if early { span.limits.brake() } else { span.limits.speed_up() };
+        let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
+        let [from, to] = if early { [v, v_end] } else { [v_from, v] };
+        let mut law = Law::new(&span, from, to, true);
+        let cap = self.blocks.get(dip.was)?.cap();
+        law.keeps(cap, at, at).then(|| (v, law.time()))
+    }
+
+    /// Goes on with the search. `None`: it stays.
+    fn search_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
+        let early = self.shifts_early(dip)?;
+        let [a, b, _, d] = dip.edges;
+        let block = self.blocks.get(if early { b - 1 } else { b })?;
+        let (limits, length) = (block.limits, block.shape.length.to_bits());
+        if dip.steps == 0 {
+            if dip.moved == 0 {
+                dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
+            }
+            let more = if early { b - 1 > a } else { b + 1 < d };
+            if more && dip.tried < MOVES && self.shifted(dip, &limits, early, length).is_some() {
+                dip.tried += 1;
+                dip.moved += length;
+                let b = if early { b - 1 } else { b + 1 };
+                dip.edges = [a, b, b, d];
+                dip.spans = [Span::NONE; 3];
+                pass.next = a;
+                pass.step = ease::Step::Dip(Step::TakeIn);
+                return Some(());
+            }
+            dip.best = if dip.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
+            dip.between = [0, length / 16 * 15];
+        }
+        for _ in 0..LAWS {
+            if dip.steps >= SHIFTS {
+                return self.try_shift(pass, dip, early);
+            }
+            dip.steps += 1;
+            let [near, far] = dip.between;
+            let middle = near + (far - near) / 2;
+            match self.shifted(dip, &limits, early, middle) {
+                Some(found) => {
+                    dip.between[0] = middle;
+                    dip.best = Some(found);
+                }
+                None => dip.between[1] = middle,
+            }
+        }
+        pass.step = ease::Step::Dip(Step::Weigh);
+        Some(())
+    }
+
+    /// `None`: no gain.
+    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip, early: bool) -> Option<()> {
+        let [_, b, ..] = dip.edges;
+        let [v_from, .., v_end] = dip.speeds;
+        let (w, time) = dip.best?;
+        let near = dip.between[0];
+        if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
+            return None;
+        }
+        dip.cuts = if early { [-near, near] } else { [near, -near] };
+        let speed = speed_f32(w.to_bits()) * ROUNDED;
+        dip.v = [speed; 2];
+        let w = Speed::from_bits(speed_bits(speed));
+        let mut other = dip.spans[if early { 0 } else { 2 }];
+        other.shorten(near);
+        other.limits.ease(dip.eases[usize::from(!early)]);
+        let [from, to] = if early { [v_from, w] } else { [w, v_end] };
+        if !other.joins(from, to) {
+            return None;
+        }
+        dip.time = time + Law::new(&other, from, to, true).time();
+        if dip.time >= dip.before * WORTH {
+            return None;
+        }
+        pass.step = ease::Step::Dip(Step::Fit(1));
+        Some(())
+    }
+
+    fn do_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let plan = *dip;
+        let [a, b, _, _] = plan.edges;
+        let mut was = plan.was;
+        let at = if plan.cuts[0] == 0 {
+            b
+        } else {
+            let early = plan.cuts[0] < 0;
+            let k = if early { b - 1 } else { b };
+            let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
+            self.cut(k, if early { length + plan.cuts[0] } else { plan.cuts[0] });
+            was += usize::from(early);
+            pass.last += 1;
+            k + 1
+        };
+        let early = at < was;
+        // The anchor that was.
+        let (cap, joint) =
+            self.blocks.get(was).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
+        self.open_up(was, cap);
+        if let Some(block) = self.blocks.get_mut(was) {
+            block.joint = Joint::new(joint.rises(), false);
+        }
+        let (cap_here, joint_here) =
+            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
+        self.dip_at(at, plan.v[0]);
+        if let Some(block) = self.blocks.get_mut(at) {
+            if plan.cuts[0] != 0 {
+                block.joint = Joint::new(2.0, true);
+                block.cap = block.limits.v;
+                self.untried += 1;
+            } else {
+                block.cap = cap_here;
+                block.joint = joint_here;
+                self.untried += usize::from(joint_here.is_open());
+            }
+        }
+        if early
+            && let Some(block) = self.blocks.get_mut(was + 1)
+            && !block.is(Marks::ANCHOR)
+        {
+            block.v_reached = UNPLANNED;
+        }
+        self.keep_ease(at, plan.eases[1]);
+        self.keep_ease(a, plan.eases[0]);
+        // It gets no faster there, although the new law might.
+        let end = plan.edges[3] + usize::from(plan.cuts[0] != 0);
+        if let Some(end) = self.blocks.get_mut(end) {
+            end.v_in = end.v_reached;
+        }
+        (pass.from, pass.at) = (a, at);
+        self.try_knee(pass, dip);
+    }
+
+    /// The next anchor. `tried`: not this one again.
+    fn leave_anchor(&mut self, pass: &mut Trial, dip: &mut Dip, tried: bool) {
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
+        if tried {
+            return self.pass_anchor(pass);
+        }
+        (pass.from, pass.next) = (pass.at, pass.at + 1);
+        pass.step = ease::Step::Seek;
+    }
+
+    fn anchor_after(&self, from: usize) -> usize {
+        (from + 1..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
+            .unwrap_or(self.blocks.len())
+    }
+
+    /// Final speed at an anchor.
+    fn final_speed(&self, k: usize) -> Speed {
+        match self.blocks.get(k) {
+            Some(block) if k == 0 => block.v_in,
+            Some(block) => block.v_reached,
+            None => Speed::ZERO,
+        }
+    }
+
+    fn limit(&self, k: usize) -> f32 {
+        self.blocks.get(k).map_or(0.0, |block| block.limits.v)
+    }
+
+    fn look(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let at = pass.at;
+        let to = self.anchor_after(at);
+        let planned = |k: usize| {
+            self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+        };
+        if to > pass.last || at == 0 {
+            return self.leave_anchor(pass, dip, true);
+        }
+        let (before, behind) = (self.limit(at - 1), self.limit(at));
+        let v = min(before, behind);
+        if self.final_speed(at) <= Speed::ZERO || self.blocks.get(at).is_none_or(|at| v > at.cap() * SAME) {
+            return self.leave_anchor(pass, dip, true);
+        }
+        let mut edges = [pass.from, at, to, to];
+        if before > v * RISE {
+            // Into a slow span.
+            let leaves = to < self.blocks.len()
+                && self.limit(to) > self.limit(to - 1) * RISE
+                && self.blocks.get(to).is_some_and(|block| {
+                    block.cap() * SAME >= self.limit(to - 1)
+                        && block.limits.may_dip()
+                        && block.joint.is_open()
+                });
+            if leaves {
+                let behind = self.anchor_after(to);
+                if behind > pass.last {
+                    return self.leave_anchor(pass, dip, false);
+                }
+                if planned(to) {
+                    edges[3] = behind;
+                }
+            }
+        } else if behind > v * RISE {
+            edges = [pass.from, pass.from, at, to];
+        } else {
+            return self.leave_anchor(pass, dip, true);
+        }
+        let [a, b, c, d] = edges;
+        let checked = [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || planned(from));
+        let last = self.open && d == self.blocks.len();
+        if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
+            return self.leave_anchor(pass, dip, true);
+        }
+        *dip = Dip { edges, ..Dip::NONE };
+        pass.next = a;
+        pass.step = ease::Step::Dip(Step::TakeIn);
+    }
+
+    fn take_in(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let [_, b, c, d] = dip.edges;
+        for _ in 0..WALK {
+            if pass.next >= d {
+                let known = dip.moved > 0;
+                pass.step = ease::Step::Dip(if known { Step::Weigh } else { Step::Measure });
+                return;
+            }
+            let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, dip, true) };
+            let [first, middle, last] = &mut dip.spans;
+            let span = if pass.next < b {
+                first
+            } else if pass.next < c {
+                middle
+            } else {
+                last
+            };
+            span.add(block, None);
+            pass.next += 1;
+        }
+    }
+
+    fn measure(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        dip.speeds = dip.edges.map(|k| self.final_speed(k));
+        let [a, b, c, d] = dip.edges;
+        let [v0, v1, v2, v3] = dip.speeds;
+        let [first, middle, last] = dip.spans;
+        let spans = [(a, b, first, v0, v1), (b, c, middle, v1, v2), (c, d, last, v2, v3)];
+        for (k, (from, to, mut span, v_in, v_out)) in spans.into_iter().enumerate() {
+            if from == to {
+                continue;
+            }
+            span.limits.ease(self.ease(from));
+            let law = Law::new(&span, v_in, v_out, true);
+            dip.before += law.time();
+            match k {
+                0 => dip.peaks[0] = law.peak(),
+                2 => dip.peaks[1] = law.peak(),
+                _ => {}
+            }
+        }
+        pass.step = ease::Step::Dip(Step::Weigh);
+    }
+
+    /// Tries the next depth.
+    fn weigh_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let [a, b, c, d] = dip.edges;
+        let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
+            return self.leave_anchor(pass, dip, true);
+        };
+        let (first, last) = (*first, *last);
+        let lengths = [first, last].map(|block| length_mm(&block.shape));
+        let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
+        let [v_in, v_out] = [first.limits.v, last.limits.v];
+        if let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
+            dip.tried += 1;
+            pass.step = ease::Step::Dip(Step::Weigh);
+            let peaks = dip.peaks;
+            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
+            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
+            let (t_in, t_out) = if common {
+                if a == b || c == d || v_in != v_out {
+                    return;
+                }
+                let depth = 0.25 * (j_in * t_in * t_in + j_out * t_out * t_out);
+                (sqrt_f32(2.0 * depth / j_in), sqrt_f32(2.0 * depth / j_out))
+            } else {
+                (t_in, t_out)
+            };
+            let mut enter = Side::new(v_in, j_in, t_in);
+            let mut leave = Side::new(v_out, j_out, t_out);
+            let mut meet = false;
+            if b + 1 == c {
+                // One block: both, or one from end to end.
+                let most = lengths[0] * (1.0 - 1.0 / 16.0);
+                if a < b && c < d && enter.way + leave.way > most {
+                    meet = true;
+                    let t = Side::fill(v_in, max(j_in, j_out), 0.5 / SHORTER * lengths[0]);
+                    enter = Side::new(v_in, max(j_in, j_out), t);
+                    leave = enter;
+                } else if enter.way > most {
+                    enter = Side::new(v_in, j_in, Side::fill(v_in, j_in, most));
+                } else if leave.way > most {
+                    leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most));
+                }
+            } else {
+                let most = lengths.map(|length| length * (1.0 - 1.0 / 16.0));
+                if enter.way > most[0] {
+                    enter = Side::new(v_in, j_in, Side::fill(v_in, j_in, most[0]));
+                }
+                if leave.way > most[1] {
+                    leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
+                }
+            }
+            // What is no gain leaves the next depth to be tried.
+            let _ = self.try_dip(pass, dip, [enter, leave], meet);
+            return;
+        }
+        self.leave_anchor(pass, dip, true);
+    }
+
+    /// `None`: no gain.
+    fn try_dip(
+        &mut self,
+        pass: &mut Trial,
+        dip: &mut Dip,
+        [enter, leave]: [Side; 2],
+        meet: bool,
+    ) -> Option<()> {
+        let [a, b, c, d] = dip.edges;
+        let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
+        let mut slow = dip.spans[1];
+        dip.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
+        if meet {
+            dip.cuts[0] = slow.length / 2;
+            dip.cuts[1] = slow.length - dip.cuts[0];
+        }
+        let [mut v_in, mut v_out] = [dip.speeds[1], dip.speeds[2]];
+        dip.meet = meet;
+        dip.v = [enter.v, leave.v];
+        dip.time = 0.0;
+        dip.eases = [self.ease(a), self.ease(c), self.ease(b)];
+        if a < b {
+            if dip.cuts[0] <= 0 {
+                return None;
+            }
+            v_in = Speed::from_bits(speed_bits(enter.v));
+            let mut fast = dip.spans[0];
+            fast.add_piece(&first.limits, dip.cuts[0]);
+            fast.limits.ease(dip.eases[0]);
+            if !fast.joins(dip.speeds[0], v_in) {
+                return None;
+            }
+            dip.time += Law::new(&fast, dip.speeds[0], v_in, true).time();
+            slow.shorten(dip.cuts[0]);
+        }
+        if c < d {
+            if dip.cuts[1] <= 0 {
+                return None;
+            }
+            v_out = Speed::from_bits(speed_bits(leave.v));
+            let mut fast = dip.spans[2];
+            fast.add_piece(&last.limits, dip.cuts[1]);
+            fast.limits.ease(dip.eases[1]);
+            if !fast.joins(v_out, dip.speeds[3]) {
+                return None;
+            }
+            dip.time += Law::new(&fast, v_out, dip.speeds[3], true).time();
+            slow.shorten(dip.cuts[1]);
+        }
+        if !meet {
+            if slow.length <= 0 {
+                return None;
+            }
+            slow.limits.ease(self.ease(b));
+            if !slow.joins(v_in, v_out) {
+                return None;
+            }
+            dip.time += Law::new(&slow, v_in, v_out, true).time();
+        }
+        if dip.time >= dip.before * GAIN {
+            return None;
+        }
+        pass.step = ease::Step::Dip(Step::Fit(1));
+        Some(())
+    }
+
+    /// Fits the law of one of the outer spans to its blocks.
+    fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
+        let [a, b, c, d] = dip.edges;
+        (dip.fitting, pass.fitting) = (which, true);
+        let (from, to, cut, mut span, ease) = match which {
+            1 => (a, b, dip.cuts[0], dip.spans[0], dip.eases[0]),
+            2 => (c, d, dip.cuts[1], dip.spans[2], dip.eases[1]),
+            _ => (b, c, 0, dip.spans[1], dip.eases[2]),
+        };
+        if to <= from + 1 && (cut <= 0 || !dip.shifts) {
+            pass.step = ease::Step::Dip(Step::behind(which));
+            return;
+        }
+        let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
+            return self.leave_anchor(pass, dip, true);
+        };
+        let [enter, leave] = dip.v.map(|v| Speed::from_bits(speed_bits(v)));
+        let [v_in, v_out] = match which {
+            1 => [dip.speeds[0], enter],
+            2 => [leave, dip.speeds[3]],
+            _ => [
+                if dip.enters() { enter } else { dip.speeds[1] },
+                if dip.leaves() { leave } else { dip.speeds[2] },
+            ],
+        };
+        pass.speeds = [v_in, v_out, v_out];
+        // The piece of an anchor that moves is compared too.
+        let (mut from, mut to) = (from, to);
+        let mut before = 0;
+        if dip.shifts && cut > 0 {
+            if which == 1 {
+                to += 1;
+            } else {
+                from -= 1;
+                before = block.shape.length.to_bits();
+            }
+        }
+        pass.head = match which {
+            1 => 0,
+            2 => cut - before,
+            _ => {
+                let [near, far] = [(dip.enters(), dip.cuts[0]), (dip.leaves(), dip.cuts[1])]
+                    .map(|(is, cut)| if is { cut } else { 0 });
+                span.shorten(near + far);
+                -near
+            }
+        };
+        if cut > 0 {
+            span.add_piece(&block.limits, cut);
+        } else {
+            span.shorten(-cut);
+        }
+        pass.spans[0] = span;
+        pass.ease = ease;
+        let mut eased = span;
+        eased.limits.ease(pass.ease);
+        let time = Law::new(&eased, pass.speeds[0], pass.speeds[2], true).time();
+        // What is left for it.
+        dip.time -= time;
+        pass.time = dip.before * GAIN - dip.time;
+        (pass.from, pass.to) = (from, to);
+        pass.rounds = ease::ROUNDS;
+        self.try_law(pass);
+    }
+
+    /// The law keeps the limits of the blocks.
+    pub(super) fn fitted(&mut self, pass: &mut Trial) {
+        let mut dip = self.dip;
+        self.next_fit(pass, &mut dip);
+        self.dip = dip;
+    }
+
+    fn next_fit(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let time = pass.law.as_ref().map_or(0.0, Law::time);
+        dip.time += time;
+        let [first, behind, middle] = &mut dip.eases;
+        *match dip.fitting {
+            1 => first,
+            2 => behind,
+            _ => middle,
+        } = pass.ease;
+        pass.step = ease::Step::Dip(Step::behind(dip.fitting));
+    }
+
+    /// Cuts a block at a distance from its start: what is behind becomes the next one.
+    fn cut(&mut self, k: usize, distance: i64) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let rest = block.shape.cut(distance);
+        let mut piece = *block;
+        piece.shape = rest;
+        piece.ahead = 0;
+        piece.marks = Marks::default();
+        piece.marks.set(Marks::LONG, block.is(Marks::LONG));
+        piece.marks.set(Marks::CHECKED, true);
+        block.marks.set(Marks::LONG, false);
+        piece.give_way();
+        let behind = self.blocks.len() - (k + 1);
+        if self.blocks.push_back(piece).is_err() {
+            return;
+        }
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back).rev();
+        // From the end: every block takes the place behind it.
+        if let Some(mut place) = ring.next() {
+            for before in ring.take(behind) {
+                *place = *before;
+                place = before;
+            }
+            *place = piece;
+        }
+        self.through += 1;
+    }
+
+    /// Acceleration is zero where the block `k` begins, at that speed, for good.
+    fn dip_at(&mut self, k: usize, v: f32) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let speed = Speed::from_bits(speed_bits(v));
+        block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
+        (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
+        block.cap = v;
+        block.joint = Joint::new(1.0, false);
+        self.through -= 1;
+    }
+
+    /// The transition at the start of block `k` no longer counts.
+    fn open_up(&mut self, k: usize, cap: f32) {
+        let Some(block) = self.blocks.get_mut(k) else { return };
+        let open = block.joint.is_open();
+        block.give_way();
+        block.joint = Joint::new(2.0, false);
+        block.cap = cap;
+        self.through += 1;
+        self.untried -= usize::from(open).min(self.untried);
+    }
+
+    /// The block `k` is part of a span with another limit, that of the block `like`.
+    fn give_to(&mut self, k: usize, like: usize) {
+        let Some((v, headroom)) = self.blocks.get(like).map(|block| (block.limits.v, block.headroom)) else {
+            return;
+        };
+        if let Some(block) = self.blocks.get_mut(k) {
+            block.limits.v = v;
+            block.headroom = headroom;
+        }
+    }
+
+    fn do_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        let plan = *dip;
+        let [a, b, mut c, d] = plan.edges;
+        let mut at = b;
+        let mut cuts = 0;
+        pass.step = ease::Step::Dip(Step::Do);
+        if plan.enters() {
+            self.cut(b, plan.cuts[0]);
+            cuts += 1;
+            c += 1;
+            self.open_up(b, self.limit(b - 1));
+            self.give_to(b, b - 1);
+            at = b + 1;
+            self.dip_at(at, plan.v[0]);
+            self.keep_ease(a, plan.eases[0]);
+            self.keep_ease(at, plan.eases[2]);
+            let mut span = plan.spans[0];
+            if let Some(piece) = self.blocks.get(b) {
+                span.add(piece, None);
+            }
+            span.limits.ease(plan.eases[0]);
+            self.renew(a, &span, Speed::from_bits(speed_bits(plan.v[0])));
+            if plan.leaves() {
+                // The other end in the next call.
+                dip.edges = [at, at, c, d + 1];
+                pass.last += 1;
+                return;
+            }
+        }
+        if plan.leaves() {
+            self.keep_ease(b, plan.eases[2]);
+            at = c - 1;
+            if !plan.meet {
+                let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());
+                self.cut(at, length - plan.cuts[1]);
+                cuts += 1;
+                (at, c) = (c, c + 1);
+                self.dip_at(at, plan.v[1]);
+            }
+            self.give_to(at, c);
+            self.open_up(c, self.limit(c));
+            if let Some(block) = self.blocks.get_mut(c + 1)
+                && !block.is(Marks::ANCHOR)
+            {
+                block.v_reached = UNPLANNED;
+            }
+            self.keep_ease(at, plan.eases[1]);
+        }
+        // It gets no faster there, although the new law might.
+        if let Some(end) = self.blocks.get_mut(d + cuts) {
+            end.v_in = end.v_reached;
+        }
+        pass.last += cuts;
+        (pass.from, pass.next) = (at, at + 1);
+        (pass.fitting, pass.head) = (false, 0);
+        *dip = Dip::NONE;
+        pass.step = ease::Step::Seek;
+    }
+
+    /// The span that begins with this block leaves that unused.
+    fn keep_ease(&mut self, from: usize, ease: Ease) {
+        if let Some(second) = self.blocks.get_mut(from + 1)
+            && !second.is(Marks::ANCHOR)
+        {
+            second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
+        }
+    }
+
+    /// A block that was cut becomes whole again.
+    #[inline(never)]
+    pub(super) fn unite_first(&mut self) {
+        let (front, back) = self.blocks.as_mut_slices();
+        let mut ring = front.iter_mut().chain(back);
+        let Some(first) = ring.next() else { return };
+        for block in ring.take_while(|block| block.shape.is_continued()) {
+            first.shape.unite(&block.shape);
+        }
+    }
+}
+
+/// Of a ramp.
+fn jerk(limits: &Limits, ramp: usize) -> f32 {
+    match limits.law {
+        limits::Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
+        limits::Law::Stepped { .. } => f32::MAX,
+    }
+}
