@@ -30,7 +30,7 @@ const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
 const SHORT_ARCS: [&str; 1] = ["short_arcs"];
 
 /// Programs with other slopes than TRAPEZ: their plans have figures of their own.
-const SLOPES: [&str; 4] = ["step", "sin2", "hsc", "micro"];
+const SLOPES: [&str; 5] = ["step", "sin2", "hsc", "hsc_opt", "micro"];
 
 /// Figures that say what was measured, not how good it is.
 const DESCRIPTIVE: [&str; 2] = ["ticks", "blocks"];
