@@ -48,10 +48,12 @@ impl Ease {
 
 /// The least acceleration used: a sixteenth.
 const MOST: u8 = 240;
-/// Blocks per call that are only counted, and that are compared with a law.
+/// Blocks per step that are only counted, and that are compared with a law.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Laws per call.
+/// Steps per call.
+const TRIALS: usize = 3;
+/// Laws per step.
 const LAWS: usize = 4;
 /// Blocks for which the acceleration is lowered, at most.
 pub(super) const ROUNDS: u8 = 4;
@@ -185,9 +187,19 @@ impl Trial {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// Goes on; the next pass, or none if this one goes on.
+    /// Some steps of a trial; the next pass, or none if this one goes on. Several at once: each call has its own cost.
     #[inline(never)]
-    pub(super) fn trial(&mut self, pass: &mut Trial) -> Option<Pass> {
+    pub(super) fn trials(&mut self, pass: &mut Trial) -> Option<Pass> {
+        for _ in 0..TRIALS {
+            let next = self.trial(pass);
+            if next.is_some() || matches!(pass.step, Step::Dip(_)) {
+                return next;
+            }
+        }
+        None
+    }
+
+    fn trial(&mut self, pass: &mut Trial) -> Option<Pass> {
         match pass.step {
             Step::Seek => self.seek(pass),
             Step::Gather => {

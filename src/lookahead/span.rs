@@ -290,7 +290,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 next
             }
             Pass::Trial(mut pass) => {
-                let next = self.trial(&mut pass);
+                let next = self.trials(&mut pass);
                 if next.is_none() {
                     self.pass = Pass::Trial(pass);
                 }
