@@ -72,8 +72,8 @@ impl Joint {
 
     /// `rises`: 1…2.
     fn new(rises: f32, open: bool) -> Self {
-        let rises = ((rises - 1.0) * Self::ONE) as u8;
-        Self(rises.min(Self::OPEN - 1) | if open { Self::OPEN } else { 0 })
+        let rises = ((rises - 1.0) * Self::ONE) as u32;
+        Self(rises.min(Self::OPEN as u32 - 1) as u8 | if open { Self::OPEN } else { 0 })
     }
 
     fn rises(self) -> f32 {
