@@ -58,22 +58,23 @@ pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
         // One unit off at most, so that the remainder fits 64 bits.
         let root = root >> half_shift;
         let error = lo.wrapping_sub(root.wrapping_mul(root)) as i64;
-        return settle(root, error as i128);
+        return settle(root, error < 0, error > (root << 1) as i64);
     }
     let n = (((hi as u128) << 64) | lo as u128) << shift;
     // |n − s²| < 2^71: 31 bits suffice, one unit off at most afterwards.
     let error = (remainder(n, root) >> 40) as i64;
     let root = root.saturating_add_signed(error.wrapping_mul(y) >> 55);
     // floor(√(n·4^-k)) = floor(floor(√n)·2^-k).
-    settle(root, remainder(n, root)) >> half_shift
+    let error = remainder(n, root);
+    settle(root, error < 0, error > (root as i128) << 1) >> half_shift
 }
 
-/// The root of which `root`, with this remainder, is one unit off at most.
+/// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next one fits too.
 #[inline(always)]
-const fn settle(root: u64, remainder: i128) -> u64 {
-    if remainder < 0 {
+const fn settle(root: u64, above: bool, below: bool) -> u64 {
+    if above {
         root.wrapping_sub(1)
-    } else if remainder > (root as i128) << 1 {
+    } else if below {
         root.wrapping_add(1)
     } else {
         root
@@ -93,13 +94,7 @@ pub fn sqrt_u64(x: u64) -> u32 {
     let root = root.wrapping_add_signed(error.wrapping_mul(y) >> 55);
     let root = if root > 0xffff_ffff { 0xffff_ffff } else { root };
     let error = n.wrapping_sub(root.wrapping_mul(root)) as i64;
-    let root = if error < 0 {
-        root.wrapping_sub(1)
-    } else if error > (root << 1) as i64 {
-        root.wrapping_add(1)
-    } else {
-        root
-    };
+    let root = settle(root, error < 0, error > (root << 1) as i64);
     (root >> half_shift) as u32
 }
 

@@ -1,5 +1,5 @@
 //! G00 and G01: a straight line of all axes together.
-use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, hypot, path_length, reach};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, PathError, Shape, path_length, reach, travelled};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
@@ -49,8 +49,8 @@ pub(crate) fn straight<const AXES: usize>(
         0 => return Ok(None),
         _ => {}
     }
-    let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER);
-    let mut shape = Shape::resting(path_length(hypot(main_travel), &travel, main)?);
+    let main_travel = main.iter().flatten().filter_map(|k| travel.get(*k)).copied();
+    let mut shape = Shape::resting(path_length(travelled(main_travel), &travel, main)?);
     shape.set_gains(&travel);
     let Shape { length, gain, shift, .. } = shape;
     Ok(Some(Straight { length, gain, tangent: shape.linear_tangent(), shift }))
@@ -94,13 +94,14 @@ impl<const AXES: usize> Shape<AXES> {
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         let reciprocal = self.reciprocal();
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
-            *gain = if *travel == 0 { 0 } else { mul_near(travel << (GUARD + 3), reciprocal) << 1 };
+            // Without a branch, which would keep the halves of the reciprocal apart.
+            *gain = mul_near(travel << (GUARD + 3), reciprocal) << 1;
         }
     }
 
     /// 2^124 / w at the end, in 2^62..2^63.
     pub(super) fn reciprocal(&self) -> i64 {
-        reciprocal_near(self.end_w().unsigned_abs() << 2) as i64
+        reciprocal_near((self.end_w() as u64) << 2) as i64
     }
 
     /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by powers of two.

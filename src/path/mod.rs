@@ -344,6 +344,20 @@ fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
     i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
 }
 
+/// The same of what axes travel (LSB of a position, below 2^50), as a distance.
+#[inline(always)]
+fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
+    let (mut high, mut low) = (0u64, 0u64);
+    for x in travel {
+        let (hi, lo) = square_wide(x.unsigned_abs());
+        let (sum, carry) = low.overflowing_add(lo);
+        low = sum;
+        high += hi + u64::from(carry);
+    }
+    let (high, low) = (high << (2 * FINER) | low >> (64 - 2 * FINER), low << (2 * FINER));
+    i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
+}
+
 /// From the LSB of a position to that of a distance.
 const FINER: u32 = 12;
 
@@ -364,7 +378,7 @@ fn path_length<const AXES: usize>(
 ) -> Result<Distance, PathError> {
     let length = if main_length == 0 {
         let tracking = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
-        hypot(tracking.map(|(_, x)| *x << FINER))
+        travelled(tracking.map(|(_, x)| *x))
     } else if reach(travel) << (FINER - 10) <= main_length.unsigned_abs() {
         main_length
     } else {
