@@ -348,7 +348,7 @@ fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
 #[inline(always)]
 fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);
-    for x in travel {
+    for x in travel.into_iter().filter(|x| *x != 0) {
         let (hi, lo) = square_wide(x.unsigned_abs());
         let (sum, carry) = low.overflowing_add(lo);
         low = sum;

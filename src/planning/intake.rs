@@ -94,8 +94,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if result.is_err() {
             self.functions.drop_unsettled(self.queue.control);
         }
-        // Without path: with the block before.
-        self.functions.settle(false, false);
         result
     }
 
@@ -122,12 +120,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                         self.hold_line(&line, &limits, pass);
                     }
                     self.advance(motion);
-                } else if motion.exact_stop {
-                    // At the end of the block before.
-                    self.contouring.release(true);
-                    self.stop_held();
-                    if !self.contouring.holds() && self.held.is_none() {
-                        self.lookahead.stop_here();
+                } else {
+                    // With the block before.
+                    self.functions.settle(false, false);
+                    if motion.exact_stop {
+                        self.stop_before();
                     }
                 }
             }
@@ -152,6 +149,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         Ok(())
+    }
+
+    /// An exact stop at the end of the block taken in last.
+    fn stop_before(&mut self) {
+        self.contouring.release(true);
+        self.stop_held();
+        if !self.contouring.holds() && self.held.is_none() {
+            self.lookahead.stop_here();
+        }
     }
 
     /// Whether the block moves one of these axes: bit i for axis i.
