@@ -68,8 +68,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 SlopeType::Hsc => true,
                 // As if it were one block.
                 SlopeType::Trapez | SlopeType::Sin2 => {
-                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
-                        && limits.are(&before.limits)
+                    limits.are(&before.limits)
+                        && v.is_none_or(|v| {
+                            v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap)
+                        })
                 }
                 // Acceleration is zero nowhere.
                 SlopeType::Step => false,
