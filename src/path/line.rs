@@ -71,12 +71,17 @@ impl<const AXES: usize> Straight<AXES> {
         self.length
     }
 
-    /// The element. Inline: what only curves have is not even copied.
+    /// Its curve, and both its ends: what only curves have is not even copied.
     #[inline(always)]
-    pub(crate) fn element(&self) -> Element<AXES> {
+    pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
         let shape = Shape { length, gain, curve: Curve::Line, shift };
-        let ends = End { tangent, curvature: [0.0; AXES] };
+        (shape, End { tangent, curvature: [0.0; AXES] })
+    }
+
+    /// The element.
+    pub(crate) fn element(&self) -> Element<AXES> {
+        let (shape, ends) = self.parts();
         Element { shape, entry: ends, exit: ends, circle: None, bounds: None }
     }
 }

@@ -69,6 +69,25 @@ pub struct Element<const AXES: usize> {
     pub bounds: Option<Bounds<AXES>>,
 }
 
+/// What the look-ahead takes of an element.
+#[derive(Clone, Copy)]
+pub(crate) struct Piece<'a, const AXES: usize> {
+    pub shape: &'a Shape<AXES>,
+    pub entry: &'a End<AXES>,
+    pub exit: &'a End<AXES>,
+    /// Its path is time.
+    pub timed: bool,
+}
+
+impl<const AXES: usize> Element<AXES> {
+    /// See there.
+    #[inline(always)]
+    pub(crate) fn piece(&self) -> Piece<'_, AXES> {
+        let Self { shape, entry, exit, bounds, .. } = self;
+        Piece { shape, entry, exit, timed: bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some()) }
+    }
+}
+
 /// Why a block has no curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -7,7 +7,7 @@ use crate::machine::Synch;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
-use crate::path::{self, Element, PathError};
+use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::Distance;
 use crate::queue::Function;
 
@@ -55,14 +55,14 @@ pub(super) struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
-        self.push_here(element, limits, pass, due, false);
+        self.push_here(&element.piece(), limits, pass, due, false);
     }
 
     /// The same, inline: of a line only what lines have is made.
     #[inline(always)]
     pub fn push_here(
         &mut self,
-        element: &Element<AXES>,
+        element: &Piece<'_, AXES>,
         limits: &Permitted,
         pass: &Pass,
         due: u32,
