@@ -80,7 +80,7 @@ pub(crate) struct Piece<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// See there.
+    /// What the look-ahead takes of it.
     #[inline(always)]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
