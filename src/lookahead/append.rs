@@ -5,7 +5,7 @@ use super::limits::{Share, max, min};
 use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
-use crate::path::{Element, End};
+use crate::path::{End, Piece};
 use crate::quantity::Speed;
 
 /// What the next transition needs to know of the last block.
@@ -29,9 +29,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]
-    pub fn push(
+    pub(crate) fn push(
         &mut self,
-        element: &Element<AXES>,
+        element: &Piece<'_, AXES>,
         permitted: &Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
@@ -45,14 +45,14 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut rises = 2.0;
         let mut shared = false;
         let mut anchor = true;
-        let timed = element.bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
+        let timed = element.timed;
         let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
             let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-            let v = dynamics.transition(&last.exit, &element.entry, rapid, shorter, (cap, a));
+            let v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
             if v.is_some() || (brief && slope == SlopeType::Step) {
@@ -70,8 +70,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 SlopeType::Hsc => true,
                 // As if it were one block.
                 SlopeType::Trapez | SlopeType::Sin2 => {
-                    v.is_none_or(|v| v >= cap && dynamics.is_slight(&last.exit, &element.entry, rapid, cap))
-                        && limits.are(&before.limits)
+                    limits.are(&before.limits)
+                        && v.is_none_or(|v| {
+                            v >= cap && dynamics.is_slight(&last.exit, element.entry, rapid, cap)
+                        })
                 }
                 // Acceleration is zero nowhere.
                 SlopeType::Step => false,
@@ -81,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 && last.timed == timed
                 && (!timed || limits.v == before.limits.v)
                 && self.span + distance < LONGEST_SPAN
-                && dynamics.turns_little(&last.exit, &element.entry, rapid, limits.fastest(&before.limits)));
+                && dynamics.turns_little(&last.exit, element.entry, rapid, limits.fastest(&before.limits)));
         }
         let Before { functions, gate } = core::mem::take(&mut self.before);
         anchor |= gate;
@@ -95,7 +97,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = false;
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: element.exit, length, share, rapid, shared, slope, timed });
+        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::FUNCTIONS, functions);
@@ -117,7 +119,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             marks,
         });
         if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
-            block.shape = element.shape;
+            block.shape = *element.shape;
         }
     }
 }

@@ -29,7 +29,7 @@ impl Ease {
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
     /// What was kept.
-    fn of(kept: Speed) -> Self {
+    pub fn of(kept: Speed) -> Self {
         let [up, down, _, _, v @ ..] = kept.to_bits().to_le_bytes();
         Self { less: [up, down], v: f32::from_le_bytes(v) }
     }
@@ -225,9 +225,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn ease(&self, from: usize) -> Ease {
         match self.blocks.get(from + 1) {
-            Some(second) if !second.is(Marks::ANCHOR) && second.v_reached > UNPLANNED => {
-                Ease::of(second.v_reached)
-            }
+            Some(second) if !second.is(Marks::ANCHOR) => second.ease(),
             _ => Ease::NONE,
         }
     }

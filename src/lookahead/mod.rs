@@ -36,6 +36,7 @@ use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
 use dip::Dip;
+use ease::Ease;
 use heapless::Deque;
 use span::Pass;
 
@@ -75,8 +76,8 @@ impl Joint {
 
     /// `rises`: 1…2.
     fn new(rises: f32, open: bool) -> Self {
-        let rises = ((rises - 1.0) * Self::ONE) as u8;
-        Self(rises.min(Self::OPEN - 1) | if open { Self::OPEN } else { 0 })
+        let rises = ((rises - 1.0) * Self::ONE) as u32;
+        Self(rises.min(Self::OPEN as u32 - 1) as u8 | if open { Self::OPEN } else { 0 })
     }
 
     fn rises(self) -> f32 {
@@ -151,6 +152,11 @@ impl<const AXES: usize> Block<AXES> {
 }
 
 impl<const AXES: usize> Block<AXES> {
+    /// What its span leaves unused, if it is the second one in it.
+    fn ease(&self) -> Ease {
+        if self.v_reached > UNPLANNED { Ease::of(self.v_reached) } else { Ease::NONE }
+    }
+
     /// It is no anchor any more.
     fn give_way(&mut self) {
         self.marks.set(Marks::ANCHOR | Marks::FRESH, false);
@@ -437,7 +443,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
-        let ease = self.ease(0);
+        let mut ease = Ease::NONE;
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
@@ -448,6 +454,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
+                    if blocks == 1 {
+                        ease = block.ease();
+                    }
                     v_least = min(v_least, min(block.cap, block.limits.v));
                     limits.join(&block.limits);
                     headroom.join(block.headroom);

@@ -43,7 +43,7 @@ impl Headroom {
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
         let mut headroom = Self::NONE;
         if v_max > feed {
-            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u16;
+            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u32 as u16;
         } else if v_max < feed {
             headroom.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
         }

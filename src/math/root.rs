@@ -7,10 +7,10 @@ use super::wide::mul_wide;
 use micromath::F32Ext;
 
 /// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
-const fn inverse_sqrt(m: u32) -> u32 {
+fn inverse_sqrt(m: u32) -> u32 {
     let x = m as f32;
-    // Half the exponent, negated: 3.5 %. Then relative error → 1.8e-3 → 5e-6 → 4e-11, plus 2^-30 of rounding.
-    let mut y = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));
+    // Seed from micromath (3.5 %). Then relative error → 1.8e-3 → 5e-6 → 4e-11, plus 2^-30 of rounding.
+    let mut y = F32Ext::invsqrt(x);
     let half = 0.5 * x;
     y *= 1.5 - half * y * y;
     y *= 1.5 - half * y * y;
@@ -27,7 +27,7 @@ const fn newton(m: u64, y: u64) -> u64 {
 }
 
 /// For the upper word n of a scaled radicand: 1/√x with 30 fraction bits, and √x with 32, a few units off.
-const fn estimate(n: u64) -> (i64, u64) {
+fn estimate(n: u64) -> (i64, u64) {
     let y = inverse_sqrt((n >> 32) as u32) as u64;
     // x < 1 keeps the root below 1, y's error may not.
     let root = (n >> 32).wrapping_mul(y) >> 30;
@@ -41,7 +41,7 @@ const fn remainder(n: u128, s: u64) -> i128 {
 }
 
 /// floor(√(hi·2^64 + lo)), exact.
-pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
+pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     if hi == 0 && lo == 0 {
         return 0;
     }
@@ -58,22 +58,23 @@ pub const fn sqrt_wide(hi: u64, lo: u64) -> u64 {
         // One unit off at most, so that the remainder fits 64 bits.
         let root = root >> half_shift;
         let error = lo.wrapping_sub(root.wrapping_mul(root)) as i64;
-        return settle(root, error as i128);
+        return settle(root, error < 0, error > (root << 1) as i64);
     }
     let n = (((hi as u128) << 64) | lo as u128) << shift;
     // |n − s²| < 2^71: 31 bits suffice, one unit off at most afterwards.
     let error = (remainder(n, root) >> 40) as i64;
     let root = root.saturating_add_signed(error.wrapping_mul(y) >> 55);
     // floor(√(n·4^-k)) = floor(floor(√n)·2^-k).
-    settle(root, remainder(n, root)) >> half_shift
+    let error = remainder(n, root);
+    settle(root, error < 0, error > (root as i128) << 1) >> half_shift
 }
 
-/// The root of which `root`, with this remainder, is one unit off at most.
+/// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next one fits too.
 #[inline(always)]
-const fn settle(root: u64, remainder: i128) -> u64 {
-    if remainder < 0 {
+const fn settle(root: u64, above: bool, below: bool) -> u64 {
+    if above {
         root.wrapping_sub(1)
-    } else if remainder > (root as i128) << 1 {
+    } else if below {
         root.wrapping_add(1)
     } else {
         root
@@ -81,7 +82,7 @@ const fn settle(root: u64, remainder: i128) -> u64 {
 }
 
 /// floor(√x), exact. At most 139 instructions on thumbv7em.
-pub const fn sqrt_u64(x: u64) -> u32 {
+pub fn sqrt_u64(x: u64) -> u32 {
     if x == 0 {
         return 0;
     }
@@ -93,13 +94,7 @@ pub const fn sqrt_u64(x: u64) -> u32 {
     let root = root.wrapping_add_signed(error.wrapping_mul(y) >> 55);
     let root = if root > 0xffff_ffff { 0xffff_ffff } else { root };
     let error = n.wrapping_sub(root.wrapping_mul(root)) as i64;
-    let root = if error < 0 {
-        root.wrapping_sub(1)
-    } else if error > (root << 1) as i64 {
-        root.wrapping_add(1)
-    } else {
-        root
-    };
+    let root = settle(root, error < 0, error > (root << 1) as i64);
     (root >> half_shift) as u32
 }
 
@@ -108,7 +103,7 @@ pub const fn sqrt_u64(x: u64) -> u32 {
 /// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
 /// divisions.
 ///
-/// Seed from micromath (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
+/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
 #[inline(always)]
 pub fn sqrt_f32(x: f32) -> f32 {
     // Neither 0, subnormal, infinite nor negative.
@@ -123,7 +118,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
 /// The same for a normal number above 0.
 #[inline(always)]
 fn heron(x: f32) -> f32 {
-    let mut s = F32Ext::sqrt(x);
+    let mut s = f32::from_bits((x.to_bits() + 0x3f80_0000) >> 1);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
     // The difference is exact, so that only its half carries the quotient's rounding.

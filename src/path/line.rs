@@ -70,12 +70,17 @@ impl<const AXES: usize> Straight<AXES> {
         self.length
     }
 
-    /// The element. Inline: what only curves have is not even copied.
+    /// Its curve, and both its ends: what only curves have is not even copied.
     #[inline(always)]
-    pub(crate) fn element(&self) -> Element<AXES> {
+    pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
         let shape = Shape { length, gain, curve: Curve::Line, shift };
-        let ends = End { tangent, curvature: [0.0; AXES] };
+        (shape, End { tangent, curvature: [0.0; AXES] })
+    }
+
+    /// The element.
+    pub(crate) fn element(&self) -> Element<AXES> {
+        let (shape, ends) = self.parts();
         Element { shape, entry: ends, exit: ends, circle: None, bounds: None }
     }
 }
@@ -93,13 +98,14 @@ impl<const AXES: usize> Shape<AXES> {
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         let reciprocal = self.reciprocal();
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
-            *gain = if *travel == 0 { 0 } else { mul_near(travel << (GUARD + 3), reciprocal) << 1 };
+            // Without a branch, which would keep the halves of the reciprocal apart.
+            *gain = mul_near(travel << (GUARD + 3), reciprocal) << 1;
         }
     }
 
     /// 2^124 / w at the end, in 2^62..2^63.
     pub(super) fn reciprocal(&self) -> i64 {
-        reciprocal_near(self.end_w().unsigned_abs() << 2) as i64
+        reciprocal_near((self.end_w() as u64) << 2) as i64
     }
 
     /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by powers of two.

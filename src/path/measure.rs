@@ -15,7 +15,7 @@
 //! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed counts along:
 //!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST, POST_DIST, PATH_DIST
 //!   ("on the feed axes' path"), SYM_DIST, shares of blocks.
-use super::{FINER, hypot};
+use super::{FINER, travelled};
 use crate::math::root::sqrt_f32;
 
 /// Main axes, feed axes and master axis of a machine.
@@ -90,13 +90,13 @@ impl Measure {
                 return along;
             }
         }
-        hypot(self.main.iter().flatten().filter_map(|k| travel.get(*k)).map(|x| x << FINER))
+        travelled(self.main.iter().flatten().filter_map(|k| travel.get(*k)).copied())
     }
 
     #[inline(never)]
     fn fed<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
         let feed = travel.iter().enumerate().filter(|(k, _)| self.feeds(*k));
-        self.resolved(hypot(feed.map(|(_, x)| *x << FINER)), travel)
+        self.resolved(travelled(feed.map(|(_, x)| *x)), travel)
     }
 
     /// At least so much of what any axis travels that the path resolves it, if feed axes move at all.

@@ -15,7 +15,7 @@
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
-use crate::quantity::Position;
+use crate::quantity::{Distance, Position};
 
 /// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on three. Points of a
 /// straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by up to 1.37 nm, mostly by less than
@@ -39,7 +39,9 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 pub(crate) struct Stretch<const AXES: usize> {
     start: [Position; AXES],
     line: Straight<AXES>,
-    /// Permitted tangents, LSB 2^-40.
+    /// It stands for one block.
+    alone: bool,
+    /// Permitted tangents of several, LSB 2^-40.
     low: [i64; AXES],
     high: [i64; AXES],
 }
@@ -49,15 +51,15 @@ impl<const AXES: usize> Stretch<AXES> {
     pub(crate) const BLANK: Self = Self {
         start: [Position::ZERO; AXES],
         line: Straight::BLANK,
-        low: [i64::MIN; AXES],
-        high: [i64::MAX; AXES],
+        alone: true,
+        low: [0; AXES],
+        high: [0; AXES],
     };
 
     /// Becomes a block alone.
     #[inline(always)]
     pub(crate) fn begin(&mut self, start: &[Position; AXES], line: &Straight<AXES>) {
-        (self.start, self.line) = (*start, *line);
-        (self.low, self.high) = ([i64::MIN; AXES], [i64::MAX; AXES]);
+        (self.start, self.line, self.alone) = (*start, *line, true);
     }
 
     /// The line.
@@ -70,15 +72,18 @@ impl<const AXES: usize> Stretch<AXES> {
     pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
         // `next` goes from the end of this one to that of the line of both, whose tangent is within tolerance/s of the one here:
         // over a length l of its own it may be off by the tolerance, over s likewise.
-        let [s, l] = [self.line.length, next.length].map(|length| to_f32(length.to_bits()) * LSB_44);
+        let (s, l) = (millimetres(self.line.length), millimetres(next.length));
         let most = LOOSE * TOLERANCE_MM * (s + l);
         // Both sides times s·l.
         let scale = s * l * (1.0 / (1u64 << 40) as f32);
         let bound = if most < TURN * s * l { most } else { return false };
-        self.line.tangent.iter().zip(&next.tangent).all(|(here, there)| {
+        for (here, there) in self.line.tangent.iter().zip(&next.tangent) {
             let turn = there.wrapping_sub(*here);
-            to_f32(turn.wrapping_abs()) * scale <= bound * wide(*here)
-        })
+            if to_f32(turn.wrapping_abs()) * scale > bound * wide(*here) {
+                return false;
+            }
+        }
+        true
     }
 
     /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or begin anew. Only if it
@@ -89,7 +94,10 @@ impl<const AXES: usize> Stretch<AXES> {
         if line.length <= self.line.length || line.length.to_bits() > LONGEST {
             return None;
         }
-        let room = TOLERANCE_MM / (to_f32(self.line.length.to_bits()) * LSB_44);
+        let room = TOLERANCE_MM / millimetres(self.line.length);
+        if core::mem::take(&mut self.alone) {
+            (self.low, self.high) = ([i64::MIN; AXES], [i64::MAX; AXES]);
+        }
         let bounds = self.low.iter_mut().zip(&mut self.high);
         let tangents = self.line.tangent.iter().zip(&line.tangent);
         for (k, ((low, high), (old, new))) in bounds.zip(tangents).enumerate() {
@@ -107,6 +115,11 @@ impl<const AXES: usize> Stretch<AXES> {
     pub(crate) fn become_line(&mut self, line: &Straight<AXES>) {
         self.line = *line;
     }
+}
+
+#[inline(always)]
+fn millimetres(length: Distance) -> f32 {
+    to_f32(length.to_bits()) * LSB_44
 }
 
 /// 1 + |t| of a tangent.

@@ -71,6 +71,25 @@ pub struct Element<const AXES: usize> {
     pub bounds: Option<Bounds<AXES>>,
 }
 
+/// What the look-ahead takes of an element.
+#[derive(Clone, Copy)]
+pub(crate) struct Piece<'a, const AXES: usize> {
+    pub shape: &'a Shape<AXES>,
+    pub entry: &'a End<AXES>,
+    pub exit: &'a End<AXES>,
+    /// Its path is time.
+    pub timed: bool,
+}
+
+impl<const AXES: usize> Element<AXES> {
+    /// What the look-ahead takes of it.
+    #[inline(always)]
+    pub(crate) fn piece(&self) -> Piece<'_, AXES> {
+        let Self { shape, entry, exit, bounds, .. } = self;
+        Piece { shape, entry, exit, timed: bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some()) }
+    }
+}
+
 /// Why a block has no curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -371,6 +390,20 @@ fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
     i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
 }
 
+/// The same of what axes travel (LSB of a position, below 2^50), as a distance.
+#[inline(always)]
+fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
+    let (mut high, mut low) = (0u64, 0u64);
+    for x in travel.into_iter().filter(|x| *x != 0) {
+        let (hi, lo) = square_wide(x.unsigned_abs());
+        let (sum, carry) = low.overflowing_add(lo);
+        low = sum;
+        high += hi + u64::from(carry);
+    }
+    let (high, low) = (high << (2 * FINER) | low >> (64 - 2 * FINER), low << (2 * FINER));
+    i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
+}
+
 /// From the LSB of a position to that of a distance.
 const FINER: u32 = 12;
 
@@ -384,14 +417,14 @@ fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
 /// nothing, the length is that of all axes together. Where an axis moves more than 1024 degrees or millimetres per
 /// millimetre of path, a 1024th of its travel counts, so that a distance still resolves it.
 #[inline(always)]
-fn path_length<const AXES: usize>(travelled: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
-    let length = if travelled == 0 {
-        hypot(travel.iter().map(|x| *x << FINER))
-    } else if reach(travel) << (FINER - 10) <= travelled.unsigned_abs() {
-        travelled
+fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
+    let length = if along == 0 {
+        travelled(travel.iter().copied())
+    } else if reach(travel) << (FINER - 10) <= along.unsigned_abs() {
+        along
     } else {
         // A 1024th of what an axis travels that counts is below their length.
-        travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(travelled, i64::max)
+        travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(along, i64::max)
     };
     if length < LONGEST { Ok(Distance::from_bits(length)) } else { Err(PathError::TooLong) }
 }

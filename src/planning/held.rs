@@ -7,7 +7,7 @@
 use super::intake::Pass;
 use super::{Planning, max, to_f32};
 use crate::lookahead::{Headroom, Limits, Permitted, SLOWEST, Share};
-use crate::path::{Element, Straight, Stretch, TOLERANCE_MM};
+use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
 use crate::quantity::Position;
 
 /// Such a block, or none. Written and read in its place: it is large.
@@ -136,7 +136,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Held { curve, limits, pass, long, .. } = held;
         match curve {
             Curve::Line(stretch) => {
-                entrance.push_here(&stretch.line().element(), limits, pass, pass.number, *long);
+                let (shape, ends) = &stretch.line().parts();
+                let piece = Piece { shape, entry: ends, exit: ends, timed: false };
+                entrance.push_here(&piece, limits, pass, pass.number, *long);
             }
             Curve::Arc(element) => entrance.push(element, limits, pass, pass.number),
         }

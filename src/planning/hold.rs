@@ -345,7 +345,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn lay(&mut self) -> Result<(), Unplannable> {
         let (k, v_in) = (self.laid, self.speed);
         let (end, next) = (self.end, self.emitter.next());
-        let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
+        let Some(mut flight) = self.flights.get_mut(k) else { return Ok(()) };
         (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.pace);
         let span = &flight.span;
         let as_planned = v_in == span.v_in && span.checked && self.pace.is_full(span.level);
@@ -356,8 +356,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 Some(all) => reached = all,
                 None => return Ok(()),
             }
+            let Some(same) = self.flights.get_mut(k) else { return Ok(()) };
+            flight = same;
         }
-        let Some(flight) = self.flights.get_mut(k) else { return Ok(()) };
         let span = &mut flight.span;
         let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
         let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);

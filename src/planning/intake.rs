@@ -7,7 +7,7 @@ use crate::machine::Synch;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
-use crate::path::{self, Element, PathError};
+use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::Distance;
 use crate::queue::Function;
 
@@ -55,14 +55,14 @@ pub(super) struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
-        self.push_here(element, limits, pass, due, false);
+        self.push_here(&element.piece(), limits, pass, due, false);
     }
 
     /// The same, inline: of a line only what lines have is made.
     #[inline(always)]
     pub fn push_here(
         &mut self,
-        element: &Element<AXES>,
+        element: &Piece<'_, AXES>,
         limits: &Permitted,
         pass: &Pass,
         due: u32,
@@ -91,8 +91,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if result.is_err() {
             self.functions.drop_unsettled(self.queue.control);
         }
-        // Without path: with the block before.
-        self.functions.settle(false, false);
         result
     }
 
@@ -119,12 +117,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                         self.hold_line(&line, &limits, pass);
                     }
                     self.advance(motion);
-                } else if motion.exact_stop {
-                    // At the end of the block before.
-                    self.contouring.release(true);
-                    self.stop_held();
-                    if !self.contouring.holds() && self.held.is_none() {
-                        self.lookahead.stop_here();
+                } else {
+                    // With the block before.
+                    self.functions.settle(false, false);
+                    if motion.exact_stop {
+                        self.stop_before();
                     }
                 }
             }
@@ -149,6 +146,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         Ok(())
+    }
+
+    /// An exact stop at the end of the block taken in last.
+    fn stop_before(&mut self) {
+        self.contouring.release(true);
+        self.stop_held();
+        if !self.contouring.holds() && self.held.is_none() {
+            self.lookahead.stop_here();
+        }
     }
 
     /// Whether the block moves one of these axes: bit i for axis i.

@@ -41,7 +41,9 @@ struct Start {
 }
 
 impl Start {
-    const ZERO: Self = Self { lower: AtomicU32::new(0), upper: AtomicU32::new(0) };
+    const fn zero() -> Self {
+        Self { lower: AtomicU32::new(0), upper: AtomicU32::new(0) }
+    }
 
     #[inline(always)]
     fn get(&self) -> i64 {
@@ -86,7 +88,7 @@ pub struct Follower<'a, const AXES: usize> {
 impl<const AXES: usize> Course<AXES> {
     /// No curve.
     pub const fn new() -> Self {
-        Self { ring: Ring::new(), starts: [Start::ZERO; PLACES + WINDOW - 1] }
+        Self { ring: Ring::new(), starts: [const { Start::zero() }; PLACES + WINDOW - 1] }
     }
 
     /// Both ends, emptied.

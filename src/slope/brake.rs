@@ -157,7 +157,7 @@ impl Brake {
             });
         }
         let dv = lost(ramp, [0, most], v, rest)?;
-        profile.down.plan(ramp, v, v - dv);
+        profile.down.slow_down(ramp, v, v - dv);
         let down = profile.down.length();
         if dv == most {
             let end = distance.wrapping_add(length + down);

@@ -273,13 +273,15 @@ impl Part {
         } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
             longest = LONGEST_SINE;
             (*phase, end) = self.sine_piece(per_time, t);
+            // At least the tick at hand, whatever rounding does to the end.
+            end = end.max(t + 1);
         } else if t < TICK {
             self.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
         } else {
             *phase = self.piece(per_time, t);
         }
-        // Both are below 2^63. At least the tick at hand, whatever rounding does to the end of a sine's piece.
-        let ticks = ((end as i64 - t as i64 + (TICK as i64 - 1)) >> 36).max(1) as u32;
+        // The part goes on at `t`: one tick at least.
+        let ticks = ((end - t + (TICK - 1)) >> 36) as u32;
         let ticks = ticks.min(longest);
         phase.ticks = ticks as u16;
         // Rounding must not take the path beyond the part: the next one would go backward.

@@ -76,25 +76,55 @@ pub fn speed_f32(bits: i64) -> f32 {
     to_f32(bits) * (1.0 / SPEED_ONE)
 }
 
+/// How far `high` is above `low`.
+#[inline(always)]
+fn gap_f32(low: i64, high: i64) -> f32 {
+    size_f32((high - low) as u64) * (1.0 / SPEED_ONE)
+}
+
+/// What a change by `dv` with these times gains in a ramp of that time.
+#[inline(never)]
+fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
+    let (hi, lo) = mul_wide(dv.unsigned_abs(), time);
+    let size = div_wide(hi, lo, (t1 + 2 * t2 + t3).max(1)) as i64;
+    if dv < 0 { -size } else { size }
+}
+
 impl Change {
-    /// Becomes the change from `v0` to `v1` along a ramp, which begins at the lower one of them. Rounded so that no
-    /// acceleration and no jerk is raised.
+    /// Becomes the change from `low` to `high` along a ramp, which begins at `low`. Rounded so that no acceleration and no jerk
+    /// is raised.
     #[inline(always)]
-    pub(super) fn plan(&mut self, ramp: &Ramp, v0: i64, v1: i64) {
-        let (low, high) = (v0.min(v1), v0.max(v1));
+    pub(super) fn speed_up(&mut self, ramp: &Ramp, low: i64, high: i64) {
+        self.plan(ramp, [low, high], low, high, |times| times);
+    }
+
+    /// The same backward, from `high` to `low`.
+    #[inline(always)]
+    pub(super) fn slow_down(&mut self, ramp: &Ramp, high: i64, low: i64) {
+        self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
+    }
+
+    /// `ordered`: the times from `v0` to `v1` by those from `low` to `high`.
+    #[inline(always)]
+    fn plan(
+        &mut self,
+        ramp: &Ramp,
+        [low, high]: [i64; 2],
+        v0: i64,
+        v1: i64,
+        ordered: impl Fn([u64; 3]) -> [u64; 3],
+    ) {
         let bits = |t: f32| if t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 };
-        let ordered =
-            |[near, hold, far]: [u64; 3]| if v0 <= v1 { [near, hold, far] } else { [far, hold, near] };
         match ramp {
-            _ if v0 == v1 => self.set(Form::default(), v0, v1, [0; 3]),
+            _ if low == high => self.set(Form::default(), v0, v1, [0; 3]),
             Ramp::Bowed(ramp) => {
-                let [near, hold, far] = ramp.times(speed_f32(high - low));
+                let [near, hold, far] = ramp.times(gap_f32(low, high));
                 let first = bits(near);
                 let times = [first, bits(hold), if far == near { first } else { bits(far) }];
                 self.set(Form::Bowed(ramp.bend()), v0, v1, ordered(times));
             }
             Ramp::Stepped(ramp) => {
-                let [below, above] = ramp.parts(speed_f32(low), speed_f32(high - low));
+                let [below, above] = ramp.parts(speed_f32(low), gap_f32(low, high));
                 let middle = if above > 0.0 { (low + speed_bits(below)).min(high) } else { high };
                 let time = |dv: i64, a: f32| bits(speed_f32(dv) / a);
                 let times = [time(middle - low, ramp.a[0]), 0, time(high - middle, ramp.a[1])];
@@ -119,16 +149,10 @@ impl Change {
             return;
         }
         let [t1, t2, t3] = times;
-        let whole = t1 + 2 * t2 + t3;
-        let part = |time: u64| {
-            let (hi, lo) = mul_wide(dv.unsigned_abs(), time);
-            let size = div_wide(hi, lo, whole.max(1)) as i64;
-            if dv < 0 { -size } else { size }
-        };
         let (first, last) = if t1 != t3 {
-            (part(t1), part(t3))
+            (part(dv, t1, times), part(dv, t3, times))
         } else if t2 != 0 {
-            let part = part(t1);
+            let part = part(dv, t1, times);
             (part, part)
         } else {
             (dv >> 1, dv - (dv >> 1))
@@ -228,8 +252,8 @@ impl Profile {
         let low = v_in.max(v_out);
         let peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
 
-        self.up.plan(&up, v_in, peak);
-        self.down.plan(&down, peak, v_out);
+        self.up.speed_up(&up, v_in, peak);
+        self.down.slow_down(&down, peak, v_out);
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
@@ -292,9 +316,9 @@ fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64
         return 0;
     }
     let [from_in, from_out] = [v_in, v_out].map(speed_f32);
-    let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { speed_f32(low - v) });
+    let [above_in, above_out] = [v_in, v_out].map(|v| if v == low { 0.0 } else { gap_f32(v, low) });
     let target = to_f32(length) * (1.0 / (1u64 << 44) as f32);
-    let [mut below, mut above] = [0.0, speed_f32(limit)];
+    let [mut below, mut above] = [0.0, gap_f32(0, limit)];
     let mut limit_checked = false;
     let mut x = if v_in == v_out {
         let (x, exact) = R::level(up, down, from_in, target);
@@ -312,29 +336,30 @@ fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64
         let sides = Sides { gap, slope, lengths: [target, target - length] };
         R::beside([up, down, near], max(from_in, from_out), &sides)
     };
-    for _ in 0..PEAK_STEPS {
-        let at_limit = x >= above && !limit_checked;
-        if at_limit {
-            x = above;
-        } else if !(x > below && x < above) {
-            x = 0.5 * (below + above);
-        }
+    // By how much both slopes are longer than the block, and its derivative.
+    let over = |x: f32| {
         let [s0, d0] = up.distance(from_in, above_in + x);
         let [s1, d1] = down.distance(from_out, above_out + x);
-        let over = s0 + s1 - target;
-        if at_limit {
-            if over <= 0.0 {
-                return limit;
+        [s0 + s1 - target, d0 + d1]
+    };
+    for _ in 0..PEAK_STEPS {
+        if !(x > below && x < above) {
+            if x >= above && !limit_checked {
+                if over(above)[0] <= 0.0 {
+                    return limit;
+                }
+                limit_checked = true;
+                continue;
             }
-            limit_checked = true;
-            continue;
+            x = 0.5 * (below + above);
         }
+        let [over, slope] = over(x);
         if over > 0.0 {
             (above, limit_checked) = (x, true);
         } else {
             below = x;
         }
-        let step = over / (d0 + d1);
+        let step = over / slope;
         x -= step;
         if step * step <= x * x * CLOSE {
             break;

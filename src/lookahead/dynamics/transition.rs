@@ -41,18 +41,19 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v = f32::MAX;
         let mut tangential = true;
         let mut square = f32::MAX;
-        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
-        for (k, (axis, ((t0, t1), (c0, c1)))) in self.axes.iter().zip(ends).enumerate() {
+        for k in 0..AXES {
+            let (axis, [t0, t1]) = (&self.axes[k], [from.tangent[k], to.tangent[k]]);
+            let [c0, c1] = [from.curvature[k], to.curvature[k]];
             if t0 == t1 && c0 == c1 {
                 continue;
             }
             let mut joint = if rapid { &axis.rapid.joint } else { &axis.feed.joint };
             let both;
-            if let Some([feed_before, rapid_before]) = self.before.as_ref().and_then(|axes| axes.get(k)) {
+            if let Some([feed_before, rapid_before]) = self.before.as_ref().map(|axes| &axes[k]) {
                 both = joint.restricted(if rapid { rapid_before } else { feed_before });
                 joint = &both;
             }
-            let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let knee = size_f32(t1.wrapping_sub(t0).unsigned_abs()) * LSB_40;
             let bend = magnitude(c1 - c0);
             let stepped = self.slope == SlopeType::Step;
             let unseen = if stepped { STEP_SMOOTH } else { SMOOTH } * joint.budget;
