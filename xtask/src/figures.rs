@@ -6,7 +6,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 11] = [
+const LIMITS: [(&str, u64); 12] = [
+    ("total.block_mean_3_axes", 6000),
     ("total.tick_max_3_axes", 400),
     ("total.tick_max_6_axes", 650),
     ("total.poll_max_3_axes", 40_000),
@@ -21,7 +22,7 @@ const LIMITS: [(&str, u64); 11] = [
 ];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-const GOALS: [(&str, u64); 1] = [("total.block_mean_3_axes", 6000)];
+const GOALS: [(&str, u64); 2] = [("case.hsc_opt.block_mean", 8000), ("case.short_arcs.block_mean", 8000)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
