@@ -3,8 +3,10 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::random::{Mix, Random, program};
-use host_tests::cases::{Program, edges, machines, named};
-use host_tests::properties::{Verdict, verify};
+use host_tests::cases::{Program, edges, machines, named, set_point};
+use host_tests::check;
+use host_tests::operate::operate_text;
+use host_tests::properties::{Verdict, permitted, verify};
 use host_tests::reference::optimum::TOLERANCE;
 use host_tests::trace::{run, run_text};
 use std::f64::consts::TAU;
@@ -251,4 +253,27 @@ fn no_opt_0_changes_nothing_but_hsc() {
     assert_eq!(digest("TYPE=TRAPEZ NO_OPT=0"), digest("TYPE=TRAPEZ"));
     assert_eq!(digest("TYPE=SIN2 NO_OPT=0"), digest("TYPE=SIN2 NO_OPT=1"));
     assert_eq!(digest("TYPE=HSC"), digest("TYPE=HSC NO_OPT=1"));
+}
+
+/// Corners in random programs on random machines. With seeds 235 and 692 a span once began faster than the highest speed that it had been
+/// left: what follows was refused as impossible.
+#[test]
+fn random_corners_can_be_planned() {
+    for seed in (0..12).chain([235, 692]) {
+        let mix = Mix { length: [0.05, 40.0], knee: 3.0, arcs: 0, ..Mix::general(3, 30) };
+        let program = program(seed, mix);
+        let mut machine = machines::arbitrary::<3>(seed);
+        machine.channel.slope_profile = 3;
+        let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, 3, true, true, true)).collect();
+        let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+        for (mode, no_opt) in
+            [("DIST PRE_DIST=2 POST_DIST=1", 1), ("DEV PATH_DEV=0.2", 1), ("DIST PRE_DIST=2 POST_DIST=1", 0)]
+        {
+            let head = format!("#SLOPE [TYPE=HSC NO_OPT={no_opt}]\n#CONTOUR MODE [{mode}]\nG261\nN1 ");
+            let text = program.text(&machine).replacen("N1 ", &head, 1).replace("M30", "G260\nM30");
+            let run = operate_text::<3, 120>(&text, start, &machine, &[], 1000).unwrap();
+            check::limits(&run.trace, &limits)
+                .unwrap_or_else(|fault| panic!("{seed}, {mode}, NO_OPT={no_opt}: {fault}"));
+        }
+    }
 }

@@ -434,7 +434,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         if block > 0
             && let Some(block) = self.blocks.get_mut(block)
         {
-            let v = span.faster(&span.limits.brake(), v_out, cap);
+            let v = span.enter(v_out, cap);
             block.v_in = v.min(block.v_in).max(block.v_reached);
         }
     }

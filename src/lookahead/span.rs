@@ -11,7 +11,7 @@
 //! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
 //! begin, or behind the first quarter.
 use super::ease::Trial;
-use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max};
+use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max, min};
 use crate::math::float::to_f32;
 use crate::path::Shape;
 use crate::quantity::Speed;
@@ -168,6 +168,12 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
+    /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves unused may lower its highest
+    /// speed below `cap`.
+    pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
+        self.faster(&self.limits.brake(), v_out, min(cap, self.limits.v))
+    }
+
     /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
@@ -175,13 +181,14 @@ impl Span {
 }
 
 impl Span {
-    /// Whether it is long enough from one speed to the other.
+    /// Whether it permits both speeds and is long enough from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
-        if v_out < v_in {
+        if v_in.max(v_out).to_bits() > speed_bits(self.limits.v) {
+            false
+        } else if v_out < v_in {
             loses(&self.limits.brake(), self.millimetres(), v_in, v_out)
         } else {
-            v_out.to_bits() <= speed_bits(self.limits.v)
-                && self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
+            self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
         }
     }
 }
@@ -367,7 +374,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
                 block.v_old
             } else {
-                pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).max(block.v_old)
+                pass.span.enter(pass.v_out, block.cap()).max(block.v_old)
             };
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
@@ -399,7 +406,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let Some(block) = self.blocks.front_mut() else { return };
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.free else { return };
-        let v = pass.span.faster(&pass.span.limits.brake(), pass.v_out, block.cap()).min(reach);
+        let v = pass.span.enter(pass.v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
         block.v_in = v;
     }
