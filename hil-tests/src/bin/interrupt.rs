@@ -83,8 +83,10 @@ fn motion(
     period_us: u32,
     report: &mut Report,
 ) -> bool {
-    let (mut planner, interpolator) = match channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
-        Ok(halves) => halves,
+    // In its place: there is no room for another planner.
+    let mut halves = channel.split(&AXES_3, [Position::ZERO; 3], case.text);
+    let (planner, interpolator) = match halves {
+        Ok((ref mut planner, interpolator)) => (planner, interpolator),
         Err(error) => {
             let _ = writeln!(report, "failed {error:?}");
             return false;
