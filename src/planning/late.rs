@@ -19,7 +19,7 @@ const LOW: u32 = 64;
 const DRY: u32 = 256;
 
 /// Curves, and pieces of time, that are few: of a full ring a tick leaves more.
-const FEW: u32 = 30;
+const FEW: u32 = 10;
 const _: () = assert!(FEW < SEGMENTS as u32 - MOST && FEW < PHASES as u32 - 2 * RESERVE);
 
 /// Ticks within which a planner that keeps up has filled the queue again.
