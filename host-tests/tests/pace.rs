@@ -132,6 +132,36 @@ fn a_change_at_every_tick() {
     }
 }
 
+/// Spans of several blocks, and corners, in which axes have different reduced speeds.
+#[test]
+fn no_axis_is_faster_than_its_reduced_speed() {
+    let mut machine = machines::mill::<3>(1000);
+    machine.channel.ptp = true;
+    let reduced = [100.0, 60.0, 50.0];
+    for (axis, v) in machine.axes.iter_mut().zip(reduced) {
+        axis.vb_max_red = (v * 1e3) as u32;
+    }
+    let corners = "G01 X50 F20000\nG01 X100\nY50\nX0 Y0 Z3\nX-1\nX-1.5 Z5\nG260 X-100\nM30\n";
+    let mut texts = vec!["%s\nG01 Y1 F6000\nY100 F20000\nY100.5 Z0.3\nX3 Z40\nM30\n".to_owned()];
+    for mode in
+        ["DEV PATH_DEV=0.1", "PTP PATH_DEV=0.1", "DIST_SOFT PATH_DIST=3", "DIST PRE_DIST=2 POST_DIST=1"]
+    {
+        texts.push(format!("%c\n#CONTOUR MODE ON [{mode}]\n{corners}"));
+    }
+    for slope in ["TRAPEZ", "SIN2", "STEP", "HSC NO_OPT=1", "HSC NO_OPT=0"] {
+        for text in &texts {
+            let text = text.replacen('\n', &format!("\n#SLOPE [TYPE={slope}]\n"), 1);
+            let acts = [(0, Act::Reduced(true))];
+            let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &acts, 1000).unwrap();
+            for (axis, limit) in reduced.into_iter().enumerate() {
+                let x: Vec<f64> = (0..run.trace.len()).map(|k| run.trace.mm(k)[axis]).collect();
+                let fastest = x.windows(2).map(|w| (w[1] - w[0]).abs() / 0.001).fold(0.0, f64::max);
+                assert!(fastest <= limit * 1.000_01, "axis {axis}: {fastest} of {limit} mm/s\n{text}");
+            }
+        }
+    }
+}
+
 /// At 0.1 % for a while: 100 mm with F10 would take a week.
 #[test]
 fn a_knob_turned_nearly_to_zero_is_turned_up_again() {

@@ -2,6 +2,7 @@
 //! acceleration may pass it.
 use super::dip::SPARE;
 use super::limits::{Share, max, min};
+use super::pace::Slowest;
 use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
@@ -95,6 +96,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.span += distance;
         self.spare = if limits.may_dip() { self.depth / SPARE } else { 0 };
         self.stop = false;
+        if self.blocks.is_empty() {
+            self.slowest = Slowest::NONE;
+        }
+        self.slowest.take(headroom, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
         self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });

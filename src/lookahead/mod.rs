@@ -27,6 +27,7 @@ pub use dynamics::{Curving, Dynamics, Permitted};
 pub use limits::{Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub(crate) use pace::SLOWEST;
+use pace::Slowest;
 pub use pace::{Headroom, Pace};
 pub use vector::TooLow;
 pub use weights::Weights;
@@ -211,6 +212,8 @@ pub struct Release {
     pub v_next: f32,
     /// How that follows the override.
     pub next: Headroom,
+    /// Highest speed while the speed is reduced.
+    pub v_reduced: f32,
     /// The level that all speeds were planned for.
     pub level: f32,
 }
@@ -231,6 +234,7 @@ impl Release {
         headroom: Headroom::NONE,
         v_next: 0.0,
         next: Headroom::NONE,
+        v_reduced: f32::MAX,
         level: 1.0,
     };
 
@@ -300,6 +304,7 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     stale: bool,
     /// Speeds are those of the programmed feed, so many times.
     level: f32,
+    slowest: Slowest,
     /// Blocks that are left free for cuts.
     spare: usize,
     /// What is tried to be cut.
@@ -334,6 +339,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             end: 0,
             stale: false,
             level: 1.0,
+            slowest: Slowest::NONE,
             spare: 0,
             dip: Dip::NONE,
         }
@@ -487,6 +493,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         release.length = Distance::from_bits(length);
         release.limits = limits;
         (release.headroom, release.level, release.ceiling) = (headroom, self.level, f32::MAX);
+        release.v_reduced = self.slowest.least;
         release.checked = (first.is(Marks::CHECKED) && !self.stale) || blocks == 1;
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         self.stale = false;

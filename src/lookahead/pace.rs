@@ -15,6 +15,9 @@
 //! possible. Arcs and curves know their limits for the level of the moment at which they are taken in, and exceed that
 //! speed only when new blocks come.
 //!
+//! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks that are known may be. So there
+//! is always time to get as slow as the next one needs.
+//!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
 use super::{Release, max, min};
@@ -68,7 +71,47 @@ impl Headroom {
     /// What is at least as fast as both.
     pub(super) fn join(&mut self, other: Self) {
         self.over = self.over.max(other.over);
-        self.reduced = self.reduced.max(other.reduced);
+    }
+
+    /// Speed of a block while the speed is reduced, planned with `v` for a level.
+    fn reduced(self, v: f32, level: f32) -> Option<f32> {
+        let part = f32::from(self.reduced) * (0.5 / ONE);
+        (self.reduced != WHOLE).then(|| v / self.raised(level) * part)
+    }
+}
+
+/// The lowest reduced speed of the last blocks: of as many as the ring has at least, of twice as many at most.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slowest {
+    /// All of it.
+    pub least: f32,
+    /// Of so many blocks, and of as many as the ring has before them.
+    blocks: usize,
+    now: f32,
+    before: f32,
+}
+
+impl Slowest {
+    pub const NONE: Self = Self { least: f32::MAX, blocks: 0, now: f32::MAX, before: f32::MAX };
+
+    /// Takes in a block with the speed `v`, planned for a level.
+    #[inline(always)]
+    pub fn take(&mut self, headroom: Headroom, v: f32, level: f32, depth: usize) {
+        if headroom.reduced != WHOLE || self.least < f32::MAX {
+            self.count(headroom, v, level, depth);
+        }
+    }
+
+    #[inline(never)]
+    fn count(&mut self, headroom: Headroom, v: f32, level: f32, depth: usize) {
+        if let Some(v) = headroom.reduced(v, level) {
+            self.now = min(self.now, v);
+        }
+        self.least = min(self.now, self.before);
+        self.blocks += 1;
+        if self.blocks >= depth {
+            (self.blocks, self.before, self.now) = (0, self.now, f32::MAX);
+        }
     }
 }
 
@@ -117,28 +160,32 @@ impl Pace {
     }
 
     fn slowed(&self, span: &Release) -> f32 {
-        let v = span.limits.v * self.factor(span.headroom, span.level);
-        if self.reduced {
-            return v;
-        }
-        max(v, min(span.limits.v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST)))
+        let slowest = min(span.limits.v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST));
+        self.reduce(span, max(span.limits.v * self.factor(span.headroom, span.level), slowest))
     }
 
     /// Highest speed of the block behind a span now.
     pub fn next(&self, span: &Release) -> f32 {
-        span.v_next * self.factor(span.next, span.level)
+        self.reduce(span, span.v_next * self.factor(span.next, span.level))
+    }
+
+    /// Whether the override counts for the programmed feed alone.
+    fn is_of_program(&self) -> bool {
+        self.mode == 1 || (self.mode == 2 && self.reduced)
+    }
+
+    fn reduce(&self, span: &Release, v: f32) -> f32 {
+        if !self.reduced {
+            return v;
+        }
+        min(v, span.v_reduced * if self.is_of_program() { 1.0 } else { min(self.over, 1.0) })
     }
 
     /// The part of the speed planned for `level` that is permitted now, at most 1.
     fn factor(&self, headroom: Headroom, level: f32) -> f32 {
         let [above, below] = headroom.parts();
-        let of_program = self.mode == 1 || (self.mode == 2 && self.reduced);
-        let over = if of_program { self.over / below } else { self.over };
-        let mut factor = min(over, above);
-        if self.reduced && headroom.reduced != WHOLE {
-            let reduced = f32::from(headroom.reduced) * (0.5 / ONE);
-            factor = min(factor, if of_program { reduced } else { reduced * min(self.over, 1.0) });
-        }
+        let over = if self.is_of_program() { self.over / below } else { self.over };
+        let factor = min(over, above);
         min(factor / min(level, above), 1.0)
     }
 }

@@ -47,7 +47,7 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00011" "lslope_profil.a_stufe_1" ["mm/s²"] 1..=100_000_000 => a_stufe[0],
     "P-AXIS-00012" "lslope_profil.a_stufe_2" ["mm/s²"] 1..=100_000_000 => a_stufe[1],
     "P-AXIS-00013" "dynamik.a_trans_weight" ["0.1 %"] 0..=1000 => a_trans_weight,
-    "P-AXIS-00015" "kenngr.achs_mode" ["1 linear, 0x10000000 master axis"] 1..=0x1000_0001 => achs_mode,
+    "P-AXIS-00015" "kenngr.achs_mode" ["bit mask: 1 linear, 0x10000000 master axis"] 1..=0x1000_0001 => achs_mode,
     "P-AXIS-00154" "dynamik.r_trans_weight" ["0.1 %"] 0..=1000 => r_trans_weight,
     "P-AXIS-00195" "slope_profil.tr_beschl_ab" ["µs"] 1..=4_294_967_295 => tr_beschl_ab,
     "P-AXIS-00196" "slope_profil.tr_beschl_zu" ["µs"] 1..=4_294_967_295 => tr_beschl_zu,

@@ -153,7 +153,7 @@ impl Summary {
     ) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
-        let time = |t: Time| t.to_bits() as f64 / (1_u64 << 40) as f64 * cycle_s;
+        let time = |t: Time| t.to_bits() as f64 / (1_u64 << 36) as f64 * cycle_s;
         let axes = machine.axes.iter().zip(&statistics.axes).enumerate().map(|(k, (data, seen))| {
             let allowed = program.allowed(k, machine);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);

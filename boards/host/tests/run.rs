@@ -138,6 +138,12 @@ fn a_trace_is_at_rest_at_both_ends_and_complete() {
     let rest = last.t_s.parse::<f64>().unwrap_or(-1.0) - number(&run.summary["program_time_s"]);
     assert!((0.0..0.001).contains(&rest), "{rest}");
     assert_eq!(run.summary["cycle_s"], json!(0.001));
+    // So do the laws of all blocks, with the waits behind standstills.
+    let lasts = |plan: &Value| number(&plan["time_s"]) + number(&plan["wait_s"]);
+    let planned: f64 = run.summary["plan"].as_array().into_iter().flatten().map(lasts).sum();
+    let dwells = number(&run.summary["dwell_s"]);
+    let off = number(&run.summary["program_time_s"]) - planned - dwells;
+    assert!(off.abs() < 0.001, "{planned} s planned, {off} s off");
 
     // Every block is there, in order, under its number.
     let mut blocks: Vec<(u32, u32)> = rows.iter().map(|row| (row.block, row.n)).collect();
