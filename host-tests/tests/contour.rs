@@ -296,6 +296,22 @@ fn constant_speed_through_the_corner() {
     assert!(rows > 20 && high / low < 1.001, "{rows} rows, {low} … {high}");
 }
 
+/// The little acceleration of such a curve is not that of the lines beside it: with HSC they were one span, which took 30 times as long.
+#[test]
+fn constant_speed_costs_no_more_with_hsc() {
+    for (dev, y) in [(1.0, 10), (1.0, 60), (0.1, 60), (0.01, 60)] {
+        let time = |slope: u8| {
+            let text =
+                format!("#CONTOUR MODE ON [DEV PATH_DEV={dev} CONST_VEL=1]\nG01 X60 F6000\nG260 Y{y}\nM30\n");
+            let machine = machines::with_slope(machines::mill(1000), slope);
+            run_from(&text, [Position::ZERO; 3], &machine).time()
+        };
+        let [trapez, hsc] = [time(1), time(3)];
+        // Of four ramp times HSC takes the longest.
+        assert!(hsc <= 1.1 * trapez, "PATH_DEV={dev} Y{y}: {hsc} s, {trapez} s with TRAPEZ");
+    }
+}
+
 #[test]
 fn functions_between_the_blocks_are_due_in_the_middle_of_the_curve() {
     let text = "#CONTOUR MODE [DEV, PATH_DEV 4, INTER_ACTION]\nN110 G01 X100 G61 M25 F6000\nN120 Y100\nM30\n";

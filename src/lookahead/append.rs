@@ -68,7 +68,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 }
             }
             let through = match slope {
-                SlopeType::Hsc => true,
+                // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
+                SlopeType::Hsc => limits.is_as_strong(&before.limits),
                 // As if it were one block.
                 SlopeType::Trapez | SlopeType::Sin2 => {
                     limits.are(&before.limits)

@@ -20,6 +20,8 @@ pub(super) const ARC_SPEED_STEP: f32 = 0.8;
 /// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
 const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
+/// An acceleration below this part of another one is far less.
+const WEAK: f32 = 1.0 / 64.0;
 /// Two change-over speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
@@ -142,6 +144,12 @@ impl Limits {
     /// Largest acceleration or deceleration of both.
     pub(super) fn fastest(&self, other: &Self) -> f32 {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
+    }
+
+    /// Whether neither has far less acceleration, or deceleration, than the other.
+    pub(super) fn is_as_strong(&self, other: &Self) -> bool {
+        let near = |a: f32, b: f32| min(a, b) >= WEAK * max(a, b);
+        near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
     }
 
     /// The largest acceleration or deceleration at any speed.
