@@ -254,10 +254,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 && !(pass.first
                     && block.limits.may_dip()
                     && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
-            let planned = |k: usize| {
-                self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
-            };
-            if anchor && untried && planned(pass.from) && planned(pass.next) {
+            if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.next) {
                 pass.at = pass.next;
                 if pass.first && block.limits.may_dip() {
                     self.look_further(pass);
@@ -274,6 +271,20 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             pass.next += 1;
         }
         None
+    }
+
+    /// Whether the span that begins with this block keeps the limits of all its blocks, as fast as it may be.
+    pub(super) fn is_planned(&self, k: usize) -> bool {
+        self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+    }
+
+    /// Final speed at an anchor, or at the end of the ring.
+    pub(super) fn final_speed(&self, k: usize) -> Speed {
+        match self.blocks.get(k) {
+            Some(block) if k == 0 => block.v_in,
+            Some(block) => block.v_reached,
+            None => Speed::ZERO,
+        }
     }
 
     /// The anchor stays.
@@ -321,12 +332,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     fn weigh(&mut self, pass: &mut Trial) {
         let to = pass.next;
         pass.to = to;
-        let speed = |k: usize| match self.blocks.get(k) {
-            Some(block) if k == 0 => block.v_in,
-            Some(block) => block.v_reached,
-            None => Speed::ZERO,
-        };
-        let speeds = [pass.from, pass.at, to].map(speed);
+        let speeds = [pass.from, pass.at, to].map(|k| self.final_speed(k));
         if to > pass.last || to - pass.from > self.depth / PART {
             return self.keep_anchor(pass);
         }

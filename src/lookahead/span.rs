@@ -178,9 +178,7 @@ impl Span {
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
-}
 
-impl Span {
     /// Whether it permits both speeds and is long enough from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
         if v_in.max(v_out).to_bits() > speed_bits(self.limits.v) {
@@ -531,7 +529,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The first anchor behind a block, or the end of the ring.
-    fn anchor_behind(&self, block: usize) -> usize {
+    pub(super) fn anchor_behind(&self, block: usize) -> usize {
         (block + 1..self.blocks.len())
             .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
             .unwrap_or(self.blocks.len())
@@ -587,7 +585,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if flat {
                 return self.slow_down(&pass.forward);
             }
-            let [enters, leaves] = self.needed(pass, self.too_fast(pass, first, behind, v), first, behind);
+            let [enters, leaves] = self.too_fast(pass, first, behind, v);
             if !enters
                 && !leaves
                 && firm
@@ -614,7 +612,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.span_done(pass.forward, v_in)
     }
 
-    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside.
+    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside. Where it is at
+    /// both, and blocks may be cut, it begins with the one that the law comes to with acceleration.
     fn too_fast(&self, pass: &Inside, first: usize, behind: usize, v: f32) -> [bool; 2] {
         let Forward { from, next: to, .. } = pass.forward;
         let mut at = 0;
@@ -628,26 +627,15 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         places[1] = at;
         let mut law = pass.law;
         let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
-        [first > from && !law.keeps(v, enter, enter), behind < to && !law.keeps(v, leave, leave)]
-    }
-
-    fn needed(&self, pass: &Inside, [enters, leaves]: [bool; 2], first: usize, behind: usize) -> [bool; 2] {
-        let Forward { from, .. } = pass.forward;
-        if !(enters && leaves && pass.law.firm && self.blocks.get(first).is_some_and(|b| b.limits.may_dip()))
-        {
-            return [enters, leaves];
-        }
-        let length = |range: core::ops::Range<usize>| {
-            let blocks = range.zip(self.blocks.iter().skip(from)).map(|(_, block)| length_mm(&block.shape));
-            blocks.sum::<f32>()
-        };
-        let [enter, leave] = [length(from..first), length(from..behind)];
-        if enter >= pass.law.brakes_at() {
+        let enters = first > from && !law.keeps(v, enter, enter);
+        let leaves = behind < to && !law.keeps(v, leave, leave);
+        let may_dip = || self.blocks.get(first).is_some_and(|block| block.limits.may_dip());
+        if !(enters && leaves && law.firm && may_dip()) {
+            [enters, leaves]
+        } else if enter >= law.brakes_at() {
             [true, false]
-        } else if leave <= pass.law.reaches_at() {
-            [false, true]
         } else {
-            [true, true]
+            [leave > law.reaches_at(), true]
         }
     }
 

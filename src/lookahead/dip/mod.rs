@@ -15,17 +15,18 @@
 //! V (1 − V/F)/4. A slow block too short for two dips gets one from end to end. Two laws, or three, are compared with those of
 //! the plan as it is: what is no faster is left. Speeds at the other ends of both spans stay, what follows relies on them.
 //!
-//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
-//! zero either: it moves into the block on the other side, as far as the limit where it was permits.
+//! Beside that, an anchor may move: [`mod@self::shift`].
 //!
 //! A block that is cut takes two places of the ring. The first one has its curve, see [`crate::path::Shape::cut`].
+mod shift;
+
 use super::ease::{self, Ease, Trial};
 use super::span::{Law, Span, length_mm};
-use super::{Joint, Limits, Lookahead, Marks, ROUNDED, UNPLANNED, limits, max, min};
-use crate::math::float::{to_bits, to_f32};
+use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
+use crate::math::float::to_bits;
 use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
-use crate::slope::profile::{speed_bits, speed_f32};
+use crate::slope::profile::speed_bits;
 
 /// Part of the ring that is left free for cuts.
 pub(super) const SPARE: usize = 8;
@@ -33,12 +34,6 @@ pub(super) const SPARE: usize = 8;
 const WALK: usize = 32;
 /// Dips tried: a part of the best depth, and whether both sides get one depth.
 const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
-/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
-const MOVES: u8 = 4;
-const SHIFTS: u8 = 12;
-const LAWS: usize = 2;
-/// An anchor moves only for so much: less is better gained without it.
-const WORTH: f32 = 0.995;
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
 /// Less is no rise of speed.
@@ -194,195 +189,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// An anchor that is slower than it may be.
-    pub(super) fn look_further(&mut self, pass: &mut Trial) {
-        let mut dip = self.dip;
-        self.look_shift(pass, &mut dip);
-        self.dip = dip;
-    }
-
-    fn look_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let (from, at) = (pass.from, pass.at);
-        let to = self.anchor_after(at);
-        if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
-            return self.try_knee(pass, dip);
-        }
-        *dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
-        pass.next = from;
-        pass.step = ease::Step::Dip(Step::TakeIn);
-    }
-
-    /// Goes on with the knee.
-    fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        (pass.fitting, pass.head) = (false, 0);
-        *dip = Dip::NONE;
-        pass.next = pass.from;
-        pass.spans = [Span::NONE; 2];
-        pass.step = ease::Step::Gather;
-    }
-
-    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
-    fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let moves = if pass.fitting { None } else { self.search_shift(pass, dip) };
-        if moves.is_none() {
-            (pass.from, pass.at) = (dip.edges[0], dip.was);
-            self.try_knee(pass, dip);
-        }
-    }
-
-    /// Whether the motion speeds up to the anchor, or slows down from it: which block it moves into.
-    fn shifts_early(&self, dip: &Dip) -> Option<bool> {
-        let high = speed_f32(dip.speeds[1].to_bits()) * RISE;
-        match [dip.peaks[0] > high, dip.peaks[1] > high] {
-            [true, false] => Some(true),
-            [false, true] => Some(false),
-            _ => None,
-        }
-    }
-
-    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a block; `None` if that law
-    /// is too fast where the anchor was.
-    fn shifted(&self, dip: &Dip, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
-        let mut span = dip.spans[if early { 2 } else { 0 }];
-        let at = to_f32(if early { dip.moved + way } else { span.length - dip.moved }) * LSB_44;
-        if way > 0 {
-            span.add_piece(limits, way);
-        }
-        span.limits.ease(dip.eases[usize::from(early)]);
-        let [v_from, .., v_end] = dip.speeds;
-        let ramp = if early { span.limits.brake() } else { span.limits.speed_up() };
-        let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
-        let [from, to] = if early { [v, v_end] } else { [v_from, v] };
-        let mut law = Law::new(&span, from, to, true);
-        let cap = self.blocks.get(dip.was)?.cap();
-        law.keeps(cap, at, at).then(|| (v, law.time()))
-    }
-
-    /// Goes on with the search. `None`: it stays.
-    fn search_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
-        let early = self.shifts_early(dip)?;
-        let [a, b, _, d] = dip.edges;
-        let block = self.blocks.get(if early { b - 1 } else { b })?;
-        let (limits, length) = (block.limits, block.shape.length.to_bits());
-        if dip.steps == 0 {
-            if dip.moved == 0 {
-                dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
-            }
-            let more = if early { b - 1 > a } else { b + 1 < d };
-            if more && dip.tried < MOVES && self.shifted(dip, &limits, early, length).is_some() {
-                dip.tried += 1;
-                dip.moved += length;
-                let b = if early { b - 1 } else { b + 1 };
-                dip.edges = [a, b, b, d];
-                dip.spans = [Span::NONE; 3];
-                pass.next = a;
-                pass.step = ease::Step::Dip(Step::TakeIn);
-                return Some(());
-            }
-            dip.best = if dip.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
-            dip.between = [0, length / 16 * 15];
-        }
-        for _ in 0..LAWS {
-            if dip.steps >= SHIFTS {
-                return self.try_shift(pass, dip, early);
-            }
-            dip.steps += 1;
-            let [near, far] = dip.between;
-            let middle = near + (far - near) / 2;
-            match self.shifted(dip, &limits, early, middle) {
-                Some(found) => {
-                    dip.between[0] = middle;
-                    dip.best = Some(found);
-                }
-                None => dip.between[1] = middle,
-            }
-        }
-        pass.step = ease::Step::Dip(Step::Weigh);
-        Some(())
-    }
-
-    /// `None`: no gain.
-    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip, early: bool) -> Option<()> {
-        let [_, b, ..] = dip.edges;
-        let [v_from, .., v_end] = dip.speeds;
-        let (w, time) = dip.best?;
-        let near = dip.between[0];
-        if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
-            return None;
-        }
-        dip.cuts = if early { [-near, near] } else { [near, -near] };
-        let speed = speed_f32(w.to_bits()) * ROUNDED;
-        dip.v = [speed; 2];
-        let w = Speed::from_bits(speed_bits(speed));
-        let mut other = dip.spans[if early { 0 } else { 2 }];
-        other.shorten(near);
-        other.limits.ease(dip.eases[usize::from(!early)]);
-        let [from, to] = if early { [v_from, w] } else { [w, v_end] };
-        if !other.joins(from, to) {
-            return None;
-        }
-        dip.time = time + Law::new(&other, from, to, true).time();
-        if dip.time >= dip.before * WORTH {
-            return None;
-        }
-        pass.step = ease::Step::Dip(Step::Fit(1));
-        Some(())
-    }
-
-    fn do_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let plan = *dip;
-        let [a, b, _, _] = plan.edges;
-        let mut was = plan.was;
-        let at = if plan.cuts[0] == 0 {
-            b
-        } else {
-            let early = plan.cuts[0] < 0;
-            let k = if early { b - 1 } else { b };
-            let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
-            self.cut(k, if early { length + plan.cuts[0] } else { plan.cuts[0] });
-            was += usize::from(early);
-            pass.last += 1;
-            k + 1
-        };
-        let early = at < was;
-        // The anchor that was.
-        let (cap, joint) =
-            self.blocks.get(was).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
-        self.open_up(was, cap);
-        if let Some(block) = self.blocks.get_mut(was) {
-            block.joint = Joint::new(joint.rises(), false);
-        }
-        let (cap_here, joint_here) =
-            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
-        self.dip_at(at, plan.v[0]);
-        if let Some(block) = self.blocks.get_mut(at) {
-            if plan.cuts[0] != 0 {
-                block.joint = Joint::new(2.0, true);
-                block.cap = block.limits.v;
-                self.untried += 1;
-            } else {
-                block.cap = cap_here;
-                block.joint = joint_here;
-                self.untried += usize::from(joint_here.is_open());
-            }
-        }
-        if early
-            && let Some(block) = self.blocks.get_mut(was + 1)
-            && !block.is(Marks::ANCHOR)
-        {
-            block.v_reached = UNPLANNED;
-        }
-        self.keep_ease(at, plan.eases[1]);
-        self.keep_ease(a, plan.eases[0]);
-        // It gets no faster there, although the new law might.
-        let end = plan.edges[3] + usize::from(plan.cuts[0] != 0);
-        if let Some(end) = self.blocks.get_mut(end) {
-            end.v_in = end.v_reached;
-        }
-        (pass.from, pass.at) = (a, at);
-        self.try_knee(pass, dip);
-    }
-
     /// The next anchor. `tried`: not this one again.
     fn leave_anchor(&mut self, pass: &mut Trial, dip: &mut Dip, tried: bool) {
         (pass.fitting, pass.head) = (false, 0);
@@ -394,31 +200,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         pass.step = ease::Step::Seek;
     }
 
-    fn anchor_after(&self, from: usize) -> usize {
-        (from + 1..self.blocks.len())
-            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
-            .unwrap_or(self.blocks.len())
-    }
-
-    /// Final speed at an anchor.
-    fn final_speed(&self, k: usize) -> Speed {
-        match self.blocks.get(k) {
-            Some(block) if k == 0 => block.v_in,
-            Some(block) => block.v_reached,
-            None => Speed::ZERO,
-        }
-    }
-
     fn limit(&self, k: usize) -> f32 {
         self.blocks.get(k).map_or(0.0, |block| block.limits.v)
     }
 
     fn look(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let at = pass.at;
-        let to = self.anchor_after(at);
-        let planned = |k: usize| {
-            self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
-        };
+        let to = self.anchor_behind(at);
         if to > pass.last || at == 0 {
             return self.leave_anchor(pass, dip, true);
         }
@@ -438,11 +226,11 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                         && block.joint.is_open()
                 });
             if leaves {
-                let behind = self.anchor_after(to);
+                let behind = self.anchor_behind(to);
                 if behind > pass.last {
                     return self.leave_anchor(pass, dip, false);
                 }
-                if planned(to) {
+                if self.is_planned(to) {
                     edges[3] = behind;
                 }
             }
@@ -452,7 +240,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.leave_anchor(pass, dip, true);
         }
         let [a, b, c, d] = edges;
-        let checked = [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || planned(from));
+        let checked =
+            [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || self.is_planned(from));
         let last = self.open && d == self.blocks.len();
         if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
             return self.leave_anchor(pass, dip, true);
