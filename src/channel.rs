@@ -187,6 +187,8 @@ pub enum Progress {
     /// The program text comes late: the motion comes to a standstill at the end of what there is, and goes on when there is more.
     /// Said once for each standstill.
     Starved,
+    /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said once for each standstill.
+    Late,
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
     /// calling as long as it moves.
     Done,
@@ -326,6 +328,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Planned) => return Ok(Progress::Planned),
             Ok(Work::Replanned) => return Ok(Progress::Replanned),
             Ok(Work::Hungry | Work::Starved) => {}
+            Ok(Work::Late) => return Ok(Progress::Late),
             Ok(Work::Aborted) => {
                 self.source = Source::Ended;
                 self.held = None;

@@ -7,6 +7,7 @@ mod hold;
 mod intake;
 mod late;
 mod pace;
+mod reserve;
 
 use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
@@ -24,6 +25,7 @@ use flight::Flights;
 use functions::Functions;
 use held::Held;
 use hold::Mode;
+use reserve::Reserve;
 pub use intake::MotionError;
 
 /// Where the ring is handed on.
@@ -52,6 +54,8 @@ pub enum Work {
     Hungry,
     /// It comes to a standstill where the last block ends: there is no other yet.
     Starved,
+    /// It got no time for so long that the motion came to a standstill on its way. It goes on.
+    Late,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
     Aborted,
 }
@@ -92,6 +96,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     word: u32,
     pace: Pace,
     functions: Functions,
+    reserve: Reserve,
     /// A gate is open: what is in the look-ahead is planned again. At the first block: also the law that ends there.
     reopened: bool,
     joining: bool,
@@ -158,6 +163,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             word: Control::NORMAL,
             pace: Pace::new(machine.channel.override_weight_prog_feed),
             functions: Functions::new(),
+            reserve: Reserve::none(),
             reopened: false,
             joining: false,
             stood: false,
@@ -184,12 +190,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
+        if self.reserve.is_made() || self.queue.clock.has_left() {
+            return Ok(self.look_after());
+        }
         if let Some(work) = self.attend() {
             return Ok(work);
         }
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
         if self.queue.phases.room() < PIECES + RESERVE {
-            return Ok(Work::Waiting);
+            return Ok(if self.needs_reserve(false) { self.begin_reserve() } else { Work::Waiting });
         }
         if self.curves > 0 && !self.queue.segments.is_full() {
             for _ in 0..CURVES {
@@ -206,6 +215,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.stops {
             self.emitter.settle();
             self.stops = false;
+            self.drop_reserve();
         }
         self.go_on()
     }
@@ -290,6 +300,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 Ok(Work::Working)
             }
             Stage::Releasing(0) => {
+                if self.needs_reserve(true) && self.begin_reserve() == Work::Working {
+                    return Ok(Work::Working);
+                }
                 self.stage = Stage::Filling;
                 self.since = self.queue.clock.now();
                 Ok(Work::Working)
@@ -360,6 +373,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait());
         }
         self.trim();
+        if self.needs_reserve(false) && self.begin_reserve() == Work::Working {
+            return Ok(Work::Working);
+        }
         if self.queue.segments.is_full() || self.flights.is_full() {
             return Ok(Work::Waiting);
         }
@@ -383,6 +399,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.curves = span.blocks;
         self.flights.push();
         self.stood = false;
+        if self.is_behind(self.laid) {
+            self.laid += 1;
+            self.curve();
+            return Ok(Work::Working);
+        }
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);

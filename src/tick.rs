@@ -4,7 +4,8 @@
 //! the path distance has left, and evaluates the one it is on. Integers only; no division, square root or search.
 //!
 //! The interrupt counts the ticks that take time of a piece. Before the tick with the number the planner has asked for it
-//! leaves the pieces it has and goes on with others: [`crate::queue::Clock`].
+//! leaves the pieces it has and goes on with others; so it does, with a way to a standstill, where what is planned ends at speed:
+//! [`crate::queue::Clock`].
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
@@ -47,6 +48,8 @@ pub struct Interpolator<'a, const AXES: usize> {
     phase: Phase,
     /// Ticks of the piece evaluated.
     done: u16,
+    /// It stops, or stands, with the pieces of this ring.
+    side: Option<usize>,
     distance: Distance,
     set_points: [Position; AXES],
 }
@@ -55,18 +58,28 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
     /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
-        Self { queue, phase: Phase::BLANK, done: 0, distance: Distance::ZERO, set_points: start }
+        Self { queue, phase: Phase::BLANK, done: 0, side: None, distance: Distance::ZERO, set_points: start }
     }
 
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
     pub fn tick(&mut self) -> State {
         let instant = self.queue.clock.own();
         if let Some(number) = self.queue.clock.cut(instant) {
-            self.queue.phases.jump(number);
-            self.done = u16::MAX;
+            // On its way to a standstill it has left them for good.
+            if self.side.is_none() {
+                self.queue.phases.jump(number);
+                self.done = u16::MAX;
+            }
         }
         if self.done >= self.phase.ticks {
-            if !self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0) {
+            if self.queue.clock.is_end(instant) {
+                self.side = Some(self.queue.clock.leave());
+            }
+            let more = match self.side {
+                None => self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0),
+                Some(side) => self.stop(side),
+            };
+            if !more {
                 return State::Idle;
             }
             self.done = 0;
@@ -80,6 +93,17 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         }
         self.queue.clock.pass();
         State::Active
+    }
+
+    /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
+    #[inline(never)]
+    fn stop(&mut self, side: usize) -> bool {
+        if self.queue.clock.has_left() {
+            let ring = self.queue.reserves.get_mut(side);
+            return ring.is_some_and(|ring| ring.pop_into(&mut self.phase, |_| true));
+        }
+        self.side = None;
+        self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 
     /// Where the operator's commands go.

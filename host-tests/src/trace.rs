@@ -124,7 +124,11 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     loop {
         match planner.poll().map_err(|e| format!("{e:?}"))? {
             Progress::Planned => run.blocks.push(planner.planned()),
-            Progress::Working | Progress::Replanned | Progress::Starved | Progress::Warning(_) => idle += 1,
+            Progress::Working
+            | Progress::Replanned
+            | Progress::Starved
+            | Progress::Late
+            | Progress::Warning(_) => idle += 1,
             Progress::Waiting => {
                 for _ in 0..burst {
                     if tick() == State::Active {

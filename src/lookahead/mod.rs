@@ -449,9 +449,30 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
+        let (front, back) = self.blocks.as_slices();
+        Self::span_of(front.iter().chain(back), release)?;
+        release.level = self.level;
+        release.v_reduced = self.slowest.least;
+        release.checked &= !self.stale || release.blocks == 1;
+        if let Some(next) = self.blocks.get_mut(release.blocks) {
+            next.start_at(release.v_out);
+        }
+        self.stale = false;
+        self.blocks.front()
+    }
+
+    /// The span that begins `at` blocks behind the front, as it is planned now; `false` if there is none. Where the plan is
+    /// complete.
+    pub fn planned(&self, at: usize, release: &mut Release) -> bool {
+        release.level = self.level;
+        release.v_reduced = self.slowest.least;
+        Self::span_of(self.blocks.iter().skip(at), release).is_some()
+    }
+
+    /// The span at the front of these blocks; what the ring has for all of them is left open.
+    #[inline(always)]
+    fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block<AXES>>, release: &mut Release) -> Option<()> {
         let mut ease = Ease::NONE;
-        let (front, back) = self.blocks.as_mut_slices();
-        let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
         let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
@@ -482,8 +503,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         release.v_next = 0.0;
         if let Some(next) = next {
             (release.v_next, release.next) = (next.limits.v, next.headroom);
-            v_out = span::leave(&limits, length, kept, v_in, next.v_in).unwrap_or(Speed::ZERO);
-            next.start_at(v_out);
+            let planned = next.v_in.max(Speed::ZERO);
+            v_out = span::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
         }
         if first.is(Marks::FLAT) {
             limits.flatten(v_in, v_out);
@@ -492,12 +513,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         release.ahead = ahead;
         release.length = Distance::from_bits(length);
         release.limits = limits;
-        (release.headroom, release.level, release.ceiling) = (headroom, self.level, f32::MAX);
-        release.v_reduced = self.slowest.least;
-        release.checked = (first.is(Marks::CHECKED) && !self.stale) || blocks == 1;
+        (release.headroom, release.ceiling) = (headroom, f32::MAX);
+        release.checked = first.is(Marks::CHECKED) || blocks == 1;
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
-        self.stale = false;
-        Some(first)
+        Some(())
     }
 
     /// The span that begins `blocks` blocks behind the front begins at the speed `v_in`, lower than planned or as planned.

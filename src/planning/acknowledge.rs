@@ -108,10 +108,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let at = if clock::is_before(at, flight.first) { flight.first } else { at };
         let stopping = self.mode.stopping || self.queue.control.commands().standstill();
         let room = self.queue.phases.room() >= PIECES + 2;
-        if !clock::is_before(at, self.end) || stopping || self.mode.cut.is_some() || !room {
+        let idle = self.laid == self.flights.len();
+        if !clock::is_before(at, self.end) || stopping || self.mode.cut.is_some() || !room || !idle {
             return false;
         }
-        let Some(motion) = self.motion_at(at) else { return false };
+        let Some(motion) = self.motion_at(at).filter(|_| self.drop_reserve()) else { return false };
         let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops);
         let gate = self.queue.phases.count();
         if let Some(flight) = self.flights.get_mut(k) {

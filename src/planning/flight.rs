@@ -1,7 +1,9 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::{Pace, Release};
+use crate::lookahead::{Pace, Release, min};
+use crate::math::float::to_f32;
 use crate::quantity::{Distance, Speed};
 use crate::queue::SEGMENTS;
+use crate::slope::brake::SHORT;
 
 /// Such a span.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +38,23 @@ impl Flight {
         (self.start, self.span.v_in, self.span.checked) = self.released;
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
         self.span.ceiling = f32::MAX;
+    }
+
+    /// Its start, up to path distance `start`, is behind: it goes on there, at the speed `v_in`.
+    pub fn begin_at(&mut self, start: i64, v_in: Speed) {
+        let left = self.end().wrapping_sub(start);
+        self.start = Distance::from_bits(start);
+        let span = &mut self.span;
+        span.length = Distance::from_bits(left);
+        span.v_in = v_in;
+        span.checked = false;
+        if left < SHORT {
+            // Most of it at constant speed, which takes up the rounding of the rest.
+            let limits = &span.limits;
+            let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
+            let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
+            span.ceiling = min(span.ceiling, v);
+        }
     }
 
     /// Highest speed at its start as it was released, from which its end speed can be reached.

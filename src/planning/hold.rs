@@ -16,9 +16,8 @@ use super::flight::Flight;
 use super::{
     Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work,
 };
-use super::{clock, max, min, speed_f32, to_f32};
+use super::{clock, max, min, speed_f32};
 use crate::queue::{Event, PHASES};
-use crate::slope::brake::SHORT;
 use crate::slope::profile::speed_bits;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
@@ -29,7 +28,7 @@ pub const REACTION: u32 = 4;
 const NEAR: u32 = 64;
 
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
-const NOTHING: i64 = 1 << 10;
+pub(super) const NOTHING: i64 = 1 << 10;
 
 /// Where the commands stand.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +42,7 @@ pub(super) struct Mode {
     /// Spans without a law may have had one before, which began at another speed.
     uneven: bool,
     /// The law with the emitter ends in it.
-    halting: bool,
+    pub(super) halting: bool,
     /// It is handed out.
     standing: bool,
     /// The instant of the cut that may be pending, and the last one at which one was tried.
@@ -63,6 +62,12 @@ impl Mode {
         cut: None,
         tried: None,
     };
+
+    /// A way to a standstill is made, whatever the commands are.
+    pub const STOP: Self = Self { stopping: true, uneven: true, ..Self::RUN };
+
+    /// From a standstill that was no command; what the commands are is to be looked at.
+    pub const AGAIN: Self = Self { busy: true, uneven: true, ..Self::RUN };
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -284,7 +289,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
         let gate = self.queue.phases.count();
         let drops = at != self.end;
-        if self.queue.phases.room() < PIECES + 2 {
+        if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
             return None;
         }
         if drops {
@@ -429,7 +434,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.
     #[inline(never)]
-    fn brake(&mut self, k: usize, brake: &Brake) {
+    pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
         self.emitter.begin_brake(&self.profile, brake);
         let Some(flight) = self.flights.get_mut(k) else { return };
         let v_out = Speed::from_bits(brake.v_out);
@@ -437,18 +442,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.stops = v_out == Speed::ZERO;
         let left = flight.end().wrapping_sub(brake.end);
         if left > NOTHING {
-            flight.start = Distance::from_bits(brake.end);
-            let span = &mut flight.span;
-            span.length = Distance::from_bits(left);
-            span.v_in = v_out;
-            span.checked = false;
-            if left < SHORT {
-                // Most of it at constant speed, which takes up the rounding of the rest.
-                let limits = &span.limits;
-                let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
-                let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
-                span.ceiling = min(span.ceiling, v);
-            }
+            flight.begin_at(brake.end, v_out);
             self.laid = k;
             self.owed = 0;
             self.mode.halting = self.stops;
@@ -462,7 +456,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
     fn lower(&mut self) {
-        if self.laid == self.flights.len() {
+        if self.laid == self.flights.len() && !self.reserve.is_made() {
             self.flights.lower(self.laid, self.speed);
             self.lookahead.start_at(self.curves, self.speed);
         }
@@ -547,6 +541,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.flights.truncate(0);
         self.laid = 0;
         self.emitter.settle();
+        self.drop_reserve();
+        self.reserve.clear();
         self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
     }
 }

@@ -16,6 +16,11 @@
 //! Step 3 takes for granted that a tick, once begun, ends before the planner goes on: it is an interrupt on the planner's
 //! own core.
 //!
+//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
+//! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
+//! needs to do nothing for the motion to slow down. The pieces of that way have two rings of their own: one is written while the
+//! other one is in force. Once there, the interrupt stays with them until the planner lets it go on.
+//!
 //! An instant is twice the number of ticks of motion passed since the split, modulo 2^32: even, so that an odd one is never.
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 
@@ -32,11 +37,17 @@ pub struct Clock {
     at: AtomicU32,
     /// The number of the piece that follows then.
     to: AtomicU32,
+    /// The instant of the reserve, and which of its rings.
+    end: AtomicU32,
+    side: AtomicU32,
+    /// Set by the interrupt when it has come there, cleared by the planner.
+    left: AtomicU32,
 }
 
 impl Clock {
     pub(super) const fn new() -> Self {
-        Self { now: AtomicU32::new(0), at: AtomicU32::new(NEVER), to: AtomicU32::new(0) }
+        let [now, to, side, left] = [const { AtomicU32::new(0) }; 4];
+        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), side, left }
     }
 
     /// Ticks of motion passed. For the interrupt.
@@ -59,6 +70,40 @@ impl Clock {
         }
         fence(Ordering::Acquire);
         Some(self.to.load(Ordering::Relaxed))
+    }
+
+    /// Whether what was planned ends at `instant`, and the motion is to stop. For the interrupt.
+    #[inline(always)]
+    pub fn is_end(&self, instant: u32) -> bool {
+        self.end.load(Ordering::Relaxed) == instant
+    }
+
+    /// It does: which ring it goes on with. For the interrupt.
+    pub fn leave(&self) -> usize {
+        self.left.store(1, Ordering::Release);
+        self.side.load(Ordering::Acquire) as usize
+    }
+
+    /// Whether the interrupt has gone on with the reserve.
+    #[inline(always)]
+    pub fn has_left(&self) -> bool {
+        self.left.load(Ordering::Acquire) != 0
+    }
+
+    /// The interrupt may go on with what is in the queue, once it stands. For the planner.
+    pub fn go_on(&self) {
+        self.left.store(0, Ordering::Release);
+    }
+
+    /// The reserve in the ring `side` holds at `instant`. For the planner, while there is none.
+    pub fn keep(&self, instant: u32, side: usize) {
+        self.side.store(side as u32, Ordering::Relaxed);
+        self.end.store(instant, Ordering::Release);
+    }
+
+    /// Takes the reserve back. For the planner: [`Self::has_left`] says whether it came in time.
+    pub fn release(&self) {
+        self.end.store(NEVER, Ordering::Release);
     }
 
     /// A tick is done. For the interrupt.

@@ -19,6 +19,9 @@ pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
 pub const PHASES: usize = 64;
 
+/// Pieces of time of a way to a standstill that is kept in reserve.
+pub const RESERVE: usize = 64;
+
 /// Events handed over.
 pub const EVENTS: usize = 32;
 
@@ -129,6 +132,7 @@ impl Phase {
 pub struct Rings<const AXES: usize> {
     segments: Course<AXES>,
     phases: Ring<Phase, PHASES>,
+    reserves: [Ring<Phase, RESERVE>; 2],
     events: Ring<Event, EVENTS>,
     control: Control,
     clock: Clock,
@@ -140,6 +144,8 @@ pub struct Sender<'a, const AXES: usize> {
     pub segments: Layer<'a, AXES>,
     /// Pieces of time.
     pub phases: Producer<'a, Phase, PHASES>,
+    /// Those of the way to a standstill: see [`Clock`].
+    pub reserves: [Producer<'a, Phase, RESERVE>; 2],
     /// Events.
     pub events: Producer<'a, Event, EVENTS>,
     /// Commands of the operator.
@@ -154,6 +160,8 @@ pub struct Receiver<'a, const AXES: usize> {
     pub segments: Follower<'a, AXES>,
     /// Pieces of time.
     pub phases: Consumer<'a, Phase, PHASES>,
+    /// Those of the way to a standstill: see [`Clock`].
+    pub reserves: [Consumer<'a, Phase, RESERVE>; 2],
     /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
     /// Commands of the operator.
@@ -168,6 +176,7 @@ impl<const AXES: usize> Rings<AXES> {
         Self {
             segments: Course::new(),
             phases: Ring::new(),
+            reserves: [const { Ring::new() }; 2],
             events: Ring::new(),
             control: Control::new(),
             clock: Clock::new(),
@@ -178,13 +187,22 @@ impl<const AXES: usize> Rings<AXES> {
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>) {
         let (to_segments, segments) = self.segments.split();
         let (to_phases, phases) = self.phases.split();
+        let [(to_this, this), (to_that, that)] = self.reserves.each_mut().map(Ring::split);
+        let (to_reserves, reserves) = ([to_this, to_that], [this, that]);
         let (to_events, events) = self.events.split();
         self.control = Control::new();
         self.clock = Clock::new();
         let (control, clock) = (&self.control, &self.clock);
         (
-            Sender { segments: to_segments, phases: to_phases, events: to_events, control, clock },
-            Receiver { segments, phases, events, control, clock },
+            Sender {
+                segments: to_segments,
+                phases: to_phases,
+                reserves: to_reserves,
+                events: to_events,
+                control,
+                clock,
+            },
+            Receiver { segments, phases, reserves, events, control, clock },
         )
     }
 }

@@ -78,7 +78,7 @@ struct Run {
     #[command(flatten)]
     input: Input,
     /// Events from outside, one per line: `<seconds> override <percent>`, `feedhold`, `resume`, `abort`,
-    /// `reduced on|off`, `starve <seconds>`, `ack <function>`.
+    /// `reduced on|off`, `starve <seconds>`, `stall <seconds>`, `ack <function>`.
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
     /// Seconds after its output at which a function is acknowledged, or `never`. Functions that --events acknowledges are not

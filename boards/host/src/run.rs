@@ -200,7 +200,7 @@ fn drive<const AXES: usize>(
                     }
                 }
                 // What is late stands in the list of events.
-                Progress::Starved => {}
+                Progress::Starved | Progress::Late => {}
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }

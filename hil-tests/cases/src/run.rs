@@ -78,7 +78,11 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
                 Progress::Waiting => break,
                 Progress::Done => done = true,
                 Progress::Planned => outcome.blocks += planner.planned().blocks,
-                Progress::Working | Progress::Replanned | Progress::Starved | Progress::Warning(_) => {}
+                Progress::Working
+                | Progress::Replanned
+                | Progress::Starved
+                | Progress::Late
+                | Progress::Warning(_) => {}
             }
         }
         let before = watch.now();

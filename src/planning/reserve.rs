@@ -1,0 +1,311 @@
+//! A way to a standstill in reserve, for a planner that gets no time.
+//!
+//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready, in rings of its own, and
+//! tells the interrupt to go on with it there ([`clock`]). As long as it is called it moves that reserve on before the
+//! interrupt comes there: then nothing of it is ever seen. If it is not, the motion slows down by itself, with the limits of every block
+//! it comes through, and stands. The planner, when it is called again, takes back what is in the queue and goes on from there.
+//!
+//! Such a way is made like a feed hold (`hold`): from the motion where the queue ends, through the rest of that
+//! span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a ring ends in a standstill: so
+//! does this. What the planner is about meanwhile is put aside and goes on behind it.
+//!
+//! A new one is made when the interrupt comes near the one before, or before more blocks are taken in: a few times for a
+//! full queue, whatever the length of the blocks.
+//!
+//! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
+use super::hold::{Mode, NOTHING};
+use super::{Brake, Distance, Emitter, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+
+/// Ticks ahead of the interrupt at which a new one is made; before blocks are taken in and planned.
+const NEAR: u32 = 32;
+const FAR: u32 = 256;
+
+/// Spans per call.
+const SPANS: u32 = 2;
+
+/// What the interrupt will go on with.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// Its first instant, and the one at which it stands.
+    at: u32,
+    end: u32,
+    /// Path distance where it stands.
+    stands: i64,
+    side: usize,
+}
+
+/// What is put aside while such a way is made.
+#[derive(Clone, Copy, Debug)]
+struct Aside {
+    emitter: Emitter,
+    laid: usize,
+    speed: Speed,
+    owed: u64,
+    end: u32,
+    stops: bool,
+    mode: Mode,
+    flights: usize,
+    last: Option<super::flight::Flight>,
+}
+
+/// The reserve.
+pub(super) struct Reserve {
+    kept: Option<Way>,
+    aside: Option<Aside>,
+    /// Of the way being made: the next block of the look-ahead, and its path distance.
+    next: usize,
+    distance: Distance,
+    side: usize,
+    /// There was no room for the one that begins there.
+    failed: Option<u32>,
+    /// Path distance of the standstill, where spans up to there are still to be handed on.
+    pub behind: Option<i64>,
+}
+
+impl Reserve {
+    pub const fn none() -> Self {
+        Self { kept: None, aside: None, next: 0, distance: Distance::ZERO, side: 0, failed: None, behind: None }
+    }
+
+    /// One is being made.
+    pub const fn is_made(&self) -> bool {
+        self.aside.is_some()
+    }
+
+    /// Forgets all of it.
+    pub fn clear(&mut self) {
+        *self = Self::none();
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Where the interrupt has left the queue, or a way is being made: a piece of that.
+    #[inline(never)]
+    pub(super) fn look_after(&mut self) -> Work {
+        if self.queue.clock.has_left() {
+            self.take_back();
+            return self.go_on_late();
+        }
+        // Commands come first.
+        if self.queue.control.word() != self.word || !self.go_on_stopping() {
+            self.take_back();
+        }
+        Work::Working
+    }
+
+    /// Begins to make one that is needed soon. The plan of the look-ahead is complete.
+    #[inline(always)]
+    pub(super) fn needs_reserve(&self, far: bool) -> bool {
+        let within = clock::TICK * if far { FAR } else { NEAR };
+        let near = self.queue.clock.now().wrapping_add(within);
+        self.reserve.kept.is_none_or(|way| way.at != self.end && clock::is_before(way.at, near))
+            && (self.speed > Speed::ZERO || !self.emitter.is_done())
+            && self.reserve.failed != Some(self.end)
+    }
+
+    /// Begins to make one.
+    #[inline(never)]
+    pub(super) fn begin_reserve(&mut self) -> Work {
+        if self.stage == Stage::Passing || self.owed > 0 || self.reserve.behind.is_some() {
+            return Work::Waiting;
+        }
+        let moving = !self.emitter.is_done();
+        let flights = self.flights.len();
+        let last = flights.checked_sub(1);
+        if self.laid != flights || last.is_none() {
+            return Work::Waiting;
+        }
+        let side = self.reserve.kept.map_or(0, |way| 1 - way.side);
+        if let Some(ring) = self.queue.reserves.get_mut(side) {
+            let taken = ring.taken();
+            ring.withdraw(taken);
+        }
+        self.reserve.aside = Some(Aside {
+            emitter: self.emitter,
+            laid: self.laid,
+            speed: self.speed,
+            owed: self.owed,
+            end: self.end,
+            stops: self.stops,
+            mode: self.mode,
+            flights,
+            last: last.and_then(|last| self.flights.get(last)).copied(),
+        });
+        (self.reserve.next, self.reserve.side) = (self.curves, side);
+        self.mode = Mode::STOP;
+        if let (true, Some(k)) = (moving, last)
+            && let Some(flight) = self.flights.get(k)
+            && let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits())
+            && let (braking, span_end) = (flight.span.braking(), flight.end())
+            && let Some(motion) = self.motion_at(self.end)
+        {
+            self.reserve.distance = Distance::from_bits(span_end);
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, braking, 0) {
+                self.emitter.resume_at(0);
+                self.brake(k, &brake);
+            }
+        } else {
+            let end = last.and_then(|last| self.flights.get(last)).map_or(self.distance.to_bits(), |f| f.end());
+            self.reserve.distance = Distance::from_bits(end);
+        }
+        Work::Working
+    }
+
+    /// A piece of it; `false` when it is done, or cannot be made.
+    fn go_on_stopping(&mut self) -> bool {
+        for _ in 0..SPANS {
+            for _ in 0..PIECES {
+                if !self.emitter.has_piece() {
+                    break;
+                }
+                let mut phase = Phase::BLANK;
+                self.emitter.step(&mut phase);
+                if !self.put_aside(phase) {
+                    return false;
+                }
+            }
+            if self.emitter.has_piece() {
+                return true;
+            }
+            if self.mode.halting || self.speed == Speed::ZERO {
+                self.keep();
+                return false;
+            }
+            if !self.lay_next() {
+                return self.fail();
+            }
+        }
+        true
+    }
+
+    /// A piece into the ring.
+    fn put_aside(&mut self, phase: Phase) -> bool {
+        let side = self.reserve.side;
+        self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+        let put = self.queue.reserves.get_mut(side).is_some_and(|ring| ring.push(phase).is_ok());
+        put || self.fail()
+    }
+
+    /// There is no room for it. The one before would be in the way of what is in the queue behind it.
+    fn fail(&mut self) -> bool {
+        self.drop_reserve();
+        self.reserve.failed = self.reserve.aside.map(|aside| aside.end);
+        false
+    }
+
+    /// The law of the next span.
+    fn lay_next(&mut self) -> bool {
+        let Some(aside) = &self.reserve.aside else { return false };
+        if self.laid == self.flights.len() {
+            self.flights.truncate(aside.flights);
+            self.laid = aside.flights;
+            let start = self.reserve.distance;
+            let Some(flight) = self.flights.spare() else { return false };
+            if !self.lookahead.planned(self.reserve.next, &mut flight.span) {
+                return false;
+            }
+            flight.begin(start);
+            self.reserve.next += flight.span.blocks;
+            self.reserve.distance = Distance::from_bits(flight.end());
+            self.flights.push();
+        }
+        self.lay().is_ok()
+    }
+
+    /// It is complete: the interrupt may come.
+    fn keep(&mut self) {
+        let Some(aside) = &self.reserve.aside else { return };
+        let at = aside.end;
+        let k = if self.mode.halting { self.laid } else { self.laid.wrapping_sub(1) };
+        let Some(flight) = self.flights.get(k) else { return };
+        let stands = if self.mode.halting { flight.start.to_bits() } else { flight.end() };
+        let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
+        if stands.wrapping_sub(self.distance.to_bits()) > 0 {
+            self.fail();
+            return;
+        }
+        if !self.put_aside(rest) {
+            return;
+        }
+        let way = Way { at, end: self.end, stands, side: self.reserve.side };
+        self.queue.clock.release();
+        if !self.queue.clock.has_left() {
+            self.queue.clock.keep(at, way.side);
+            self.reserve.kept = Some(way);
+        }
+    }
+
+    /// What was put aside goes on.
+    fn take_back(&mut self) {
+        let Some(aside) = self.reserve.aside.take() else { return };
+        (self.emitter, self.laid, self.speed, self.owed) =
+            (aside.emitter, aside.laid, aside.speed, aside.owed);
+        (self.end, self.stops, self.mode) = (aside.end, aside.stops, aside.mode);
+        self.flights.truncate(aside.flights);
+        if let (Some(last), Some(k)) = (aside.last, aside.flights.checked_sub(1))
+            && let Some(flight) = self.flights.get_mut(k)
+        {
+            *flight = last;
+        }
+    }
+
+    /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if the interrupt has gone on
+    /// with it.
+    pub(super) fn drop_reserve(&mut self) -> bool {
+        self.queue.clock.release();
+        if self.queue.clock.has_left() {
+            return false;
+        }
+        self.reserve.kept = None;
+        self.reserve.failed = None;
+        true
+    }
+
+    /// The interrupt has gone on with it: once it stands, everything behind begins there.
+    fn go_on_late(&mut self) -> Work {
+        let Some(way) = self.reserve.kept else {
+            self.queue.clock.go_on();
+            return Work::Working;
+        };
+        if self.queue.clock.now() != way.end {
+            return Work::Waiting;
+        }
+        self.queue.clock.release();
+        self.queue.clock.withdraw();
+        let void = self.queue.phases.taken();
+        self.queue.phases.withdraw(void);
+        self.reserve.kept = None;
+        self.reserve.failed = None;
+        self.reserve.behind = Some(way.stands);
+        self.end = way.end;
+        self.speed = Speed::ZERO;
+        (self.owed, self.stops) = (0, false);
+        self.emitter.resume_at(0);
+        self.mode = Mode::AGAIN;
+        self.laid = 0;
+        while self.laid < self.flights.len() && self.is_behind(self.laid) {
+            self.laid += 1;
+        }
+        let laid = self.laid;
+        self.flights.from(laid + 1).for_each(super::flight::Flight::restore);
+        self.queue.clock.go_on();
+        Work::Late
+    }
+
+    /// Whether the span `k` is behind the standstill; it begins there if it is not.
+    pub(super) fn is_behind(&mut self, k: usize) -> bool {
+        let (Some(stands), Some(flight)) = (self.reserve.behind, self.flights.get_mut(k)) else { return false };
+        if flight.end().wrapping_sub(stands) <= NOTHING {
+            flight.first = self.end;
+            self.owed = flight.rest;
+            return true;
+        }
+        flight.restore();
+        if stands.wrapping_sub(flight.start.to_bits()) > 0 {
+            flight.begin_at(stands, Speed::ZERO);
+        }
+        self.owed = 0;
+        self.reserve.behind = None;
+        false
+    }
+}
