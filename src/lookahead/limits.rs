@@ -152,6 +152,15 @@ impl Limits {
         near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
     }
 
+    /// Its ramps become linear; the law they had.
+    pub const fn straighten(&mut self) -> Law {
+        let before = self.law;
+        if let Law::Bowed { bend, .. } = &mut self.law {
+            *bend = Bend::Linear;
+        }
+        before
+    }
+
     /// The largest acceleration or deceleration at any speed.
     pub(super) fn most(&self) -> f32 {
         let a = max(self.a_up, self.a_down);

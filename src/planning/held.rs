@@ -73,7 +73,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// An arc goes on behind what was held back.
     pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
-        if self.lookahead.is_full() {
+        if self.lookahead.is_full() || self.queue.segments.is_full() {
             self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
@@ -104,10 +104,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn lengthen(&mut self, target: &[Position; AXES], pass: &Pass) -> bool {
         let held = &mut self.held;
         let Curve::Line(stretch) = &mut held.curve else { return false };
-        // What the look-ahead counts in a block.
-        if pass.number.wrapping_sub(self.numbered) >= u32::from(u16::MAX) {
-            return false;
-        }
         let Some(grown) = stretch.with(target, &self.measure) else { return false };
         let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
         let length = to_f32(grown.length().to_bits());

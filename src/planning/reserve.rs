@@ -131,7 +131,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             flights,
             last: last.and_then(|last| self.flights.get(last)).copied(),
         });
-        (self.reserve.next, self.reserve.side) = (self.curves, side);
+        (self.reserve.next, self.reserve.side) = (0, side);
         self.mode = Mode::STOP;
         if let (true, Some(k)) = (moving, last)
             && let Some(flight) = self.flights.get(k)
@@ -145,7 +145,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.brake(k, &brake);
             }
         } else {
-            let end = last.and_then(|last| self.flights.get(last)).map_or(self.distance.to_bits(), |f| f.end());
+            let end = last.and_then(|last| self.flights.get(last)).map_or(self.handed.to_bits(), |f| f.end());
             self.reserve.distance = Distance::from_bits(end);
         }
         Work::Working
@@ -209,7 +209,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.reserve.distance = Distance::from_bits(flight.end());
             self.flights.push();
         }
-        self.lay().is_ok()
+        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
+        let Some(flight) = self.flights.get_mut(self.laid) else { return false };
+        let law = flight.span.limits.straighten();
+        let bowed = law != flight.span.limits.law;
+        if self.lay().is_ok() {
+            return true;
+        }
+        // Where ramps differ it may take longer.
+        let Some(flight) = self.flights.get_mut(self.laid) else { return false };
+        flight.span.limits.law = law;
+        bowed && self.lay().is_ok()
     }
 
     /// It is complete: the interrupt may come.
@@ -220,10 +230,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(flight) = self.flights.get(k) else { return };
         let stands = if self.mode.halting { flight.start.to_bits() } else { flight.end() };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
-        if stands.wrapping_sub(self.distance.to_bits()) > 0 {
-            self.fail();
-            return;
-        }
         if !self.put_aside(rest) {
             return;
         }
@@ -279,10 +285,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.behind = Some(way.stands);
         self.end = way.end;
         self.speed = Speed::ZERO;
-        (self.owed, self.stops) = (0, false);
+        self.stops = false;
         self.emitter.resume_at(0);
         self.mode = Mode::AGAIN;
-        self.laid = 0;
+        self.put_rest(Distance::from_bits(way.stands), 1);
+        (self.owed, self.laid) = (0, 0);
         while self.laid < self.flights.len() && self.is_behind(self.laid) {
             self.laid += 1;
         }
