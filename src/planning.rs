@@ -25,8 +25,8 @@ use flight::Flights;
 use functions::Functions;
 use held::Held;
 use hold::Mode;
-use reserve::Reserve;
 pub use intake::MotionError;
+use reserve::Reserve;
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,7 +188,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
         if self.queue.phases.room() < PIECES + RESERVE {
-            return Ok(if self.needs_reserve(false) { self.begin_reserve() } else { Work::Waiting });
+            return Ok(if self.needs_reserve() { self.begin_reserve() } else { Work::Waiting });
         }
         if !self.emitter.is_done() && self.hand_out() {
             return Ok(Work::Working);
@@ -239,8 +239,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 }
                 Ok(Work::Working)
             }
+            // A span of many blocks was handed on at once: each other one has room for its curve.
+            Stage::Releasing(0) | Stage::Filling if self.queue.segments.is_over() => {
+                Ok(if self.needs_reserve() { self.begin_reserve() } else { Work::Waiting })
+            }
             Stage::Releasing(0) => {
-                if self.needs_reserve(true) && self.begin_reserve() == Work::Working {
+                // While blocks are taken in and planned there is no complete plan to make it of.
+                if self.lacks_reserve() && self.begin_reserve() == Work::Working {
                     return Ok(Work::Working);
                 }
                 self.stage = Stage::Filling;
@@ -250,8 +255,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             Stage::Releasing(_) if self.reopened => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
             Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
-            // A span of many blocks is handed on at once: the interrupt makes room.
-            Stage::Filling if self.queue.segments.is_full() => Ok(Work::Waiting),
             Stage::Filling => Ok(self.fill()),
         }
     }
@@ -315,7 +318,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait());
         }
         self.trim();
-        if self.needs_reserve(false) && self.begin_reserve() == Work::Working {
+        if self.needs_reserve() && self.begin_reserve() == Work::Working {
             return Ok(Work::Working);
         }
         if self.queue.segments.is_sated() || self.flights.is_full() {

@@ -130,7 +130,8 @@ fn curves_of_all_lengths_are_found() {
         let (mut at, mut handed, mut distance) = (0, 0, 0);
         let lengths = [1, 1 << 20, 1 << 40, 1 << 54, 1 << 56, 1 << 60, LONGEST - 1];
         let usual = random.bits() as usize % lengths.len();
-        let steps = 1 + if random.once_in(2) { MOST as usize } else { random.bits() as usize % MOST as usize };
+        let steps =
+            1 + if random.once_in(2) { MOST as usize } else { random.bits() as usize % MOST as usize };
         for _ in 0..600 {
             while !layer.is_full() && !random.once_in(40) {
                 // As many as the look-ahead holds.

@@ -102,8 +102,9 @@ impl Flights {
         self.len
     }
 
+    /// Apart from one slot for a way to a standstill in reserve.
     pub const fn is_full(&self) -> bool {
-        self.len == SLOTS
+        self.len >= SLOTS - 1
     }
 
     /// The one `k` behind the front.
@@ -121,12 +122,12 @@ impl Flights {
     /// The slot behind the last one, for the next one; it counts after [`Self::push`].
     #[inline(always)]
     pub fn spare(&mut self) -> Option<&mut Flight> {
-        if self.is_full() { None } else { self.slots.get_mut((self.front + self.len) % SLOTS) }
+        if self.len == SLOTS { None } else { self.slots.get_mut((self.front + self.len) % SLOTS) }
     }
 
     /// Takes in what is in [`Self::spare`].
     pub const fn push(&mut self) {
-        if !self.is_full() {
+        if self.len < SLOTS {
             self.len += 1;
         }
     }

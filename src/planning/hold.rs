@@ -63,11 +63,13 @@ impl Mode {
         tried: None,
     };
 
-    /// A way to a standstill is made, whatever the commands are.
-    pub const STOP: Self = Self { stopping: true, uneven: true, ..Self::RUN };
-
     /// From a standstill that was no command; what the commands are is to be looked at.
     pub const AGAIN: Self = Self { busy: true, uneven: true, ..Self::RUN };
+
+    /// A way to a standstill is made behind the law with the emitter, whatever the commands are.
+    pub const fn stop(self) -> Self {
+        Self { stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
+    }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {

@@ -13,12 +13,12 @@
 //! full queue, whatever the length of the blocks.
 //!
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
+use super::flight::Flight;
 use super::hold::{Mode, NOTHING};
 use super::{Brake, Distance, Emitter, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
-/// Ticks ahead of the interrupt at which a new one is made; before blocks are taken in and planned.
+/// Ticks ahead of the interrupt at which a new one is made.
 const NEAR: u32 = 32;
-const FAR: u32 = 256;
 
 /// Spans per call.
 const SPANS: u32 = 2;
@@ -45,7 +45,8 @@ struct Aside {
     stops: bool,
     mode: Mode,
     flights: usize,
-    last: Option<super::flight::Flight>,
+    /// A span that has another law meanwhile.
+    touched: Option<(usize, Flight)>,
 }
 
 /// The reserve.
@@ -64,7 +65,15 @@ pub(super) struct Reserve {
 
 impl Reserve {
     pub const fn none() -> Self {
-        Self { kept: None, aside: None, next: 0, distance: Distance::ZERO, side: 0, failed: None, behind: None }
+        Self {
+            kept: None,
+            aside: None,
+            next: 0,
+            distance: Distance::ZERO,
+            side: 0,
+            failed: None,
+            behind: None,
+        }
     }
 
     /// One is being made.
@@ -93,12 +102,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins to make one that is needed soon. The plan of the look-ahead is complete.
+    /// Whether the interrupt will soon come to the one there is, and what is in the queue goes on behind it.
     #[inline(always)]
-    pub(super) fn needs_reserve(&self, far: bool) -> bool {
-        let within = clock::TICK * if far { FAR } else { NEAR };
-        let near = self.queue.clock.now().wrapping_add(within);
-        self.reserve.kept.is_none_or(|way| way.at != self.end && clock::is_before(way.at, near))
+    pub(super) fn needs_reserve(&self) -> bool {
+        let near = self.queue.clock.now().wrapping_add(clock::TICK * NEAR);
+        self.reserve.kept.is_none_or(|way| clock::is_before(way.at, near)) && self.lacks_reserve()
+    }
+
+    /// Whether what is in the queue ends at speed, without one.
+    #[inline(always)]
+    pub(super) fn lacks_reserve(&self) -> bool {
+        self.reserve.kept.is_none_or(|way| way.at != self.end)
             && (self.speed > Speed::ZERO || !self.emitter.is_done())
             && self.reserve.failed != Some(self.end)
     }
@@ -109,46 +123,56 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.stage == Stage::Passing || self.owed > 0 || self.reserve.behind.is_some() {
             return Work::Waiting;
         }
-        let moving = !self.emitter.is_done();
-        let flights = self.flights.len();
-        let last = flights.checked_sub(1);
-        if self.laid != flights || last.is_none() {
-            return Work::Waiting;
-        }
         let side = self.reserve.kept.map_or(0, |way| 1 - way.side);
         if let Some(ring) = self.queue.reserves.get_mut(side) {
             let taken = ring.taken();
             ring.withdraw(taken);
         }
-        self.reserve.aside = Some(Aside {
-            emitter: self.emitter,
-            laid: self.laid,
-            speed: self.speed,
-            owed: self.owed,
-            end: self.end,
-            stops: self.stops,
-            mode: self.mode,
-            flights,
-            last: last.and_then(|last| self.flights.get(last)).copied(),
-        });
-        (self.reserve.next, self.reserve.side) = (0, side);
-        self.mode = Mode::STOP;
-        if let (true, Some(k)) = (moving, last)
-            && let Some(flight) = self.flights.get(k)
-            && let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits())
-            && let (braking, span_end) = (flight.span.braking(), flight.end())
-            && let Some(motion) = self.motion_at(self.end)
+        let Self { emitter, laid, speed, owed, end, stops, mode, .. } = *self;
+        let flights = self.flights.len();
+        self.reserve.aside =
+            Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
+        (self.reserve.next, self.reserve.distance, self.reserve.side) = (0, self.handed, side);
+        self.mode = mode.stop();
+        if !self.emitter.is_done()
+            && let Some(motion) = self.motion_at(end)
+            && let k = self.span_at(motion.distance)
+            && let Some(flight) = self.touch(k)
         {
-            self.reserve.distance = Distance::from_bits(span_end);
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, braking, 0) {
+            let (to, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits());
+            let limits = flight.span.braking();
+            if let Some(brake) = Brake::plan(&mut self.profile, &motion, to, v_out, limits, 0) {
                 self.emitter.resume_at(0);
                 self.brake(k, &brake);
             }
-        } else {
-            let end = last.and_then(|last| self.flights.get(last)).map_or(self.handed.to_bits(), |f| f.end());
-            self.reserve.distance = Distance::from_bits(end);
         }
         Work::Working
+    }
+
+    /// The span of the law with the emitter, which is at this path distance: one that was slowed down may have no other law yet.
+    fn span_at(&self, distance: i64) -> usize {
+        let before = self.laid.wrapping_sub(1);
+        let within = self.flights.get(before).is_some_and(|flight| distance.wrapping_sub(flight.end()) < 0);
+        if within { before } else { self.laid }
+    }
+
+    /// The span `k`, as it will be again when this is over.
+    fn touch(&mut self, k: usize) -> Option<Flight> {
+        self.restore_touched();
+        let flight = *self.flights.get(k)?;
+        if let Some(aside) = &mut self.reserve.aside {
+            aside.touched = Some((k, flight));
+        }
+        Some(flight)
+    }
+
+    fn restore_touched(&mut self) {
+        if let Some(aside) = &mut self.reserve.aside
+            && let Some((k, before)) = aside.touched.take()
+            && let Some(flight) = self.flights.get_mut(k)
+        {
+            *flight = before;
+        }
     }
 
     /// A piece of it; `false` when it is done, or cannot be made.
@@ -193,21 +217,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         false
     }
 
-    /// The law of the next span.
+    /// The law of the next span: of one that has been handed on, or of the look-ahead.
     fn lay_next(&mut self) -> bool {
-        let Some(aside) = &self.reserve.aside else { return false };
-        if self.laid == self.flights.len() {
-            self.flights.truncate(aside.flights);
-            self.laid = aside.flights;
-            let start = self.reserve.distance;
-            let Some(flight) = self.flights.spare() else { return false };
-            if !self.lookahead.planned(self.reserve.next, &mut flight.span) {
-                return false;
+        let Some(Aside { flights, touched, .. }) = self.reserve.aside else { return false };
+        if self.laid >= flights {
+            if self.laid == self.flights.len() {
+                self.flights.truncate(flights);
+                self.laid = flights;
+                let Some(flight) = self.flights.spare() else { return false };
+                if !self.lookahead.planned(self.reserve.next, &mut flight.span) {
+                    return false;
+                }
+                flight.begin(self.reserve.distance);
+                self.reserve.next += flight.span.blocks;
+                self.reserve.distance = Distance::from_bits(flight.end());
+                self.flights.push();
             }
-            flight.begin(start);
-            self.reserve.next += flight.span.blocks;
-            self.reserve.distance = Distance::from_bits(flight.end());
-            self.flights.push();
+        } else if touched.is_none_or(|(k, _)| k != self.laid) && self.touch(self.laid).is_none() {
+            return false;
         }
         // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
         let Some(flight) = self.flights.get_mut(self.laid) else { return false };
@@ -243,16 +270,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// What was put aside goes on.
     fn take_back(&mut self) {
-        let Some(aside) = self.reserve.aside.take() else { return };
-        (self.emitter, self.laid, self.speed, self.owed) =
-            (aside.emitter, aside.laid, aside.speed, aside.owed);
-        (self.end, self.stops, self.mode) = (aside.end, aside.stops, aside.mode);
-        self.flights.truncate(aside.flights);
-        if let (Some(last), Some(k)) = (aside.last, aside.flights.checked_sub(1))
-            && let Some(flight) = self.flights.get_mut(k)
-        {
-            *flight = last;
-        }
+        self.restore_touched();
+        let Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, .. }) =
+            self.reserve.aside.take()
+        else {
+            return;
+        };
+        (self.emitter, self.laid, self.speed, self.owed) = (emitter, laid, speed, owed);
+        (self.end, self.stops, self.mode) = (end, stops, mode);
+        self.flights.truncate(flights);
     }
 
     /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if the interrupt has gone on
@@ -294,16 +320,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.laid += 1;
         }
         let laid = self.laid;
-        self.flights.from(laid + 1).for_each(super::flight::Flight::restore);
+        self.flights.from(laid + 1).for_each(Flight::restore);
         self.queue.clock.go_on();
         Work::Late
     }
 
     /// Whether the span `k` is behind the standstill; it begins there if it is not.
     pub(super) fn is_behind(&mut self, k: usize) -> bool {
-        let (Some(stands), Some(flight)) = (self.reserve.behind, self.flights.get_mut(k)) else { return false };
+        let (Some(stands), Some(flight)) = (self.reserve.behind, self.flights.get_mut(k)) else {
+            return false;
+        };
         if flight.end().wrapping_sub(stands) <= NOTHING {
-            flight.first = self.end;
+            // It has begun: a command does not change it.
+            flight.first = self.end.wrapping_sub(clock::TICK);
             self.owed = flight.rest;
             return true;
         }

@@ -159,18 +159,8 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
         let (slot, place) = (0, 0);
-        let layer = Layer {
-            slots,
-            starts,
-            taken,
-            count: 0,
-            handed: 0,
-            shown: 0,
-            slot,
-            place,
-            end: 0,
-            long: false,
-        };
+        let layer =
+            Layer { slots, starts, taken, count: 0, handed: 0, shown: 0, slot, place, end: 0, long: false };
         (layer, Follower { slots, starts, taken, slot, place })
     }
 }
@@ -209,6 +199,12 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
+    /// Whether there are more than the queue takes: the last span handed on had several.
+    #[inline(always)]
+    pub fn is_over(&self) -> bool {
+        self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
+    }
+
     /// Whether there is more path than distances are compared over from the curve that the interrupt is on to the one with this
     /// number.
     #[inline(never)]
@@ -235,7 +231,8 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let segment = unsafe { &mut *slot.get() };
         segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.start, segment.n, segment.block) = (*base, Distance::from_bits(start), n, block);
+        (segment.base, segment.start, segment.n, segment.block) =
+            (*base, Distance::from_bits(start), n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());
@@ -403,7 +400,8 @@ impl<const AXES: usize> Follower<'_, AXES> {
         let mut at = first;
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
-            let passed = ptr::from_ref(at).addr().wrapping_sub(ptr::from_ref(first).addr()) / size_of::<Start>();
+            let passed =
+                ptr::from_ref(at).addr().wrapping_sub(ptr::from_ref(first).addr()) / size_of::<Start>();
             self.place = on(self.place, passed, places(self.starts));
             self.slot = on(self.slot, passed, self.slots.len());
             let taken = self.taken.load(Ordering::Relaxed);
