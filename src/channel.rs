@@ -35,7 +35,7 @@ use crate::tick::Interpolator;
 
 /// The memory that planner and interrupt share, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
 pub struct Channel<const AXES: usize, const BLOCKS: usize> {
-    rings: Rings<AXES>,
+    rings: Rings<AXES, BLOCKS>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {

@@ -71,8 +71,6 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     flush: bool,
     profile: Profile,
     emitter: Emitter,
-    /// Blocks of the span handed to the emitter whose curves are not in the queue yet.
-    curves: usize,
     /// The last span handed to the emitter ends in a standstill.
     stops: bool,
     /// Ticks to rest after the standstill.
@@ -97,16 +95,14 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     joining: bool,
     /// It stands, or will stand, before the first block or at the end, with a tick that shows it.
     stood: bool,
-    /// End of the last block handed on, and its path distance.
-    position: [Position; AXES],
-    distance: Distance,
+    /// Where the curves end that have gone into the look-ahead.
+    entered: [Position; AXES],
+    /// Path distance up to which the look-ahead is handed on.
+    handed: Distance,
     /// Motion blocks taken in.
     taken: u32,
     /// Those whose time law has begun.
     begun: u32,
-    /// Those before that of the element handed on last, and of the one that went into the look-ahead last.
-    number: u32,
-    numbered: u32,
     planned: Planned,
     queue: Sender<'a, AXES>,
 }
@@ -125,9 +121,6 @@ const PIECES: u32 = 8;
 /// Pieces that the queue has room for at any time, for a new law in place of one that is already there.
 const RESERVE: u32 = PIECES + 2;
 
-/// Curves per call.
-const CURVES: u32 = 4;
-
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
 
@@ -140,12 +133,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             programmed: start,
             contouring: Contouring::new(machine.measure(), machine.channel.check_jerk_on_poly_path),
             held: Held::none(),
-            lookahead: Lookahead::new(machine.channel.look_ahead as usize),
+            lookahead: Lookahead::new(queue.segments.ahead().min(machine.channel.look_ahead as usize)),
             stage: Stage::Filling,
             flush: false,
             profile: Profile::default(),
             emitter: Emitter::new(),
-            curves: 0,
             stops: false,
             rest: 0,
             flights: Flights::new(),
@@ -161,12 +153,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             reopened: false,
             joining: false,
             stood: false,
-            position: start,
-            distance: Distance::ZERO,
+            entered: start,
+            handed: Distance::ZERO,
             taken: 0,
             begun: 0,
-            number: 0,
-            numbered: 0,
             planned: Planned::default(),
             queue,
         }
@@ -191,17 +181,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.queue.phases.room() < PIECES + RESERVE {
             return Ok(Work::Waiting);
         }
-        if self.curves > 0 && !self.queue.segments.is_full() {
-            for _ in 0..CURVES {
-                if self.curves > 0 && !self.queue.segments.is_full() {
-                    self.curve();
-                }
-            }
-            return Ok(Work::Working);
-        }
-        let before = self.end;
         if !self.emitter.is_done() && self.hand_out() {
-            return if self.end == before { Ok(Work::Waiting) } else { Ok(Work::Working) };
+            return Ok(Work::Working);
         }
         if self.stops {
             self.emitter.settle();
@@ -210,22 +191,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.go_on()
     }
 
-    /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out. Where the queue has no
-    /// room for all curves of the span at hand, only those that need no more.
+    /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out.
     fn hand_out(&mut self) -> bool {
-        if self.curves > 0 {
-            let mut phase = Phase::BLANK;
-            for _ in 0..PIECES {
-                if !self.emitter.has_piece() {
-                    return false;
-                }
-                if !self.emitter.step_until(&mut phase, self.distance) {
-                    return true;
-                }
-                self.put(phase);
-            }
-            return true;
-        }
         let mut ticks = 0;
         let more = self.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
         self.end = self.end.wrapping_add(clock::TICK * ticks);
@@ -247,36 +214,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         ticks - now
     }
 
-    /// The first block of the ring becomes a curve in the queue. There is room.
-    fn curve(&mut self) {
-        self.curves -= 1;
-        let Some((block, length)) = self.lookahead.first_whole() else { return };
-        if block.has_functions() {
-            self.functions.pass(self.distance, &mut self.queue.events);
-        }
-        if block.shape.is_continued() {
-            self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
-            self.lookahead.drop_first();
-            return;
-        }
-        let base = block.shape.base(&self.position);
-        self.number = self.number.wrapping_add(u32::from(block.ahead));
-        let (start, number) = (self.distance, self.number);
-        let _ = self.queue.segments.push_with(|segment| {
-            segment.shape.assign(&block.shape);
-            segment.base = base;
-            segment.start = start;
-            segment.n = block.n;
-            segment.block = number;
-        });
-        block.shape.end(&base, &mut self.position);
-        self.distance = Distance::from_bits(self.distance.to_bits().wrapping_add(length));
-        self.lookahead.drop_first();
-    }
-
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
-        let behind = self.laid != self.flights.len() || self.curves > 0 || self.owed > 0;
+        let behind = self.laid != self.flights.len() || self.owed > 0;
         if (behind || self.mode.stopping)
             && let Some(work) = self.catch_up()?
         {
@@ -289,6 +229,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 }
                 Ok(Work::Working)
             }
+            // A span of many blocks was handed on at once: each other one has room for its curve.
+            Stage::Releasing(0) | Stage::Filling if self.queue.segments.is_over() => Ok(Work::Waiting),
             Stage::Releasing(0) => {
                 self.stage = Stage::Filling;
                 self.since = self.queue.clock.now();
@@ -360,7 +302,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait());
         }
         self.trim();
-        if self.queue.segments.is_full() || self.flights.is_full() {
+        if self.queue.segments.is_sated() || self.flights.is_full() {
             return Ok(Work::Waiting);
         }
         let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
@@ -368,27 +310,50 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
-        flight.begin(self.distance);
-        let span = &flight.span;
-        self.stage = Stage::Releasing(left.saturating_sub(span.blocks));
-        let [number, last] = span.ahead.map(|ahead| self.number.wrapping_add(ahead));
-        let begun = last.wrapping_add(1);
-        let planned = &mut self.planned;
-        // A line that stands for several has the number of its last block.
-        let merged = number.wrapping_sub(self.begun) as i32 > 0;
-        planned.number = if merged { self.begun } else { number };
-        planned.blocks = begun.wrapping_sub(self.begun);
-        planned.n = first.n;
-        self.begun = begun;
-        self.curves = span.blocks;
+        flight.begin(self.handed);
+        let blocks = flight.span.blocks;
+        self.stage = Stage::Releasing(left.saturating_sub(blocks));
+        let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
+        self.hand_on(blocks);
+        self.name(first);
         self.flights.push();
         self.stood = false;
         if let Err(error) = self.lay() {
             self.give_up();
             return Err(error);
         }
-        self.curve();
         Ok(Work::Planned)
+    }
+
+    /// The first blocks of the look-ahead leave it, so many: their curves have been in the queue since they came into it.
+    fn hand_on(&mut self, blocks: usize) {
+        let mut curves = 0;
+        for _ in 0..blocks {
+            let Some(block) = self.lookahead.first() else { break };
+            if block.has_functions() {
+                self.functions.pass(self.handed, &mut self.queue.events);
+            }
+            curves += u32::from(!block.is_continued());
+            self.handed = Distance::from_bits(self.handed.to_bits().wrapping_add(block.length()));
+            self.lookahead.drop_first();
+        }
+        self.queue.segments.hand_on(curves);
+    }
+
+    /// What the span is called that begins on the curve with the number `first`, and ends on the last one handed on.
+    fn name(&mut self, first: u32) {
+        let segments = &self.queue.segments;
+        let last = segments.recent(segments.handed().wrapping_sub(1));
+        let (Some(first), Some(last)) = (segments.recent(first), last) else { return };
+        let begun = last.block.wrapping_add(1);
+        // A line that stands for several has the number of its last block.
+        let merged = first.block.wrapping_sub(self.begun) as i32 > 0;
+        self.planned = Planned {
+            number: if merged { self.begun } else { first.block },
+            blocks: begun.wrapping_sub(self.begun),
+            n: first.n,
+        };
+        self.begun = begun;
     }
 
     /// Where the operator's commands go.
@@ -416,7 +381,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn come_to_rest(&mut self) -> Work {
-        if self.functions.at_end(self.taken, self.distance, &mut self.queue.events) {
+        if self.functions.at_end(self.taken, self.handed, &mut self.queue.events) {
             return self.stand();
         }
         let left = self.stay(self.rest);
@@ -428,7 +393,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Stays where everything handed on ends, as long as a piece can. There is room: asked at the beginning of the call.
     /// Ticks left.
     fn stay(&mut self, ticks: u64) -> u64 {
-        let left = self.put_rest(self.distance, ticks);
+        let left = self.put_rest(self.handed, ticks);
         if let Some(flight) = self.flights.len().checked_sub(1).and_then(|last| self.flights.get_mut(last)) {
             flight.rest += ticks - left;
         }

@@ -117,7 +117,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         let n = i64::from(self.done.saturating_sub(1));
         let (half, sixth) = (self.phase.half_accel.to_bits(), self.phase.sixth_jerk.to_bits());
         let speed = self.phase.speed.to_bits() + n * (2 * half + 3 * n * sixth);
-        let (number, block) = self.queue.segments.peek().map_or((0, 0), |s| (s.n, s.block));
+        let (number, block) = self.queue.segments.peek(self.distance.to_bits()).map_or((0, 0), |s| (s.n, s.block));
         Telemetry {
             n: number,
             block,

@@ -213,10 +213,10 @@ fn a_cut_is_taken_as_a_whole_or_not_at_all() {
     let mut outcomes = [0; 2];
     for code in 0..7_usize.pow(4) {
         let pauses: [usize; 4] = std::array::from_fn(|k| code / 7_usize.pow(k as u32) % 7);
-        let mut rings: Rings<1> = Rings::new();
+        let mut rings: Rings<1, 1> = Rings::new();
         let (mut sender, receiver) = rings.split();
         let mut interpolator = Interpolator::new(receiver, [Position::ZERO]);
-        sender.segments.push_with(|segment| *segment = Segment::BLANK);
+        assert!(sender.segments.push(&Segment::BLANK.shape, &[Position::ZERO], 0, 0));
         let mut seen = Vec::new();
         let mut ticks = |n: usize| {
             for _ in 0..n {

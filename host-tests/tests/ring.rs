@@ -1,45 +1,74 @@
 //! The ring of curves between planner and interrupt: which one a tick finds, and which it gives back.
-use glidepath::path::LONGEST;
-use glidepath::quantity::Distance;
+use glidepath::path::{LONGEST, Shape};
+use glidepath::quantity::{Distance, Position};
 use glidepath::queue::{Course, Follower, Layer, MOST, SEGMENTS, Segment, Slot};
 use host_tests::cases::random::Random;
 
-/// Puts in a curve of that length behind the path distance `end`, with its number as block.
-fn put(layer: &mut Layer<'_, 1>, end: &mut i64, length: i64) {
-    let number = layer.count();
+/// Curves of the look-ahead.
+const AHEAD: usize = 23;
+const ALL: usize = AHEAD + SEGMENTS;
+
+/// A tick is on no curve so far behind the path that the interrupt knows: 2^61.
+const FAR: i64 = 1 << 61;
+
+fn shape(length: i64) -> Shape<1> {
+    let mut shape = Segment::BLANK.shape;
+    shape.length = Distance::from_bits(length);
+    shape
+}
+
+/// Puts in a curve of that length, with its number as block; its start.
+fn put(layer: &mut Layer<'_, 1>, length: i64) -> i64 {
+    let (number, start) = (layer.count(), layer.end().to_bits());
     assert!(!layer.is_full());
-    assert!(layer.push_with(|segment| {
-        *segment = Segment::BLANK;
-        segment.shape.length = Distance::from_bits(length);
-        segment.start = Distance::from_bits(*end);
-        segment.block = number;
-    }));
-    *end = end.wrapping_add(length);
+    let base = [Position::from_bits(i64::from(number))];
+    assert!(layer.push(&shape(length), &base, number.wrapping_mul(10), number));
+    assert_eq!(layer.end().to_bits(), start.wrapping_add(length));
+    start
 }
 
 fn found(follower: &mut Follower<'_, 1>, distance: i64) -> Option<(u32, i64)> {
-    follower.follow(distance).map(|(segment, along)| (segment.block, along))
+    let on = |segment: &Segment<1>, number: u32| {
+        assert_eq!((segment.block, segment.n), (number, number.wrapping_mul(10)));
+        assert_eq!(segment.base, [Position::from_bits(i64::from(number))]);
+    };
+    let (number, along) = follower.follow(distance).map(|(segment, along)| {
+        on(segment, segment.block);
+        (segment.block, along)
+    })?;
+    on(follower.peek(distance).expect("a curve"), number);
+    Some((number, along))
 }
 
-/// Every fill, every number of curves that have begun, and the seam of the array at several places.
+/// Every fill, every number of curves that have begun, and the seams of both arrays at several places. Whether curves are handed on
+/// makes no difference.
 #[test]
 fn a_tick_passes_to_the_last_curve_that_has_begun() {
     const LENGTH: i64 = 10;
-    for seam in [0, 1, 17, 40, 63, 64, 90, 94, 95, 96, 127, 128, 200] {
-        for curves in 1..=SEGMENTS as u32 {
+    for seam in [0, 1, 17, 53, 54, 55, 85, 86, 87, 88, 119, 120, 121, 122, 175] {
+        for curves in (1..=ALL as u32).step_by(if seam % 2 == 0 { 1 } else { 3 }) {
             for begun in 1..=curves.min(MOST + 1) {
-                let mut course = Course::<1>::new();
+                let mut course = Course::<1, AHEAD>::new();
                 let (mut layer, mut follower) = course.split();
-                let mut end = -7;
-                assert_eq!(found(&mut follower, end), None);
+                assert_eq!((layer.ahead(), layer.len(), layer.is_empty()), (AHEAD, 0, true));
+                assert_eq!(found(&mut follower, -1), None);
+                assert_eq!(found(&mut follower, 0), None);
+                assert!(follower.peek(0).is_none());
                 for number in 0..seam {
-                    put(&mut layer, &mut end, LENGTH);
-                    assert_eq!(found(&mut follower, end - 1), Some((number, LENGTH - 1)));
+                    let start = put(&mut layer, LENGTH);
+                    assert_eq!(found(&mut follower, start + LENGTH - 1), Some((number, LENGTH - 1)));
                 }
+                layer.hand_on(seam);
                 // The last of them is still held.
                 let held = layer.count() - u32::from(seam > 0);
-                let first = end - i64::from(layer.count() - held) * LENGTH;
-                (layer.count()..held + curves).for_each(|_| put(&mut layer, &mut end, LENGTH));
+                let first = i64::from(held) * LENGTH;
+                for _ in layer.count()..held + curves {
+                    put(&mut layer, LENGTH);
+                }
+                assert_eq!(layer.is_full(), curves == ALL as u32);
+                assert_eq!(layer.known(), layer.end());
+                let more = if begun % 2 == 0 { 0 } else { held + curves - layer.handed() };
+                layer.hand_on(more);
                 let last = held + begun - 1;
                 let start = first + i64::from(begun - 1) * LENGTH;
                 for distance in [start, start + LENGTH - 1] {
@@ -52,42 +81,104 @@ fn a_tick_passes_to_the_last_curve_that_has_begun() {
     }
 }
 
+#[test]
+fn a_full_ring_takes_nothing() {
+    let mut course = Course::<1, AHEAD>::new();
+    let (mut layer, mut follower) = course.split();
+    for _ in 0..ALL {
+        put(&mut layer, 10);
+    }
+    let end = layer.end();
+    assert!(!layer.push(&shape(10), &[Position::ZERO], 0, 0));
+    assert_eq!((layer.count() as usize, layer.end()), (ALL, end));
+    assert_eq!(found(&mut follower, 10), Some((1, 0)));
+    put(&mut layer, 10);
+    assert!(layer.is_full());
+}
+
+/// Where the motion ends with the last curve handed on, the interrupt is on the next one: it counts as on the last one.
+#[test]
+fn curves_handed_on_are_counted_apart_from_those_of_the_look_ahead() {
+    let mut course = Course::<1, 100>::new();
+    let (mut layer, mut follower) = course.split();
+    for _ in 0..100 {
+        put(&mut layer, 10);
+    }
+    assert_eq!((layer.len(), layer.is_sated()), (0, false));
+    for handed in 1..=SEGMENTS as u32 {
+        layer.hand_on(1);
+        assert_eq!((layer.len(), layer.is_sated()), (handed, handed == SEGMENTS as u32));
+    }
+    for passed in 1..SEGMENTS as u32 {
+        assert_eq!(found(&mut follower, i64::from(passed) * 10), Some((passed, 0)));
+        assert_eq!((layer.len(), layer.is_sated()), (SEGMENTS as u32 - passed, false));
+    }
+    assert_eq!(found(&mut follower, SEGMENTS as i64 * 10), Some((SEGMENTS as u32, 0)));
+    assert_eq!((layer.taken(), layer.len()), (layer.handed(), 1));
+}
+
 /// Lengths from the shortest to the longest mixed, path distance beyond its range, curves taken back: against a list.
 #[test]
 fn curves_of_all_lengths_are_found() {
     let mut random = Random::new(7);
-    let (mut fullest, mut withdrawn, mut passed) = (0, 0, 0);
-    for run in 0..200 {
-        let mut course = Course::<1>::new();
+    let (mut fullest, mut withdrawn, mut passed, mut hidden, mut sated) = (0, 0, 0, 0, 0);
+    for run in 0..300 {
+        let mut course = Course::<1, AHEAD>::new();
         let (mut layer, mut follower) = course.split();
-        let mut end = 0;
         let mut list: Vec<(i64, i64)> = Vec::new();
-        let (mut at, mut distance) = (0, end);
+        // The curve the motion is on, and those handed on.
+        let (mut at, mut handed, mut distance) = (0, 0, 0);
         let lengths = [1, 1 << 20, 1 << 40, 1 << 54, 1 << 56, 1 << 60, LONGEST - 1];
         let usual = random.bits() as usize % lengths.len();
+        let steps = 1 + if random.once_in(2) { MOST as usize } else { random.bits() as usize % MOST as usize };
         for _ in 0..600 {
-            while !layer.is_full() && !random.once_in(8) {
+            while !layer.is_full() && !random.once_in(40) {
+                // As many as the look-ahead holds.
+                if list.len() - handed >= AHEAD && !random.once_in(100) {
+                    break;
+                }
                 let longest =
                     lengths[if random.once_in(6) { random.bits() as usize % lengths.len() } else { usual }];
                 let length = random.bits() as i64 & (longest - 1) | 1;
-                list.push((end, length));
-                put(&mut layer, &mut end, length);
+                let start = put(&mut layer, length);
+                list.push((start, length));
             }
-            if list.is_empty() {
+            while handed < list.len() && !random.once_in(20) {
+                // As many as the queue takes, and never more path than distances are compared over.
+                let way = |to: usize| list[to - 1].0.wrapping_add(list[to - 1].1).wrapping_sub(list[at].0);
+                let room = handed < at + SEGMENTS && (handed <= at + 1 || way(handed) <= FAR);
+                assert_eq!(layer.is_sated(), !room, "run {run}, {at} {handed}");
+                if !room {
+                    sated += usize::from(handed < at + SEGMENTS);
+                    break;
+                }
+                layer.hand_on(1);
+                handed += 1;
+            }
+            if handed == 0 {
                 continue;
             }
             fullest = fullest.max(list.len() - at);
-            if random.once_in(40) && at + 1 < list.len() {
-                // What the interrupt has not reached is taken back, as after an abort.
-                list.truncate(at + 1);
-                layer.withdraw(at as u32 + 1);
-                end = list[at].0.wrapping_add(list[at].1);
-                withdrawn += 1;
+            if random.once_in(40) {
+                // What the interrupt has not reached is taken back, as after an abort; or only the look-ahead.
+                let left = if random.once_in(2) { at + 1 } else { handed };
+                withdrawn += list.len() - left;
+                list.truncate(left);
+                layer.withdraw(left as u32);
+                handed = left;
+                let (start, length) = list[left - 1];
+                assert_eq!(layer.end().to_bits(), start.wrapping_add(length));
+                assert_eq!((layer.count(), layer.handed()), (left as u32, left as u32));
             }
+            // What is handed on is known, and of the look-ahead what can be.
+            let known = list.iter().position(|(start, _)| *start == layer.known().to_bits());
+            let known = known.unwrap_or(list.len());
+            assert!(known >= handed, "run {run}");
+            hidden += list.len() - known;
             let before = at;
-            at = (at + random.bits() as usize % (MOST as usize + 1)).min(list.len() - 1);
+            at = (at + random.bits() as usize % steps).min(handed - 1);
             // A tick does not go further than that.
-            while at > before && list[at].0.wrapping_sub(distance) > 1 << 61 {
+            while at > before && list[at].0.wrapping_sub(distance) > FAR {
                 at -= 1;
             }
             let (start, length) = list[at];
@@ -98,5 +189,30 @@ fn curves_of_all_lengths_are_found() {
             passed = passed.max(at - before);
         }
     }
-    assert!(fullest == SEGMENTS && withdrawn > 1000 && passed == MOST as usize);
+    assert!(
+        fullest == ALL && withdrawn > 1000 && passed == MOST as usize && hidden > 1000 && sated > 1000,
+        "{fullest} {withdrawn} {passed} {hidden} {sated}"
+    );
+}
+
+/// A planner that gets no time any more leaves the interrupt with a way ahead of it.
+#[test]
+fn a_way_to_a_standstill_is_known_as_far_as_distances_are_compared() {
+    let mut course = Course::<1, AHEAD>::new();
+    let (mut layer, mut follower) = course.split();
+    // One that is handed on, and the look-ahead behind it.
+    for _ in 0..AHEAD {
+        put(&mut layer, FAR / 8);
+    }
+    layer.hand_on(1);
+    let known = layer.known().to_bits();
+    assert!(known >= FAR && known < layer.end().to_bits(), "{known}");
+    // Without another word of the planner the interrupt goes as far as that.
+    for number in 1..(known / (FAR / 8)) as u32 {
+        let start = i64::from(number) * (FAR / 8);
+        assert_eq!(found(&mut follower, start + 5), Some((number, 5)));
+    }
+    // The next word tells it the rest.
+    layer.hand_on(1);
+    assert!(layer.known().to_bits() >= known + FAR / 2);
 }

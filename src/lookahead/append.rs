@@ -36,7 +36,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         permitted: &Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
-        (ahead, n): (u16, u32),
         long: bool,
     ) {
         let (mut limits, share, headroom) = *permitted;
@@ -112,20 +111,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.long += usize::from(long);
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
-            shape: element.shape.linear(),
+            length: distance,
             limits,
             cap,
             v_in,
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
-            n,
             headroom,
             joint: Joint::new(rises, !anchor && slope == SlopeType::Hsc),
-            ahead,
             marks,
+            continued: false,
         });
-        if let (false, Some(block)) = (element.shape.is_line(), self.blocks.back_mut()) {
-            block.shape = *element.shape;
-        }
     }
 }

@@ -373,7 +373,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 _ => return self.compared(pass),
             };
             let start = to_f32(pass.way.max(0)) * LSB_44;
-            pass.way += block.shape.length.to_bits();
+            pass.way += block.length;
             let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
             let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {

@@ -32,7 +32,6 @@ pub use pace::{Headroom, Pace};
 pub use vector::TooLow;
 pub use weights::Weights;
 
-use crate::path::Shape;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_bits;
 use append::Last;
@@ -41,13 +40,13 @@ use ease::Ease;
 use heapless::Deque;
 use span::Pass;
 
-/// A block in the ring.
+/// A block in the ring. Its curve is in the queue: [`crate::queue::Course`].
 #[derive(Clone, Copy, Debug)]
-pub struct Block<const AXES: usize> {
-    /// Its curve.
-    pub shape: Shape<AXES>,
+pub struct Block {
+    /// Path length, LSB 2^-44 mm.
+    length: i64,
     /// Its limits.
-    pub limits: Limits,
+    limits: Limits,
     /// Speed at which its start may be passed at most, mm/tick.
     cap: f32,
     /// Planned speed at its start.
@@ -56,14 +55,12 @@ pub struct Block<const AXES: usize> {
     v_reached: Speed,
     /// The speed that the last complete plan had there: it stays possible.
     v_old: Speed,
-    /// Programmed N number.
-    pub n: u32,
     /// How its speed follows the override.
     headroom: Headroom,
-    /// Motion blocks from the one before it to its own: none where a motion block goes on.
-    pub ahead: u16,
     joint: Joint,
     marks: Marks,
+    /// It was cut off from the block before: their curve is one.
+    continued: bool,
 }
 
 /// What else is said of the transition at the start of a block: in the upper bit, whether it may be tried to do without an
@@ -131,7 +128,17 @@ impl Marks {
     }
 }
 
-impl<const AXES: usize> Block<AXES> {
+impl Block {
+    /// Path length, LSB 2^-44 mm.
+    pub fn length(&self) -> i64 {
+        self.length
+    }
+
+    /// Whether the curve of the block before goes on.
+    pub fn is_continued(&self) -> bool {
+        self.continued
+    }
+
     fn is(&self, mark: u8) -> bool {
         self.marks.has(mark)
     }
@@ -152,7 +159,7 @@ impl<const AXES: usize> Block<AXES> {
     }
 }
 
-impl<const AXES: usize> Block<AXES> {
+impl Block {
     /// What its span leaves unused, if it is the second one in it.
     fn ease(&self) -> Ease {
         if self.v_reached > UNPLANNED { Ease::of(self.v_reached) } else { Ease::NONE }
@@ -187,8 +194,6 @@ pub struct Before {
 pub struct Release {
     /// Its blocks.
     pub blocks: usize,
-    /// Motion blocks from the one before to that of its first block, and to that of its last one.
-    pub ahead: [u32; 2],
     /// Path length.
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
@@ -222,7 +227,6 @@ impl Release {
     /// Nothing.
     pub const BLANK: Self = Self {
         blocks: 0,
-        ahead: [0; 2],
         length: Distance::ZERO,
         limits: Limits::WIDEST,
         a_down: f32::MAX,
@@ -274,7 +278,7 @@ impl Release {
 
 /// The ring.
 pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
-    blocks: Deque<Block<AXES>, BLOCKS>,
+    blocks: Deque<Block, BLOCKS>,
     depth: usize,
     last: Option<Last<AXES>>,
     /// The next transition is a standstill.
@@ -448,13 +452,13 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
 
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
-    pub fn release(&mut self, release: &mut Release) -> Option<&Block<AXES>> {
+    pub fn release(&mut self, release: &mut Release) -> Option<&Block> {
         let mut ease = Ease::NONE;
         let (front, back) = self.blocks.as_mut_slices();
         let mut ring = front.iter_mut().chain(back);
         let first = ring.next()?;
-        let (mut blocks, mut length, mut kept) = (1, first.shape.length.to_bits(), first.is(Marks::KEPT));
-        let (mut ahead, mut v_least) = ([u32::from(first.ahead); 2], first.limits.v);
+        let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
+        let mut v_least = first.limits.v;
         let mut headroom = first.headroom;
         let mut limits = first.limits;
         let next = loop {
@@ -466,9 +470,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                     v_least = min(v_least, min(block.cap, block.limits.v));
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
-                    length += block.shape.length.to_bits();
+                    length += block.length;
                     (blocks, kept) = (blocks + 1, true);
-                    ahead[1] += u32::from(block.ahead);
                 }
                 next => break next,
             }
@@ -489,7 +492,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             limits.flatten(v_in, v_out);
         }
         release.blocks = blocks;
-        release.ahead = ahead;
         release.length = Distance::from_bits(length);
         release.limits = limits;
         (release.headroom, release.level, release.ceiling) = (headroom, self.level, f32::MAX);
@@ -500,12 +502,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         Some(first)
     }
 
-    /// The span that begins `blocks` blocks behind the front begins at the speed `v_in`, lower than planned or as planned.
-    pub fn start_at(&mut self, blocks: usize, v_in: Speed) {
-        if let Some(next) = self.blocks.get_mut(blocks) {
-            next.start_at(v_in);
+    /// The first block begins at the speed `v_in`, lower than planned or as planned.
+    pub fn start_at(&mut self, v_in: Speed) {
+        if let Some(first) = self.blocks.front_mut() {
+            first.start_at(v_in);
         }
-        self.stale = blocks == 0 && !matches!(self.pass, Pass::Done);
+        self.stale = !matches!(self.pass, Pass::Done);
     }
 
     /// The first block begins at another speed than planned.
@@ -534,20 +536,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The first block.
-    pub fn first(&self) -> Option<&Block<AXES>> {
+    pub fn first(&self) -> Option<&Block> {
         self.blocks.front()
-    }
-
-    /// The first block, whole where it was cut, and the length that is its own.
-    #[inline(always)]
-    pub fn first_whole(&mut self) -> Option<(&Block<AXES>, i64)> {
-        let length = self.blocks.front()?.shape.length.to_bits();
-        if self.blocks.get(1).is_some_and(|next| next.shape.is_continued())
-            && !self.blocks.front()?.shape.is_continued()
-        {
-            self.unite_first();
-        }
-        Some((self.blocks.front()?, length))
     }
 
     /// The first block leaves the ring.

@@ -13,7 +13,6 @@
 use super::ease::Trial;
 use super::{Block, Limits, Lookahead, Marks, Share, UNPLANNED, max, min};
 use crate::math::float::to_f32;
-use crate::path::Shape;
 use crate::quantity::Speed;
 use crate::slope::profile::{peak_above, speed_bits, speed_f32};
 use crate::slope::ramp::Ramp;
@@ -124,7 +123,7 @@ impl Span {
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
-    pub fn add<const AXES: usize>(&mut self, block: &Block<AXES>, share: Option<&Share>) {
+    pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         let mut limits = block.limits;
         if let Some(share) = share {
             limits.share(share);
@@ -135,7 +134,7 @@ impl Span {
             self.limits.join(&limits);
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
-        self.length += block.shape.length.to_bits();
+        self.length += block.length;
     }
 
     /// Takes in a piece of a block beside it.
@@ -321,7 +320,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             let Some(block) = self.blocks.get_mut(left) else { continue };
             let share = self.last.as_ref().filter(|_| last && self.open).map(|last| &last.share);
             let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-            let v = faster(&brake, length_mm(&block.shape), v_out, block.cap());
+            let v = faster(&brake, length_mm(block), v_out, block.cap());
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
             // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
             // What was planned with a lower end speed stays possible, and is not taken back.
@@ -395,7 +394,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.free.take() else { return };
         let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-        let v = faster(&brake, length_mm(&block.shape), v_out, block.cap()).min(reach);
+        let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
         block.v_in = v.max(block.v_in);
     }
 
@@ -552,7 +551,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             let Some(block) = self.blocks.get(pass.block) else { return Some(self.complete()) };
             let start = to_f32(pass.at) * LSB_44;
-            pass.at += block.shape.length.to_bits();
+            pass.at += block.length;
             let end = to_f32(pass.at) * LSB_44;
             let slowest = pass.worst.map_or(f32::MAX, |(.., v)| v);
             if pass.block > from {
@@ -619,7 +618,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let mut at = 0;
         let mut places = [0; 2];
         for (k, block) in (from..behind).zip(self.blocks.iter().skip(from)) {
-            at += block.shape.length.to_bits();
+            at += block.length;
             if k + 1 == first {
                 places[0] = at;
             }
@@ -748,6 +747,6 @@ fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
 }
 
 /// Path length, mm.
-pub(super) fn length_mm<const AXES: usize>(shape: &Shape<AXES>) -> f32 {
-    to_f32(shape.length.to_bits()) * LSB_44
+pub(super) fn length_mm(block: &Block) -> f32 {
+    to_f32(block.length) * LSB_44
 }

@@ -187,8 +187,6 @@ pub struct Shape<const AXES: usize> {
 enum Curve<const AXES: usize> {
     /// Nothing.
     Line,
-    /// No curve of its own: that of the block before it goes on.
-    Continued,
     /// A circle.
     Arc(Arc),
     /// See [`mod@poly`].
@@ -227,13 +225,6 @@ impl<const AXES: usize> Shape<AXES> {
         Self { length, gain: [0; AXES], curve: Curve::Line, shift }
     }
 
-    /// Its linear part: all of a line, and no call to copy memory.
-    #[inline(always)]
-    pub(crate) fn linear(&self) -> Self {
-        let Self { length, gain, shift, .. } = *self;
-        Self { length, gain, curve: Curve::Line, shift }
-    }
-
     /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
     #[inline(always)]
     pub(crate) fn assign(&mut self, other: &Self) {
@@ -253,23 +244,6 @@ impl<const AXES: usize> Shape<AXES> {
     /// Whether it is an arc.
     pub fn is_arc(&self) -> bool {
         matches!(self.curve, Curve::Arc(_))
-    }
-
-    /// Whether the curve before it goes on.
-    pub(crate) fn is_continued(&self) -> bool {
-        matches!(self.curve, Curve::Continued)
-    }
-
-    /// Cuts it at a distance: the rest of its length. Its points are still those of the whole, see [`Self::unite`].
-    pub(crate) fn cut(&mut self, distance: i64) -> Self {
-        let rest = self.length.to_bits() - distance;
-        self.length = Distance::from_bits(distance);
-        Self { length: Distance::from_bits(rest), curve: Curve::Continued, ..Self::BLANK }
-    }
-
-    /// Takes back a rest that was cut off.
-    pub(crate) fn unite(&mut self, rest: &Self) {
-        self.length = Distance::from_bits(self.length.to_bits() + rest.length.to_bits());
     }
 
     /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.

@@ -12,7 +12,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Before the first block of the look-ahead, a gate.
     pub(super) fn wait(&mut self) -> Work {
         if self.lookahead.first().is_some_and(|first| first.has_functions()) {
-            self.functions.pass(self.distance, &mut self.queue.events);
+            self.functions.pass(self.handed, &mut self.queue.events);
             self.lookahead.drop_functions();
         }
         self.stand()
@@ -44,12 +44,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let answers = self.queue.control.take_answers();
-        let (lookahead, curves) = (&mut self.lookahead, self.curves);
+        let lookahead = &mut self.lookahead;
         let (mut first, mut any) = (false, false);
         self.functions.answer(answers, |gate| {
             let index = lookahead.open_gate(gate);
-            first |= index == Some(curves);
-            any |= index > Some(curves);
+            first |= index == Some(0);
+            any |= index > Some(0);
         });
         self.reopened |= any;
         if first && self.begin_join() { Some(Work::Working) } else { None }
@@ -61,7 +61,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(flight) = self.flights.get(last) else { return false };
         let done = !clock::is_before(self.queue.clock.now(), self.end);
         // What has a law of its own already, a hold among them, keeps it.
-        if done || self.mode.stopping || self.curves > 0 || self.laid != self.flights.len() {
+        if done || self.mode.stopping || self.laid != self.flights.len() {
             return false;
         }
         let reach = flight.span.reach(self.lookahead.entry());

@@ -104,10 +104,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn lengthen(&mut self, target: &[Position; AXES], pass: &Pass) -> bool {
         let held = &mut self.held;
         let Curve::Line(stretch) = &mut held.curve else { return false };
-        // What the look-ahead counts in a block.
-        if pass.number.wrapping_sub(self.numbered) >= u32::from(u16::MAX) {
-            return false;
-        }
         let Some(grown) = stretch.with(target, &self.measure) else { return false };
         let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
         let length = to_f32(grown.length().to_bits());

@@ -164,7 +164,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
-        self.flights.len() == 0 && self.curves == 0 && self.lookahead.is_empty() && self.rest == 0
+        self.flights.len() == 0 && self.lookahead.is_empty() && self.rest == 0
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -464,7 +464,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn lower(&mut self) {
         if self.laid == self.flights.len() {
             self.flights.lower(self.laid, self.speed);
-            self.lookahead.start_at(self.curves, self.speed);
+            self.lookahead.start_at(self.speed);
         }
     }
 
@@ -480,14 +480,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         if self.owed > 0 {
-            let at = self.flights.get(self.laid - 1).map_or(self.distance, |flight| {
+            let at = self.flights.get(self.laid - 1).map_or(self.handed, |flight| {
                 Distance::from_bits(flight.start.to_bits().wrapping_add(flight.span.length.to_bits()))
             });
             self.owed = self.put_rest(at, self.owed);
             return Ok(Some(Work::Working));
         }
         self.mode.uneven &= self.laid < self.flights.len();
-        let all = self.laid == self.flights.len() && self.curves == 0 && self.lookahead.is_empty();
+        let all = self.laid == self.flights.len() && self.lookahead.is_empty();
         if self.mode.stopping && (self.speed == Speed::ZERO || all) {
             self.mode.standing = true;
             return Ok(Some(Work::Working));
@@ -499,33 +499,34 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return Ok(Some(Work::Working));
         }
-        Ok((self.curves > 0).then_some(Work::Waiting))
+        Ok(None)
     }
 
     /// After a law that failed: what has none is forgotten.
     pub(super) fn give_up(&mut self) {
+        if let Some(flight) = self.flights.get(self.laid) {
+            self.handed = flight.start;
+        }
         self.flights.truncate(self.laid);
         self.lookahead.clear();
-        self.curves = 0;
+        self.queue.segments.withdraw(self.queue.segments.handed());
     }
 
     /// Where it stands is all that is left. The interrupt has nothing to do.
     fn forget(&mut self) {
         let number = self.queue.segments.taken();
-        let stands = self.motion_at(self.end).map(|motion| motion.distance);
-        if let (Some(segment), Some(distance)) = (self.queue.segments.recent(number), stands) {
-            let start = segment.start.to_bits();
-            segment.shape.at(distance.wrapping_sub(start), &segment.base, &mut self.position);
-            self.distance = Distance::from_bits(start.wrapping_add(segment.shape.length.to_bits()));
-            self.begun = segment.block.wrapping_add(1);
-            self.number = segment.block;
+        let stands = self.motion_at(self.end).map_or(self.handed.to_bits(), |motion| motion.distance);
+        if let Some(segment) = self.queue.segments.recent(number) {
+            let along = stands.wrapping_sub(segment.start.to_bits());
+            segment.shape.at(along, &segment.base, &mut self.entered);
+            // At the end of all that was handed on, no block of the look-ahead has begun.
+            if number != self.queue.segments.handed() {
+                self.begun = segment.block.wrapping_add(1);
+            }
         }
-        self.numbered = self.number;
         // The interrupt keeps the curve it is on.
-        if self.queue.segments.count() != number {
-            self.queue.segments.withdraw(number.wrapping_add(1));
-        }
-        let stands = stands.unwrap_or(self.distance.to_bits());
+        self.queue.segments.withdraw(number);
+        self.handed = self.queue.segments.end();
         let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
         let mut event = self.queue.events.taken();
         while self.queue.events.recent(event).is_some_and(is_due) {
@@ -534,14 +535,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.events.withdraw(event);
         self.functions.clear(self.queue.control);
         (self.reopened, self.joining, self.stood) = (false, false, false);
-        self.programmed = self.position;
+        self.programmed = self.entered;
         self.taken = self.begun;
         self.contouring.clear();
         self.held.clear();
         self.lookahead.clear();
         self.stage = super::Stage::Filling;
         self.flush = false;
-        self.curves = 0;
         self.rest = 0;
         self.owed = 0;
         self.flights.truncate(0);

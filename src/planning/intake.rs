@@ -8,8 +8,8 @@ use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
-use crate::quantity::Distance;
-use crate::queue::Function;
+use crate::quantity::{Distance, Position};
+use crate::queue::{Function, Layer};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,14 +45,15 @@ pub(super) struct Pass {
 }
 
 /// The way into the look-ahead.
-pub(super) struct Entrance<'a, const AXES: usize, const BLOCKS: usize> {
+pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     lookahead: &'a mut Lookahead<AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
-    numbered: &'a mut u32,
+    segments: &'a mut Layer<'q, AXES>,
+    entered: &'a mut [Position; AXES],
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     #[inline(never)]
     pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
         self.push_here(&element.piece(), limits, pass, due, false);
@@ -68,12 +69,12 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
         due: u32,
         long: bool,
     ) {
-        // More than fits is made up for later.
-        let ahead = pass.number.wrapping_sub(*self.numbered).min(u32::from(u16::MAX));
-        *self.numbered = self.numbered.wrapping_add(ahead);
-        let numbers = (ahead as u16, pass.n);
+        let base = element.shape.base(self.entered);
+        // There is room: the caller asked.
+        let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
+        element.shape.end(&base, self.entered);
         self.lookahead.before(self.functions.before(due));
-        self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, numbers, long);
+        self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, long);
         self.dynamics.settle();
         if pass.stop {
             self.lookahead.stop_here();
@@ -81,7 +82,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, AXES, BLOCKS> {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Takes in a motion block. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
@@ -239,9 +240,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The way into the look-ahead, and what is held back before it.
     #[inline(always)]
-    pub(super) fn entrance(&mut self) -> (Entrance<'_, AXES, BLOCKS>, &Held<AXES>) {
-        let Self { lookahead, functions, dynamics, numbered, held, .. } = self;
-        (Entrance { lookahead, functions, dynamics, numbered }, held)
+    pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
+        let Self { lookahead, functions, dynamics, entered, held, queue, .. } = self;
+        (Entrance { lookahead, functions, dynamics, segments: &mut queue.segments, entered }, held)
     }
 
     /// Takes over an element from contour mode.

@@ -18,7 +18,7 @@ const LOW: u32 = 64;
 /// The same for a planner that does not keep up, which needs more time for it.
 const DRY: u32 = 256;
 
-/// Curves, and pieces of time, that are few: of a full ring a tick leaves more.
+/// Curves handed on, and pieces of time, that are few: of a full ring a tick leaves more.
 const FEW: u32 = 10;
 const _: () = assert!(FEW < SEGMENTS as u32 - MOST && FEW < PHASES as u32 - 2 * RESERVE);
 
@@ -49,7 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return self.begin_pass();
         }
         if !self.contouring.holds() {
-            self.functions.at_end(self.taken, self.distance, &mut self.queue.events);
+            self.functions.at_end(self.taken, self.handed, &mut self.queue.events);
         }
         if self.stood || self.flights.len() == 0 {
             return Work::Waiting;

@@ -1,16 +1,23 @@
 //! The ring of curves, and where each of them begins: the tick finds the one it is on by path distance alone.
 //!
-//! Starts lie in an array of their own, twice as long as the ring, so that behind the last curve there is room for starts that
+//! A curve is written once, when its block goes into the look-ahead, and stays in its place until the interrupt has passed it. The
+//! planner counts two kinds of them: those *handed on*, which pieces of time move along, and behind them those of the look-ahead, of
+//! which the interrupt already knows where they are.
+//!
+//! Starts lie in an array of their own, longer than the ring, so that behind the last curve there is room for starts that
 //! no distance reaches. So many of them are kept there as a tick looks at: it asks neither how many curves there are
 //! nor where the array ends (its head is repeated behind its end), and halves a window of fixed size.
 //!
 //! A start is the word to the interrupt that its curve is there: it is written behind the curve, the upper half last. What it takes
-//! the place of is out of reach in both halves, so that a start half written is out of reach too.
+//! the place of is out of reach in both halves, so that a start half written is out of reach too. Distances can be compared over
+//! a limited way only: where the curves of the look-ahead lead beyond, their starts are written when the interrupt comes nearer.
 #![allow(unsafe_code)]
-use super::ring::{Consumer, Producer, Ring};
-use super::{SEGMENTS, Segment};
-use core::ptr;
+use super::{SEGMENTS, Segment, Slot};
+use crate::path::Shape;
+use crate::quantity::{Distance, Position};
+use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
+use core::{ptr, slice};
 
 /// Most curves that a tick passes.
 pub const MOST: u32 = 32;
@@ -20,12 +27,9 @@ const WINDOW: usize = 2 + MOST as usize;
 /// How it halves them.
 const HALVES: [usize; 5] = [16, 8, 4, 2, 1];
 /// Starts behind a curve that are looked at from there.
-const BEHIND: u32 = WINDOW as u32 - 1;
-/// Numbers of curves are taken modulo this.
-const PLACES: usize = 2 * SEGMENTS;
-const MASK: u32 = PLACES as u32 - 1;
-
-const _: () = assert!(PLACES.is_power_of_two() && SEGMENTS + WINDOW <= PLACES);
+const BEHIND: usize = WINDOW - 1;
+/// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head repeated.
+const STARTS: usize = SEGMENTS + WINDOW + BEHIND;
 
 /// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as far as the curve at hand,
 /// the last one and this together.
@@ -33,6 +37,39 @@ const OUT_OF_REACH: i64 = 1 << 61;
 
 /// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near it.
 const LONG: i64 = OUT_OF_REACH / 64;
+
+/// Two arrays, one behind the other.
+#[repr(C)]
+struct Both<T, const A: usize, const B: usize> {
+    front: [T; A],
+    back: [T; B],
+}
+
+impl<T, const A: usize, const B: usize> Both<T, A, B> {
+    fn as_slice(&self) -> &[T] {
+        // SAFETY: in C layout the second array begins where the first one ends, a multiple of their alignment, and the struct ends with
+        // it: `A + B` elements in a row, borrowed as long as `self` is.
+        unsafe { slice::from_raw_parts(ptr::from_ref(self).cast(), A + B) }
+    }
+}
+
+/// The slot of a curve.
+struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
+
+// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has given it back, and read
+// only by the one interrupt in between, or by the planner itself; starts and `taken` pass it with release and acquire.
+unsafe impl<const AXES: usize> Sync for Place<AXES> {}
+
+impl<const AXES: usize> Place<AXES> {
+    const BLANK: Self = Self(UnsafeCell::new(Segment::BLANK));
+}
+
+/// The index `by` further in a ring of `len`.
+#[inline(always)]
+const fn on(at: usize, by: usize, len: usize) -> usize {
+    let to = at + by;
+    if to >= len { to - len } else { to }
+}
 
 /// A path distance in two words.
 struct Start {
@@ -63,46 +100,82 @@ impl Start {
     }
 }
 
-/// Static memory of the ring.
-pub struct Course<const AXES: usize> {
-    ring: Ring<Segment<AXES>, SEGMENTS>,
-    starts: [Start; PLACES + WINDOW - 1],
+/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
+pub struct Course<const AXES: usize, const BLOCKS: usize> {
+    slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
+    starts: Both<Start, BLOCKS, STARTS>,
+    /// Curves the interrupt has left since the split.
+    taken: AtomicU32,
 }
 
-/// Puts curves in.
+/// Puts curves in. They are numbered from 0 since the split.
 pub struct Layer<'a, const AXES: usize> {
-    ring: Producer<'a, Segment<AXES>, SEGMENTS>,
+    slots: &'a [Place<AXES>],
+    starts: &'a [Start],
+    taken: &'a AtomicU32,
+    /// Curves put in.
+    count: u32,
+    /// Those handed on.
+    handed: u32,
+    /// Those whose start the interrupt can see.
+    shown: u32,
+    /// Where the next one goes, and where its start.
+    slot: usize,
+    place: usize,
     /// End of the last one.
     end: i64,
     /// There were long ones.
     long: bool,
-    starts: &'a [Start; PLACES + WINDOW - 1],
 }
 
 /// Follows them.
 pub struct Follower<'a, const AXES: usize> {
-    ring: Consumer<'a, Segment<AXES>, SEGMENTS>,
-    starts: &'a [Start; PLACES + WINDOW - 1],
+    slots: &'a [Place<AXES>],
+    starts: &'a [Start],
+    taken: &'a AtomicU32,
+    /// Where the curve at hand is, and its start.
+    slot: usize,
+    place: usize,
 }
 
-impl<const AXES: usize> Course<AXES> {
+impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
     /// No curve.
     pub const fn new() -> Self {
-        Self { ring: Ring::new(), starts: [const { Start::zero() }; PLACES + WINDOW - 1] }
+        Self {
+            slots: Both { front: [const { Place::BLANK }; BLOCKS], back: [const { Place::BLANK }; SEGMENTS] },
+            starts: Both {
+                front: [const { Start::zero() }; BLOCKS],
+                back: [const { Start::zero() }; STARTS],
+            },
+            taken: AtomicU32::new(0),
+        }
     }
 
-    /// Both ends, emptied.
+    /// Both ends, emptied. There is one of each: they borrow it exclusively.
     pub fn split(&mut self) -> (Layer<'_, AXES>, Follower<'_, AXES>) {
-        for start in &self.starts {
+        *self.taken.get_mut() = 0;
+        let (slots, starts, taken) = (self.slots.as_slice(), self.starts.as_slice(), &self.taken);
+        for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
-        let (producer, consumer) = self.ring.split();
-        let starts = &self.starts;
-        (Layer { ring: producer, end: 0, long: false, starts }, Follower { ring: consumer, starts })
+        let (slot, place) = (0, 0);
+        let layer = Layer {
+            slots,
+            starts,
+            taken,
+            count: 0,
+            handed: 0,
+            shown: 0,
+            slot,
+            place,
+            end: 0,
+            long: false,
+        };
+        (layer, Follower { slots, starts, taken, slot, place })
     }
 }
 
-impl<const AXES: usize> Default for Course<AXES> {
+impl<const AXES: usize, const BLOCKS: usize> Default for Course<AXES, BLOCKS> {
     fn default() -> Self {
         Self::new()
     }
@@ -113,96 +186,216 @@ const fn out_of_reach(end: i64) -> i64 {
     end.wrapping_add(OUT_OF_REACH) | 0xFFFF_FFFF
 }
 
+/// Places for starts in such an array.
+const fn places(starts: &[Start]) -> usize {
+    starts.len().saturating_sub(BEHIND)
+}
+
 impl<const AXES: usize> Layer<'_, AXES> {
-    /// Whether there is no room, or more path than distances are compared over.
+    /// Curves that the look-ahead may have in the ring.
+    pub const fn ahead(&self) -> usize {
+        self.slots.len().saturating_sub(SEGMENTS)
+    }
+
+    /// Whether there is no room for another curve.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
-        self.ring.is_full() || (self.long && self.is_far())
+        self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
     }
 
+    /// Whether as many curves are handed on as the queue takes, or more path than distances are compared over.
+    #[inline(always)]
+    pub fn is_sated(&self) -> bool {
+        self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
+    }
+
+    /// Whether there are more than the queue takes: the last span handed on had several.
+    #[inline(always)]
+    pub fn is_over(&self) -> bool {
+        self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
+    }
+
+    /// Whether there is more path than distances are compared over from the curve that the interrupt is on to the one with this
+    /// number.
     #[inline(never)]
-    fn is_far(&self) -> bool {
-        let taken = self.ring.taken();
-        self.ring.count().wrapping_sub(taken) > 1 && self.end.wrapping_sub(self.start(taken)) > OUT_OF_REACH
+    fn is_far(&self, number: u32) -> bool {
+        let taken = self.taken();
+        if (number.wrapping_sub(taken) as i32) <= 1 {
+            return false;
+        }
+        let (Some(first), Some(last)) = (self.recent(taken), self.recent(number.wrapping_sub(1))) else {
+            return false;
+        };
+        last.end().wrapping_sub(first.start.to_bits()) > OUT_OF_REACH
     }
 
+    /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block; `false` if there is no
+    /// room.
     #[inline(always)]
-    fn start(&self, number: u32) -> i64 {
-        self.starts.get((number & MASK) as usize).map_or(0, Start::get)
+    pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
+        let Some(Place(slot)) = self.slots.get(self.slot) else { return false };
+        if self.is_full() {
+            return false;
+        }
+        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of planners there is one.
+        let segment = unsafe { &mut *slot.get() };
+        segment.shape.assign(shape);
+        let (start, length) = (self.end, shape.length.to_bits());
+        (segment.base, segment.start, segment.n, segment.block) = (*base, Distance::from_bits(start), n, block);
+        self.end = start.wrapping_add(length);
+        let place = self.place;
+        self.slot = on(self.slot, 1, self.slots.len());
+        self.place = on(place, 1, places(self.starts));
+        self.count = self.count.wrapping_add(1);
+        self.long |= length >= LONG;
+        if self.long {
+            self.show();
+        } else {
+            let behind = on(place, BEHIND, places(self.starts));
+            self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
+            self.set(place, start, Ordering::Release);
+            self.shown = self.count;
+        }
+        true
     }
 
-    /// Puts in what `fill` makes of a used curve, in its place; `false` if there is no room.
+    /// That many more curves are handed on.
     #[inline(always)]
-    pub fn push_with(&mut self, fill: impl FnOnce(&mut Segment<AXES>)) -> bool {
-        let number = self.ring.count();
-        let (mut start, mut end) = (0, 0);
-        let pushed = self.ring.push_with(|segment| {
-            fill(segment);
-            start = segment.start.to_bits();
-            end = start.wrapping_add(segment.shape.length.to_bits());
-        });
-        if pushed {
-            self.end = end;
-            if end.wrapping_sub(start) < LONG {
-                self.set(number.wrapping_add(BEHIND), out_of_reach(end), Ordering::Relaxed);
-            } else {
-                self.long = true;
-                self.clear_behind(number, BEHIND);
+    pub fn hand_on(&mut self, curves: u32) {
+        self.handed = self.handed.wrapping_add(curves);
+        if self.long {
+            self.show();
+        }
+    }
+
+    /// Writes the starts of curves handed on, and of more as far as distances are compared.
+    #[inline(never)]
+    fn show(&mut self) {
+        let from = self.shown;
+        let (mut end, mut cleared) = (0, from.wrapping_add(BEHIND as u32));
+        for _ in 0..self.slots.len() {
+            let due = (self.handed.wrapping_sub(self.shown) as i32) > 0;
+            if self.shown == self.count || (!due && self.is_far(self.shown)) {
+                break;
             }
-            self.set(number, start, Ordering::Release);
+            let Some(segment) = self.recent(self.shown) else { break };
+            end = segment.end();
+            let is_long = segment.shape.length.to_bits() >= LONG;
+            self.shown = self.shown.wrapping_add(1);
+            if is_long || (cleared.wrapping_sub(self.shown) as i32) < 0 {
+                cleared = self.shown;
+            }
         }
-        pushed
+        if self.shown == from {
+            return;
+        }
+        for number in numbers(cleared, self.shown.wrapping_add(BEHIND as u32)) {
+            self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
+        }
+        for number in numbers(from, self.shown) {
+            if let Some(segment) = self.recent(number) {
+                self.set(self.place_of(number), segment.start.to_bits(), Ordering::Release);
+            }
+        }
     }
 
-    /// So many starts behind the curve with this number are out of reach.
-    #[inline(never)]
-    fn clear_behind(&self, number: u32, count: u32) {
-        for k in 1..=count {
-            self.set(number.wrapping_add(k), out_of_reach(self.end), Ordering::Relaxed);
+    /// Where the start of the curve with this number is.
+    fn place_of(&self, number: u32) -> usize {
+        let places = places(self.starts);
+        let by = number.wrapping_sub(self.count);
+        if (by as i32) < 0 {
+            on(self.place, places.saturating_sub(by.wrapping_neg() as usize), places)
+        } else {
+            on(self.place, by as usize, places)
         }
     }
 
     #[inline(always)]
-    fn set(&self, number: u32, start: i64, order: Ordering) {
-        let place = (number & MASK) as usize;
-        for place in [place, place + PLACES] {
+    fn set(&self, place: usize, start: i64, order: Ordering) {
+        for place in [place, place + places(self.starts)] {
             if let Some(at) = self.starts.get(place) {
                 at.set(start, order);
             }
         }
     }
 
-    /// Curves in the ring: the one the interrupt is on, and those before it.
+    /// Curves handed on: the one the interrupt is on, and those before it. Where it stands at the end of all of them it may be on the
+    /// first one of the look-ahead.
+    #[inline(always)]
     pub fn len(&self) -> u32 {
-        self.ring.len()
+        self.handed.wrapping_sub(self.taken()).max(u32::from(self.handed != 0))
     }
 
-    /// Whether there was none yet.
+    /// Whether none was handed on yet.
     pub fn is_empty(&self) -> bool {
-        self.ring.is_empty()
+        self.len() == 0
     }
 
     /// Curves put in since the split.
-    pub fn count(&self) -> u32 {
-        self.ring.count()
+    pub const fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Curves handed on since the split.
+    pub const fn handed(&self) -> u32 {
+        self.handed
     }
 
     /// Curves the interrupt has left since the split.
+    #[inline(always)]
     pub fn taken(&self) -> u32 {
-        self.ring.taken()
+        self.taken.load(Ordering::Acquire)
+    }
+
+    /// Path distance at which the last one ends.
+    pub const fn end(&self) -> Distance {
+        Distance::from_bits(self.end)
+    }
+
+    /// Path distance up to which the interrupt finds its way.
+    pub fn known(&self) -> Distance {
+        let last = self.recent(self.shown.wrapping_sub(1));
+        Distance::from_bits(last.map_or(self.end, Segment::end))
     }
 
     /// The curve that was put in as the one with this number, if it is one of the last.
+    #[inline(always)]
     pub fn recent(&self, number: u32) -> Option<&Segment<AXES>> {
-        self.ring.recent(number)
+        let back = self.count.wrapping_sub(number) as usize;
+        let len = self.slots.len();
+        if back.wrapping_sub(1) >= len {
+            return None;
+        }
+        let Place(slot) = self.slots.get(on(self.slot, len - back, len))?;
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that; the interrupt reads too.
+        Some(unsafe { &*slot.get() })
     }
 
-    /// Takes back the curves from the one with this number on, which the interrupt does not reach before they are put in anew.
+    /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It does not get further
+    /// before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
-        self.end = self.start(number);
-        self.clear_behind(number.wrapping_sub(1), PLACES as u32 - 1);
-        self.ring.withdraw(number);
+        let first = self.taken().wrapping_add(1);
+        let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
+        let back = self.count.wrapping_sub(number);
+        let Some(end) = self.recent(number.wrapping_sub(1)).map(Segment::end) else { return };
+        let behind = self.count.wrapping_add(BEHIND as u32);
+        for number in numbers(number, behind) {
+            self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
+        }
+        let len = self.slots.len();
+        self.slot = on(self.slot, len.saturating_sub(back as usize), len);
+        self.place = self.place_of(number);
+        (self.count, self.handed, self.end) = (number, number, end);
+        if (number.wrapping_sub(self.shown) as i32) < 0 {
+            self.shown = number;
+        }
+        self.show();
     }
+}
+
+/// From one number of a curve up to another.
+fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
+    (0..to.wrapping_sub(from)).map(move |k| from.wrapping_add(k))
 }
 
 impl<const AXES: usize> Follower<'_, AXES> {
@@ -210,29 +403,37 @@ impl<const AXES: usize> Follower<'_, AXES> {
     /// given back, at most [`MOST`]. `None` before the first one. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
-        let mut number = self.ring.taken();
-        // The mask is below the length, and a window ends in it: no check of an index is left.
-        let window: &[Start; WINDOW] = self.starts.get((number & MASK) as usize..)?.first_chunk()?;
+        let window: &[Start; WINDOW] = self.starts.get(self.place..)?.first_chunk()?;
         let [first, rest @ ..] = window;
         let mut at = first;
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
-            let passed = ptr::from_ref(at).addr().wrapping_sub(ptr::from_ref(first).addr());
-            number = number.wrapping_add((passed / size_of::<Start>()) as u32);
-            self.ring.jump(number);
+            let passed = ptr::from_ref(at).addr().wrapping_sub(ptr::from_ref(first).addr()) / size_of::<Start>();
+            self.place = on(self.place, passed, places(self.starts));
+            self.slot = on(self.slot, passed, self.slots.len());
+            let taken = self.taken.load(Ordering::Relaxed);
+            self.taken.store(taken.wrapping_add(passed as u32), Ordering::Release);
         }
         let along = distance.wrapping_sub(at.get());
         if along < -(OUT_OF_REACH / 2) {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: its start is not out of reach: it is in the ring, and not given back.
-        Some((unsafe { self.ring.get(number) }, along))
+        let Place(slot) = self.slots.get(self.slot)?;
+        // SAFETY: its start is not out of reach: the planner has put it in, and leaves it alone until it is given back.
+        Some((unsafe { &*slot.get() }, along))
     }
 
-    /// The curve the interrupt is on.
-    pub fn peek(&self) -> Option<&Segment<AXES>> {
-        self.ring.peek()
+    /// The curve the interrupt is on, at the distance it asked for last.
+    pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
+        let start = self.starts.get(self.place)?.get();
+        if distance.wrapping_sub(start) < -(OUT_OF_REACH / 2) {
+            return None;
+        }
+        fence(Ordering::Acquire);
+        let Place(slot) = self.slots.get(self.slot)?;
+        // SAFETY: as in `follow`.
+        Some(unsafe { &*slot.get() })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
-//! time and one of events. The planner puts a curve in before the first piece of time that moves along it.
+//! time and one of events. The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first piece
+//! of time that moves along it.
 pub mod clock;
 mod course;
 mod ring;
@@ -13,8 +14,8 @@ use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 
-/// Elements handed over. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
-/// channel, and that of a law in the planner.
+/// Elements handed on. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
+/// channel, beside those of the look-ahead, and that of a law in the planner.
 pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
 pub const PHASES: usize = 64;
@@ -81,6 +82,14 @@ pub struct Phase {
     pub ticks: u16,
 }
 
+impl<const AXES: usize> Segment<AXES> {
+    /// Path distance of its end, LSB 2^-44 mm.
+    #[inline(always)]
+    pub fn end(&self) -> i64 {
+        self.start.to_bits().wrapping_add(self.shape.length.to_bits())
+    }
+}
+
 impl<const AXES: usize> Slot for Segment<AXES> {
     const BLANK: Self =
         Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], start: Distance::ZERO, n: 0, block: 0 };
@@ -125,9 +134,9 @@ impl Phase {
     }
 }
 
-/// Static memory of the rings.
-pub struct Rings<const AXES: usize> {
-    segments: Course<AXES>,
+/// Static memory of the rings, for a planner that looks `BLOCKS` blocks ahead.
+pub struct Rings<const AXES: usize, const BLOCKS: usize> {
+    segments: Course<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
     events: Ring<Event, EVENTS>,
     control: Control,
@@ -162,7 +171,7 @@ pub struct Receiver<'a, const AXES: usize> {
     pub clock: &'a Clock,
 }
 
-impl<const AXES: usize> Rings<AXES> {
+impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
     /// Empty rings.
     pub const fn new() -> Self {
         Self {
@@ -189,7 +198,7 @@ impl<const AXES: usize> Rings<AXES> {
     }
 }
 
-impl<const AXES: usize> Default for Rings<AXES> {
+impl<const AXES: usize, const BLOCKS: usize> Default for Rings<AXES, BLOCKS> {
     fn default() -> Self {
         Self::new()
     }

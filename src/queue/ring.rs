@@ -211,20 +211,4 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
     pub fn jump(&mut self, number: u32) {
         self.ring.taken.store(number, Ordering::Release);
     }
-
-    /// Items given back since the split.
-    #[inline(always)]
-    pub fn taken(&self) -> u32 {
-        self.ring.taken.load(Ordering::Relaxed)
-    }
-
-    /// The item with this number.
-    ///
-    /// # Safety
-    /// It was put in, which the caller has seen with `Acquire`, and is not given back.
-    #[inline(always)]
-    pub(super) unsafe fn get(&self, number: u32) -> &T {
-        // SAFETY: put in and not given back, it is the consumer's.
-        unsafe { &*self.ring.slot(number) }
-    }
 }

@@ -11,7 +11,6 @@ use super::bend::{Bend, sine_node, sine_piece, sine_square};
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
 use crate::math::divide::reciprocal_near;
-use crate::math::float::to_f32;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::{PHASES, Phase, Producer, Slot};
@@ -61,8 +60,6 @@ pub struct Emitter {
     next: u64,
     /// What is divided by the time of that part; often the next one has the same.
     per_time: PerTime,
-    /// Path distance at which the next piece begins, where that was beyond the end asked for.
-    begins: Option<i64>,
 }
 
 const PARTS: usize = 7;
@@ -81,7 +78,7 @@ impl Default for Emitter {
 impl Emitter {
     /// At rest, at a tick.
     pub const fn new() -> Self {
-        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE, begins: None }
+        Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
     /// Takes the next block, which starts at path distance `start`. Only when there is no piece: [`Self::has_piece`].
@@ -94,7 +91,7 @@ impl Emitter {
         let v = profile.peak().to_bits();
         slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
         slots.lay_out(&profile.down, back);
-        (self.part, self.count, self.begins) = (0, slots.used(), None);
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
@@ -110,12 +107,12 @@ impl Emitter {
         let at = slots.lay_out(&profile.down, back);
         let v = brake.v_out;
         slots.add(Part { kind: Kind::Hold, time: brake.tail, from: at, to: brake.end, v0: v, v1: v });
-        (self.part, self.count, self.begins) = (0, slots.used(), None);
+        (self.part, self.count) = (0, slots.used());
     }
 
     /// Goes on `time` before a tick; what is left of the block at hand is dropped.
     pub fn resume_at(&mut self, time: u64) {
-        (self.part, self.count, self.begins) = (0, 0, None);
+        (self.part, self.count) = (0, 0);
         self.next = time;
     }
 
@@ -155,7 +152,6 @@ impl Emitter {
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         let mut left = count;
-        self.begins = None;
         let Self { parts, part: number, count, next, per_time, .. } = self;
         for part in parts.get(*number..*count).unwrap_or_default() {
             while *next < part.time {
@@ -176,33 +172,9 @@ impl Emitter {
 
     /// The next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
-        self.begins = None;
         if let Some((part, per_time, next)) = self.at_hand() {
             part.cut(per_time, next, phase);
         }
-    }
-
-    /// The same, with as many ticks as stay at or before the path distance `end`; `false` if none does.
-    pub fn step_until(&mut self, phase: &mut Phase, end: Distance) -> bool {
-        // Asked again and again while the queue is full.
-        if self.begins.is_some_and(|begins| end.to_bits().wrapping_sub(begins) < 0) {
-            return false;
-        }
-        let (next, part) = (self.next, self.part);
-        self.step(phase);
-        let room = end.to_bits().wrapping_sub(phase.distance.to_bits());
-        if room < 0 {
-            (self.next, self.part, self.begins) = (next, part, Some(phase.distance.to_bits()));
-            return false;
-        }
-        let fastest = self.parts.get(part).map_or(0, |part| part.v0.max(part.v1)).max(1);
-        // 2^-44 / 2^-58; down by more than its rounding, and the first tick is for free.
-        let ticks = to_f32(room) * (16_384.0 * (1.0 - 1.0 / 1_048_576.0)) / to_f32(fastest);
-        if ticks < f32::from(phase.ticks) {
-            phase.ticks = (ticks as u16 + 1).min(phase.ticks);
-            self.next = next + (u64::from(phase.ticks) << 36);
-        }
-        true
     }
 
     /// Waits for the next tick, where the axes stand still: a motion that follows starts there.

@@ -17,7 +17,7 @@
 //!
 //! Beside that, an anchor may move: [`mod@self::shift`].
 //!
-//! A block that is cut takes two places of the ring. The first one has its curve, see [`crate::path::Shape::cut`].
+//! A block that is cut takes two places of the ring. They share its curve.
 mod shift;
 
 use super::ease::{self, Ease, Trial};
@@ -302,7 +302,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             return self.leave_anchor(pass, dip, true);
         };
         let (first, last) = (*first, *last);
-        let lengths = [first, last].map(|block| length_mm(&block.shape));
+        let lengths = [&first, &last].map(length_mm);
         let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
         if let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
@@ -452,7 +452,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 to += 1;
             } else {
                 from -= 1;
-                before = block.shape.length.to_bits();
+                before = block.length;
             }
         }
         pass.head = match which {
@@ -505,10 +505,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
     fn cut(&mut self, k: usize, distance: i64) {
         let Some(block) = self.blocks.get_mut(k) else { return };
-        let rest = block.shape.cut(distance);
         let mut piece = *block;
-        piece.shape = rest;
-        piece.ahead = 0;
+        piece.length = block.length - distance;
+        piece.continued = true;
+        block.length = distance;
         piece.marks = Marks::default();
         piece.marks.set(Marks::LONG, block.is(Marks::LONG));
         piece.marks.set(Marks::CHECKED, true);
@@ -597,7 +597,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             self.keep_ease(b, plan.eases[2]);
             at = c - 1;
             if !plan.meet {
-                let length = self.blocks.get(at).map_or(0, |block| block.shape.length.to_bits());
+                let length = self.blocks.get(at).map_or(0, |block| block.length);
                 self.cut(at, length - plan.cuts[1]);
                 cuts += 1;
                 (at, c) = (c, c + 1);
@@ -629,17 +629,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             && !second.is(Marks::ANCHOR)
         {
             second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
-        }
-    }
-
-    /// A block that was cut becomes whole again.
-    #[inline(never)]
-    pub(super) fn unite_first(&mut self) {
-        let (front, back) = self.blocks.as_mut_slices();
-        let mut ring = front.iter_mut().chain(back);
-        let Some(first) = ring.next() else { return };
-        for block in ring.take_while(|block| block.shape.is_continued()) {
-            first.shape.unite(&block.shape);
         }
     }
 }

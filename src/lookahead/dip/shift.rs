@@ -87,7 +87,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let early = self.shifts_early(dip)?;
         let [a, b, _, d] = dip.edges;
         let block = self.blocks.get(if early { b - 1 } else { b })?;
-        let (limits, length) = (block.limits, block.shape.length.to_bits());
+        let (limits, length) = (block.limits, block.length);
         if dip.steps == 0 {
             if dip.moved == 0 {
                 dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
@@ -162,7 +162,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         } else {
             let early = plan.cuts[0] < 0;
             let k = if early { b - 1 } else { b };
-            let length = self.blocks.get(k).map_or(0, |block| block.shape.length.to_bits());
+            let length = self.blocks.get(k).map_or(0, |block| block.length);
             self.cut(k, if early { length + plan.cuts[0] } else { plan.cuts[0] });
             was += usize::from(early);
             pass.last += 1;
