@@ -229,8 +229,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 }
                 Ok(Work::Working)
             }
-            // A span of many blocks was handed on at once: each other one has room for its curve.
-            Stage::Releasing(0) | Stage::Filling if self.queue.segments.is_over() => Ok(Work::Waiting),
+            // A span of many blocks was handed on at once: what it took of the room of others comes back first.
+            Stage::Releasing(_) if self.queue.segments.is_over() => Ok(Work::Waiting),
             Stage::Releasing(0) => {
                 self.stage = Stage::Filling;
                 self.since = self.queue.clock.now();
