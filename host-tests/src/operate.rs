@@ -55,7 +55,7 @@ impl Act {
 }
 
 /// A run with commands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Operated {
     /// Set points of all ticks, those of rest included.
     pub trace: Trace,
@@ -149,13 +149,9 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
-        distances: Vec::new(),
-        holds: Vec::new(),
         aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
         over: f64::from(over.fold(1000, u16::max)) / 1000.0,
-        starved: Vec::new(),
-        late: Vec::new(),
-        outputs: Vec::new(),
+        ..Operated::default()
     };
     let control = planner.control();
     let mut acts = acts.iter().peekable();
