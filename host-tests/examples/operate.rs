@@ -1,8 +1,10 @@
-//! Random programs on random machines while an operator holds, goes on, aborts and turns the override and the program text comes late, all at
-//! random ticks, before the judge, as many as wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`;
-//! with one slope alone: `... LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071.
+//! Random programs on random machines while an operator holds, goes on, aborts and turns the override, the program text comes late and
+//! the planner gets no time, all at random ticks, before the judge, as many as wanted:
+//! `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`; with one slope alone: `... LAST_SEED SLOPE`, SLOPE as
+//! in P-CHAN-00071. The planner gets no time at some ticks of every second two dozen seeds ([`is_stalled`]); the others are without.
 use host_tests::operate::{
-    POLLS, TOO_LONG, judge, operate, random_acts, random_setup, with_overrides, with_starvation,
+    POLLS, TOO_LONG, is_stalled, judge, operate, random_acts, random_setup, with_overrides, with_stalls,
+    with_starvation,
 };
 
 fn main() {
@@ -10,7 +12,7 @@ fn main() {
     let first: u64 = seeds.next().unwrap_or(0);
     let last = seeds.next().unwrap_or(1000);
     let slope = seeds.next();
-    let (mut faults, mut skipped) = (0, 0);
+    let (mut faults, mut skipped) = ([0, 0], 0);
     for seed in first..last {
         let (program, mut machine, mut random) = random_setup(seed);
         if let Some(slope) = slope {
@@ -20,6 +22,9 @@ fn main() {
         let acts = if random.once_in(4) { holds } else { with_overrides(&mut random, 3000, holds) };
         let acts = if random.once_in(3) { with_starvation(&mut random, 3000, acts) } else { acts };
         let polls = POLLS[(random.bits() % 3) as usize];
+        // Last: the seeds without have the same numbers as before.
+        let stalled = is_stalled(seed);
+        let acts = if stalled { with_stalls(&mut random, 3000, acts) } else { acts };
         let run = operate::<3, 120>(&program, &machine, &acts, polls);
         let verdict = run.and_then(|run| judge(&program, &machine, &run));
         if let Err(fault) = verdict {
@@ -27,13 +32,18 @@ fn main() {
                 skipped += 1;
                 continue;
             }
-            faults += 1;
+            faults[usize::from(stalled)] += 1;
             println!("seed {seed}, {acts:?}, {polls} polls: {fault}\n");
         }
         if (seed + 1 - first).is_multiple_of(1000) {
-            println!("{} of {} runs, {faults} faults", seed + 1 - first, last - first);
+            let [without, with] = faults;
+            println!("{} of {} runs, {without} faults, {with} with stalls", seed + 1 - first, last - first);
         }
     }
-    println!("{} runs, {faults} faults; {skipped} longer than a million ticks", last - first);
-    std::process::exit(i32::from(faults > 0));
+    let [without, with] = faults;
+    println!(
+        "{} runs, {without} faults, {with} with stalls; {skipped} longer than a million ticks",
+        last - first
+    );
+    std::process::exit(i32::from(without + with > 0));
 }

@@ -10,6 +10,7 @@
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
 //! | [`rounded`] | what becomes of a text with rounded corners |
+//! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
@@ -33,3 +34,5 @@ pub mod deviation;
 pub mod operate;
 
 pub mod rounded;
+
+pub mod refusal;

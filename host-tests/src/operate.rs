@@ -10,6 +10,7 @@ use glidepath::control::Control;
 use glidepath::machine::MachineData;
 use glidepath::nc::{Text, TextError};
 use glidepath::quantity::Position;
+use glidepath::technology::Output;
 use glidepath::tick::State;
 use std::cell::Cell;
 
@@ -30,6 +31,8 @@ pub enum Act {
     Starve(usize),
     /// From now on the text arrives with so many bytes a tick.
     Slow(usize),
+    /// The planner is not called before this tick and those behind it, so many in all.
+    Stall(usize),
 }
 
 impl Act {
@@ -41,13 +44,18 @@ impl Act {
             Self::Abort => control.abort(),
             Self::Override(feed) => control.set_override(feed),
             Self::Reduced(on) => control.set_reduced(on),
-            Self::Starve(_) | Self::Slow(_) => {}
+            Self::Starve(_) | Self::Slow(_) | Self::Stall(_) => {}
         }
+    }
+
+    /// Whether it is a command: the others happen to the operator too.
+    pub fn is_command(self) -> bool {
+        !matches!(self, Self::Starve(_) | Self::Slow(_) | Self::Stall(_))
     }
 }
 
 /// A run with commands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Operated {
     /// Set points of all ticks, those of rest included.
     pub trace: Trace,
@@ -61,6 +69,10 @@ pub struct Operated {
     pub over: f64,
     /// Ticks before which it was said that program text comes late.
     pub starved: Vec<usize>,
+    /// Ticks before which it was said that the planner came late.
+    pub late: Vec<usize>,
+    /// Functions, with the tick behind which they came out.
+    pub outputs: Vec<(usize, Output)>,
 }
 
 /// A program text that arrives as it is told to.
@@ -131,17 +143,15 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     polls: usize,
 ) -> Result<Operated, String> {
     let wire = Wire::new(text);
-    let (mut late_until, mut rate) = (0, text.len());
+    let (mut late_until, mut rate, mut stalled_until) = (0, text.len(), 0);
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) = channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
-        distances: Vec::new(),
-        holds: Vec::new(),
         aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
         over: f64::from(over.fold(1000, u16::max)) / 1000.0,
-        starved: Vec::new(),
+        ..Operated::default()
     };
     let control = planner.control();
     let mut acts = acts.iter().peekable();
@@ -156,13 +166,14 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
                     rate = *bytes;
                     wire.arrived.set(wire.read.get());
                 }
+                Act::Stall(ticks) => stalled_until = stalled_until.max(tick + ticks),
                 _ => {}
             }
         }
         wire.closed.set(tick < late_until);
         wire.arrived.set(wire.arrived.get().saturating_add(rate));
         let mut done = false;
-        for _ in 0..polls {
+        for _ in 0..if tick < stalled_until { 0 } else { polls } {
             match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
                 Progress::Waiting => break,
                 Progress::Starved => run.starved.push(tick),
@@ -170,12 +181,14 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
                     done = true;
                     break;
                 }
+                other if says_late(other) => run.late.push(tick),
                 _ => {}
             }
         }
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         run.distances.push(interpolator.telemetry().distance.to_bits());
+        run.outputs.extend(std::iter::from_fn(|| interpolator.event()).map(|output| (tick, output)));
         if planner.is_holding() && !held {
             run.holds.push(tick);
         }
@@ -189,6 +202,13 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         }
     }
     Err(TOO_LONG.to_owned())
+}
+
+/// Whether the planner says that it came late: it found the motion at a standstill that it had not planned.
+fn says_late(progress: Progress) -> bool {
+    // `Progress::Late`, by name until it is there; for most calls nothing has to be written out.
+    let other = matches!(progress, Progress::Working | Progress::Planned | Progress::Waiting);
+    !other && format!("{progress:?}") == "Late"
 }
 
 /// The judge's word on such a run: limits at every tick, on the contour and in order, at the end exactly.
@@ -265,6 +285,38 @@ pub fn with_starvation(random: &mut Random, ticks: usize, others: Vec<(usize, Ac
     if random.once_in(4) {
         let tick = (random.unit() * ticks as f64) as usize;
         acts.push((tick, Act::Slow(random.magnitude(1.0, 20.0) as usize)));
+    }
+    acts.sort_by_key(|(tick, _)| *tick);
+    acts
+}
+
+/// Whether the planner gets no time at some ticks of a seed of [`random_setup`]: with every slope, every mode of the override, and NO_OPT=0.
+pub fn is_stalled(seed: u64) -> bool {
+    !(seed / 24).is_multiple_of(2)
+}
+
+/// Ticks behind a command within which no stall begins: what waits for the planner at the end of the queue is not made anew yet.
+const QUIET: usize = 16;
+
+/// Times without any call of the planner at random ticks of a motion of so many, mixed with `others`, which come in order.
+pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
+    let mut stalls: Vec<[usize; 2]> = (0..1 + random.bits() % 4)
+        .map(|_| [random.unit() * ticks as f64, random.magnitude(1.0, 2000.0)].map(|x| x as usize))
+        .collect();
+    stalls.sort_unstable();
+    let mut acts = others.clone();
+    let mut last = 0..0;
+    for [mut start, ticks] in stalls {
+        start = start.max(last.end);
+        for (tick, _) in others.iter().filter(|(_, act)| act.is_command()) {
+            // What was given while the planner was not called is seen behind that.
+            let seen = if last.contains(tick) { last.end } else { *tick };
+            if (seen..seen + QUIET).contains(&start) {
+                start = seen + QUIET;
+            }
+        }
+        acts.push((start, Act::Stall(ticks)));
+        last = start..start + ticks;
     }
     acts.sort_by_key(|(tick, _)| *tick);
     acts

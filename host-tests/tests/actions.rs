@@ -572,9 +572,8 @@ fn random_programs_with_functions_keep_limits_and_path() {
                 over: 1.0,
                 trace: run.trace,
                 distances: run.distances,
-                holds: Vec::new(),
-                starved: Vec::new(),
                 aborted: acts.iter().any(|(_, act)| *act == Act::Abort),
+                ..Operated::default()
             };
             judge(&program, &machine, &operated)
                 .unwrap_or_else(|fault| panic!("seed {seed}, {delay:?}, {acts:?}: {fault}\n{text}"));

@@ -296,6 +296,69 @@ fn constant_speed_through_the_corner() {
     assert!(rows > 20 && high / low < 1.001, "{rows} rows, {low} … {high}");
 }
 
+/// Each corner with both.
+#[test]
+fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
+    let mut faster = 0;
+    for (dev, x, y) in [(0.2, 50, 50), (2.0, 100, 100), (2.0, 30, 100), (1.0, 60, 80), (5.0, 100, 60)] {
+        for slope in 0..3 {
+            let machine = machines::with_slope(machines::mill(1000), slope);
+            let go = |constant: u8| {
+                let text = format!(
+                    "#CONTOUR MODE [DEV PATH_DEV={dev} CONST_VEL={constant}]\nN10 G01 X100 G61 F40000\nN20 X{x} Y{y}\nM30\n"
+                );
+                run_from(&text, [Position::ZERO; 3], &machine)
+            };
+            let [varying, constant] = [go(0), go(1)];
+            let [from, to] = [varying.lengths(10)[0], constant.lengths(10)[0]];
+            // The same curve.
+            assert_eq!(from, to);
+            let inside = |run: &Run| {
+                let rows = (1..run.trace.len()).map(|i| (run.trace.mm(i - 1), run.trace.mm(i)));
+                let curve = rows.zip(run.speeds()).filter(|((p, q), _)| {
+                    let off = |q: &[f64]| (q[0] - 100.0) * f64::from(y) - q[1] * f64::from(x - 100);
+                    p[0] > from + 0.01 && p[1] > 0.0 && off(q).abs() > 1e-3
+                });
+                curve.fold([f64::INFINITY, 0.0], |[low, high], (_, v)| [v.min(low), v.max(high)])
+            };
+            let [low, high] = inside(&varying);
+            let what = format!("PATH_DEV={dev} X{x} Y{y}, slope {slope}");
+            assert!(high > 1.05 * low, "{what}: {low} … {high}");
+            let [least, most] = inside(&constant);
+            assert!(most < 1.002 * least, "{what}: {least} … {most}");
+            // STEP: its acceleration is divided between path and contour by element, which may cost a tick or two.
+            let more = if slope == 0 { 1.003 } else { 1.0 };
+            assert!(varying.time() <= more * constant.time(), "{what}");
+            faster += usize::from(varying.time() < constant.time());
+        }
+    }
+    assert!(faster >= 10, "{faster} of 15");
+}
+
+/// As in D3-EX08: a corner with the speed that each of its parts permits, and another one with constant speed.
+#[test]
+fn constant_speed_is_switched_on_from_corner_to_corner() {
+    let text = "#CONTOUR MODE ON [DEV PATH_DEV=2]\nN6 G01 X100 F40000\nN7 Y100\n\
+        #CONTOUR MODE [CONST_VEL=1]\nN8 X0\n#CONTOUR MODE [CONST_VEL=0]\nN9 G260 Y200\nM30\n";
+    let run = run_from(text, [Position::ZERO; 3], &machines::mill(1000));
+    // Rows inside a curve are on none of the lines.
+    let inside = |x: std::ops::Range<f64>, y: std::ops::Range<f64>| {
+        let seen = (1..run.trace.len()).zip(run.speeds()).filter(|(i, _)| {
+            [run.trace.mm(i - 1), run.trace.mm(*i)].iter().all(|q| x.contains(&q[0]) && y.contains(&q[1]))
+        });
+        let speeds = seen.fold([f64::INFINITY, 0.0], |[low, high], (_, v)| [v.min(low), v.max(high)]);
+        speeds[1] / speeds[0]
+    };
+    let near = 1e-4;
+    let (upto, from) = (50.0..100.0 - near, near..50.0);
+    let seen = [
+        inside(upto.clone(), from.clone()),
+        inside(upto.clone(), upto.clone()),
+        inside(from, 100.0 + near..150.0),
+    ];
+    assert!(seen[0] > 1.05 && (1.0..1.002).contains(&seen[1]) && seen[2] > 1.05, "{seen:?}");
+}
+
 /// The little acceleration of such a curve is not that of the lines beside it: with HSC they were one span, which took 30 times as long.
 #[test]
 fn constant_speed_costs_no_more_with_hsc() {

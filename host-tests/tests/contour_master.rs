@@ -1,5 +1,5 @@
 //! DIST_MASTER, and the other methods where the feed counts along other axes than the main ones.
-use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::channel::Error;
 use glidepath::machine::{MODE_MASTER, MachineData};
 use glidepath::nc::{Contour, ContourMethod, NcWarningKind};
 use glidepath::path;
@@ -12,6 +12,7 @@ use host_tests::corner::{blocks, position, round};
 use host_tests::deviation::deviation;
 use host_tests::operate::{Act, operate_text};
 use host_tests::properties::{axis_limits, permitted};
+use host_tests::refusal::{refusal, refused};
 use host_tests::rounded::{Run, quick, run_from};
 
 /// Programs from zero on.
@@ -234,7 +235,7 @@ fn acceleration_and_ramp_of_a_corner_follow_their_keywords() {
         ("DIST_WEIGHT=100", true),
     ] {
         let text = format!("#CONTOUR MODE [DIST_MASTER {word}]\nG00 X1\nM30\n");
-        assert_eq!(outcome(&text, &led()).is_none(), fits, "{word}");
+        assert_eq!(refusal(&text, &led()).is_none(), fits, "{word}");
     }
 }
 
@@ -329,24 +330,6 @@ fn where_the_master_rests_or_turns_back_the_curve_keeps_its_distance_and_says_so
     assert_eq!(sharp.warnings.len(), 1);
 }
 
-/// What the channel refuses of a text, if anything.
-fn outcome<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Option<Error> {
-    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator): (Planner<'_, &[u8], AXES, 120>, _) =
-        channel.split(machine, [Position::ZERO; AXES], text.as_bytes()).expect("machine data");
-    loop {
-        match planner.poll() {
-            Ok(Progress::Done) => return None,
-            Ok(_) => _ = interpolator.tick(),
-            Err(error) => return Some(error),
-        }
-    }
-}
-
-fn refused<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Error {
-    outcome(text, machine).unwrap_or_else(|| panic!("{text} is accepted"))
-}
-
 #[test]
 fn without_a_master_axis_the_method_is_refused() {
     let text = "N10 G01 X1 F600\nN20 #CONTOUR MODE ON [DIST_MASTER SYM_DIST=1]\nN30 X2\nM30\n";
@@ -375,14 +358,14 @@ fn without_a_master_axis_the_method_is_refused() {
             assert!(error.to_string().contains(parameter), "{error}");
         }
     }
-    assert!(outcome(text, &marked(&[0], &[0])).is_none());
-    assert!(outcome(text, &marked(&[2], &[0, 2])).is_none());
+    assert!(refusal(text, &marked(&[0], &[0])).is_none());
+    assert!(refusal(text, &marked(&[2], &[0, 2])).is_none());
     // Parameters of the method may be set before; the other methods need no master.
-    assert!(outcome("#CONTOUR MODE [SYM_DIST=3]\nG01 X2 F600\nM30\n", &marked(&[], &[])).is_none());
+    assert!(refusal("#CONTOUR MODE [SYM_DIST=3]\nG01 X2 F600\nM30\n", &marked(&[], &[])).is_none());
     // The only linear axis is the only feed axis without being named.
     let mut alone = machines::even::<1>(1000);
     alone.axes[0].achs_mode |= MODE_MASTER;
-    assert!(outcome(text, &alone).is_none());
+    assert!(refusal(text, &alone).is_none());
 }
 
 /// A walk of `count` lines with a seed, mm.

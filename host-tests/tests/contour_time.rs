@@ -234,6 +234,48 @@ fn distances_are_divided_by_the_neighbours_lengths() {
     assert_eq!(run.trace.mm(run.trace.len() - 1), [0.0; 3]);
 }
 
+/// N20 is 40 mm between a long block and a short one, whose half is all that the second corner could have.
+#[test]
+fn a_weight_makes_better_use_of_a_block_between_unequal_ones() {
+    for (first, last) in [(200.0, 4.0), (100.0, 10.0)] {
+        let used = |weight: u32| {
+            let text = format!(
+                "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=-1 ACC_MIN=1 DIST_WEIGHT={weight}]\nN10 G01 X{first} F40000\nN20 Y40\nN30 G260 X{}\nM30\n",
+                first + last
+            );
+            let run = run_from(&text, [Position::ZERO; 3], &quick(1000));
+            first - run.lengths(10)[0] + last - run.lengths(30).last().unwrap()
+        };
+        let used = [0, 50, 100].map(used);
+        assert!((used[0] - 20.0 - last / 2.0).abs() < 1e-3, "{used:?}");
+        assert!(used[0] < used[1] && used[1] < used[2] && (used[2] - 40.0).abs() < 1e-3, "{used:?}");
+    }
+}
+
+/// A turns 1° with each mm, there and back.
+#[test]
+fn track_dist_shortens_the_distance() {
+    for (rest, expected) in [
+        ("PATH_DIST=12", 12.0),
+        ("PATH_DIST=12 TRACK_DIST=2", 2.0),
+        ("PATH_DIST=12 TRACK_DIST=30", 12.0),
+        ("PATH_DIST=-1 TRACK_DIST=3", 3.0),
+        ("PATH_DIST=3 TRACK_DIST=-1", 3.0),
+    ] {
+        let text =
+            format!("#CONTOUR MODE ON [DIST_SOFT {rest}]\nN10 G01 X80 A80 F12000\nN20 G260 Y80 A0\nM30\n");
+        let run = run_from::<4>(&text, [Position::ZERO; 4], &quick(1000));
+        assert!((80.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
+        let turned = (0..run.trace.len()).map(|i| run.trace.mm(i)[3]).fold(0.0, f64::max);
+        assert!(turned >= 80.0 - expected && turned < 80.0, "{rest}: {turned}°");
+    }
+    // Without a tracking axis that turns there it says nothing.
+    let text =
+        "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=12 TRACK_DIST=2]\nN10 G01 X80 F12000\nN20 G260 Y80\nM30\n";
+    let run = run_from::<4>(text, [Position::ZERO; 4], &quick(1000));
+    assert!((80.0 - run.lengths(10)[0] - 12.0).abs() < 1e-3, "{:?}", run.lengths(10));
+}
+
 #[test]
 fn a_soft_corner_is_calmer_than_one_by_deviation() {
     // The programs of DIST_SOFT 12 mm against DEV 0.2 mm: 2.5 m/min.

@@ -37,7 +37,7 @@ fn mm(x: f64) -> Option<Position> {
 }
 
 /// Every method with the tolerance or distance `d`, in mm.
-fn methods(d: f64) -> [(&'static str, Contour); 8] {
+fn methods(d: f64) -> [(&'static str, Contour); 9] {
     let method = |method| Contour { method: Some(method), ..Contour::default() };
     let dev = Contour { path_dev: mm(d), ..method(ContourMethod::Dev) };
     let soft = Contour { path_dist: mm(d), ..method(ContourMethod::DistSoft) };
@@ -46,6 +46,8 @@ fn methods(d: f64) -> [(&'static str, Contour); 8] {
         ("DEV", dev),
         ("DEV MAX_ANGLE=180", Contour { max_angle, ..dev }),
         ("DEV RELEVANT_PATH", Contour { relevant_path: mm(0.2), ..dev }),
+        // As is advised.
+        ("DEV RELEVANT_PATH=PATH_DEV", Contour { relevant_path: mm(d), ..dev }),
         ("PTP", Contour { method: Some(ContourMethod::Ptp), ..dev }),
         ("DIST", Contour { pre_dist: mm(d), post_dist: mm(d), ..method(ContourMethod::Dist) }),
         ("DIST_SOFT", soft),

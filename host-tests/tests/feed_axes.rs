@@ -1,5 +1,5 @@
 //! P-CHAN-00011: the path is measured along the feed axes.
-use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
+use glidepath::channel::{Channel, Error, MachineError};
 use glidepath::machine::{AxisKind, MODE_LINEAR, MODE_MASTER, MachineData};
 use glidepath::path::PathError;
 use glidepath::planning::MotionError;
@@ -8,24 +8,11 @@ use host_tests::cases::machines::{self, feeding};
 use host_tests::cases::random::{Mix, program};
 use host_tests::operate::{POLLS, judge, operate, random_setup, with_overrides};
 use host_tests::properties::verify;
+use host_tests::refusal::refusal;
 use host_tests::rounded::{Run, run_from};
 
 fn go(text: &str, machine: &MachineData<3>) -> Run {
     run_from(text, [Position::ZERO; 3], machine)
-}
-
-/// What the channel refuses of a text, if anything.
-fn outcome<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Option<Error> {
-    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator): (Planner<'_, &[u8], AXES, 120>, _) =
-        channel.split(machine, [Position::ZERO; AXES], text.as_bytes()).expect("machine data");
-    loop {
-        match planner.poll() {
-            Ok(Progress::Done) => return None,
-            Ok(_) => _ = interpolator.tick(),
-            Err(error) => return Some(error),
-        }
-    }
 }
 
 #[test]
@@ -95,7 +82,7 @@ fn the_path_is_measured_along_the_feed_axes() {
     {
         let machine = feeding(machines::even::<5>(1000), feed);
         let arc = if plane.is_empty() { "G02 X20 I10" } else { "G02 X20 I10 K0" };
-        let seen = outcome(&format!("N10 G01 F600\nN20 {plane} {arc}\nM30\n"), &machine);
+        let seen = refusal(&format!("N10 G01 F600\nN20 {plane} {arc}\nM30\n"), &machine);
         let no_plane = matches!(seen, Some(Error::Motion(_, MotionError::Path(PathError::NoFeedPlane(_)))));
         assert_eq!(no_plane, ends, "{feed:?}: {seen:?}");
         if let Some(error) = seen.filter(|_| ends) {

@@ -1,8 +1,8 @@
 //! Which keyword goes with which method, and that commands without a function are refused where they stand.
-use glidepath::channel::{Channel, Error, Planner, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Decoder, NcErrorKind, Setup, Step};
 use glidepath::quantity::Position;
+use host_tests::refusal;
 
 fn machine() -> MachineData<5> {
     let axes = ["X", "Y", "Z", "A", "C"].map(|name| {
@@ -109,22 +109,6 @@ fn hsc_methods_take_their_keywords_and_no_others() {
     only_with("#HSC ON [{}]", both, &keywords);
 }
 
-/// What the whole channel says of a program.
-fn refused(text: &str) -> Option<Error> {
-    let mut channel: Box<Channel<5, 30>> = Box::new(Channel::new());
-    let machine = MachineData { channel: ChannelData { look_ahead: 30, ..machine().channel }, ..machine() };
-    let (mut planner, mut interpolator): (Planner<'_, &[u8], 5, 30>, _) =
-        channel.split(&machine, [Position::ZERO; 5], text.as_bytes()).expect("a machine in range");
-    for _ in 0..1_000_000 {
-        match planner.poll() {
-            Ok(Progress::Done) => return None,
-            Ok(_) => _ = interpolator.tick(),
-            Err(error) => return Some(error),
-        }
-    }
-    panic!("no end: {text}");
-}
-
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
@@ -159,14 +143,13 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "X[INDP_SYN G01 G90 POS=1 FEED=100]",
     ];
     for command in commands {
-        let error = refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"))
-            .unwrap_or_else(|| panic!("{command} is accepted"));
+        let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
         assert_eq!(error.place().line, 2, "{command}: {error}");
         assert!(error.to_string().ends_with("known, not available in this version"), "{command}: {error}");
     }
     // What switches off has nothing to do.
     for command in ["G260", "#CONTOUR MODE OFF", "G150", "#SPLINE OFF", "#SLOPE DEFAULT", "#TRAFO OFF"] {
-        let error = refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"));
+        let error = refusal::refusal(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
         assert!(error.is_none(), "{command}: {error:?}");
     }
 }

@@ -1,5 +1,5 @@
 //! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the path.
-use glidepath::machine::MachineData;
+use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
@@ -148,11 +148,16 @@ fn no_axis_is_faster_than_its_reduced_speed() {
     {
         texts.push(format!("%c\n#CONTOUR MODE ON [{mode}]\n{corners}"));
     }
+    // Steps, one slow block in seven, with ten blocks known at a time: it leaves when the ones behind it are fast.
+    let steps: String = (1..=40).map(|k| if k % 7 == 0 { "Y30\n" } else { "X30\n" }).collect();
+    texts.push(format!("%h\nG91 G01 F20000\n{steps}M30\n"));
+    let few = MachineData { channel: ChannelData { look_ahead: 10, ..machine.channel }, ..machine };
     for slope in ["TRAPEZ", "SIN2", "STEP", "HSC NO_OPT=1", "HSC NO_OPT=0"] {
         for text in &texts {
+            let machine = if text.starts_with("%h") { &few } else { &machine };
             let text = text.replacen('\n', &format!("\n#SLOPE [TYPE={slope}]\n"), 1);
             let acts = [(0, Act::Reduced(true))];
-            let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &acts, 1000).unwrap();
+            let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], machine, &acts, 1000).unwrap();
             for (axis, limit) in reduced.into_iter().enumerate() {
                 let x: Vec<f64> = (0..run.trace.len()).map(|k| run.trace.mm(k)[axis]).collect();
                 let fastest = x.windows(2).map(|w| (w[1] - w[0]).abs() / 0.001).fold(0.0, f64::max);

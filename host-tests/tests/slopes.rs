@@ -87,6 +87,34 @@ fn changing<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, s
     text
 }
 
+/// Another slope first: what says DEFAULT has that of P-CHAN-00071 again, and both commands mean the same slopes.
+#[test]
+fn the_default_is_the_slope_of_the_machine() {
+    const NAMES: [&str; 4] = ["STEP", "TRAPEZ", "SIN2", "HSC"];
+    let blocks = "G01 X20 Y1 F9000\nX24 Y1.1\nX25 Y1.1 F3000\nX60 Y4 F9000\nM30\n";
+    let go = |profile: u8, words: &str| {
+        let machine = machines::with_slope(machines::uneven::<3>(1000), profile);
+        let text = format!("%s\n{words}\n{blocks}");
+        run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1)
+            .unwrap_or_else(|e| panic!("{e}\n{text}"))
+            .digest
+    };
+    for profile in 0..4 {
+        let plain = go(profile, "");
+        for (other, name) in (0..4).zip(NAMES) {
+            let typed = go(profile, &format!("#SLOPE [TYPE={name}]"));
+            assert_eq!(typed == plain, other == profile, "{name} on profile {profile}");
+            assert_eq!(
+                go(profile, &format!("#SET SLOPE PROFIL [{other}]")),
+                typed,
+                "{name} on profile {profile}"
+            );
+            let back = go(profile, &format!("#SLOPE [TYPE={name}]\n#SLOPE DEFAULT"));
+            assert_eq!(back, plain, "{name} on profile {profile}");
+        }
+    }
+}
+
 #[test]
 fn slopes_change_within_a_program() {
     let bowed = ["#SLOPE [TYPE=SIN2]", "#SLOPE [TYPE=HSC]", "#SLOPE DEFAULT"];

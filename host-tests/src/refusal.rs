@@ -1,0 +1,27 @@
+//! What a channel refuses of an NC text.
+use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+
+/// Calls of the planner within which a text has ended.
+const MOST_CALLS: usize = 1_000_000;
+
+/// Why a text from zero on is refused, if it is.
+pub fn refusal<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Option<Error> {
+    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
+    let (mut planner, mut interpolator): (Planner<'_, &[u8], AXES, 120>, _) =
+        channel.split(machine, [Position::ZERO; AXES], text.as_bytes()).expect("machine data");
+    for _ in 0..MOST_CALLS {
+        match planner.poll() {
+            Ok(Progress::Done) => return None,
+            Ok(_) => _ = interpolator.tick(),
+            Err(error) => return Some(error),
+        }
+    }
+    panic!("no end: {text}");
+}
+
+/// The same of a text that has to be refused.
+pub fn refused<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Error {
+    refusal(text, machine).unwrap_or_else(|| panic!("{text} is accepted"))
+}
