@@ -239,8 +239,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 }
                 Ok(Work::Working)
             }
-            // A span of many blocks was handed on at once: each other one has room for its curve.
-            Stage::Releasing(0) | Stage::Filling if self.queue.segments.is_over() => {
+            // A span of many blocks was handed on at once: what it took of the room of others comes back first.
+            Stage::Releasing(0) if self.queue.segments.is_over() => {
                 Ok(if self.needs_reserve() { self.begin_reserve() } else { Work::Waiting })
             }
             Stage::Releasing(0) => {
@@ -252,7 +252,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.since = self.queue.clock.now();
                 Ok(Work::Working)
             }
-            Stage::Releasing(_) if self.reopened => Ok(self.plan_anew()),
+            Stage::Releasing(_) if self.reopened && !self.queue.segments.is_over() => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
             Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
             Stage::Filling => Ok(self.fill()),

@@ -16,6 +16,7 @@ use super::{SEGMENTS, Segment, Slot};
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
+use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
@@ -130,12 +131,36 @@ pub struct Layer<'a, const AXES: usize> {
 
 /// Follows them.
 pub struct Follower<'a, const AXES: usize> {
-    slots: &'a [Place<AXES>],
-    starts: &'a [Start],
     taken: &'a AtomicU32,
-    /// Where the curve at hand is, and its start.
-    slot: usize,
-    place: usize,
+    /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
+    start: Lap<'a, Start>,
+    slot: Lap<'a, Place<AXES>>,
+}
+
+/// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
+struct Lap<'a, T> {
+    at: *const T,
+    end: *const T,
+    len: usize,
+    ring: PhantomData<&'a [T]>,
+}
+
+// SAFETY: it is as good as the shared slice that it was made of.
+unsafe impl<T: Sync> Send for Lap<'_, T> {}
+
+impl<'a, T> Lap<'a, T> {
+    /// At the first element. The ring is so many elements at the front of the array, one at least.
+    fn new(array: &'a [T], len: usize) -> Self {
+        let at = array.as_ptr();
+        Self { at, end: at.wrapping_add(len), len, ring: PhantomData }
+    }
+
+    /// Goes on by no more than a lap.
+    #[inline(always)]
+    fn go_on(&mut self, by: usize) {
+        let to = self.at.wrapping_add(by);
+        self.at = if to >= self.end { to.wrapping_sub(self.len) } else { to };
+    }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
@@ -158,10 +183,20 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
-        let (slot, place) = (0, 0);
-        let layer =
-            Layer { slots, starts, taken, count: 0, handed: 0, shown: 0, slot, place, end: 0, long: false };
-        (layer, Follower { slots, starts, taken, slot, place })
+        let (start, slot) = (Lap::new(starts, places(starts)), Lap::new(slots, slots.len()));
+        let layer = Layer {
+            slots,
+            starts,
+            taken,
+            count: 0,
+            handed: 0,
+            shown: 0,
+            slot: 0,
+            place: 0,
+            end: 0,
+            long: false,
+        };
+        (layer, Follower { taken, start, slot })
     }
 }
 
@@ -231,8 +266,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let segment = unsafe { &mut *slot.get() };
         segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.start, segment.n, segment.block) =
-            (*base, Distance::from_bits(start), n, block);
+        (segment.base, segment.start, segment.n, segment.block) = (*base, Distance::from_bits(start), n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());
@@ -395,15 +429,15 @@ impl<const AXES: usize> Follower<'_, AXES> {
     /// given back, at most [`MOST`]. `None` before the first one. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
-        let window: &[Start; WINDOW] = self.starts.get(self.place..)?.first_chunk()?;
-        let [first, rest @ ..] = window;
+        // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its first one.
+        let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
         let mut at = first;
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
-            let passed =
-                ptr::from_ref(at).addr().wrapping_sub(ptr::from_ref(first).addr()) / size_of::<Start>();
-            self.place = on(self.place, passed, places(self.starts));
-            self.slot = on(self.slot, passed, self.slots.len());
+            // SAFETY: both are in one window, the first one in front.
+            let passed = unsafe { ptr::from_ref(at).offset_from_unsigned(first) };
+            self.start.go_on(passed);
+            self.slot.go_on(passed);
             let taken = self.taken.load(Ordering::Relaxed);
             self.taken.store(taken.wrapping_add(passed as u32), Ordering::Release);
         }
@@ -412,21 +446,21 @@ impl<const AXES: usize> Follower<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        let Place(slot) = self.slots.get(self.slot)?;
-        // SAFETY: its start is not out of reach: the planner has put it in, and leaves it alone until it is given back.
-        Some((unsafe { &*slot.get() }, along))
+        // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it alone until it is
+        // given back.
+        Some((unsafe { &*(*self.slot.at).0.get() }, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.
     pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
-        let start = self.starts.get(self.place)?.get();
+        // SAFETY: it is in its ring.
+        let start = unsafe { &*self.start.at }.get();
         if distance.wrapping_sub(start) < -(OUT_OF_REACH / 2) {
             return None;
         }
         fence(Ordering::Acquire);
-        let Place(slot) = self.slots.get(self.slot)?;
         // SAFETY: as in `follow`.
-        Some(unsafe { &*slot.get() })
+        Some(unsafe { &*(*self.slot.at).0.get() })
     }
 }
 
