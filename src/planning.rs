@@ -334,7 +334,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.stage = Stage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
         self.hand_on(blocks);
-        self.name(first);
+        self.name(first, blocks);
         self.flights.push();
         self.stood = false;
         if self.is_behind(self.laid) {
@@ -363,11 +363,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.segments.hand_on(curves);
     }
 
-    /// What the span is called that begins on the curve with the number `first`, and ends on the last one handed on.
-    fn name(&mut self, first: u32) {
+    /// What the span of so many blocks is called that begins on the curve with the number `first`, and ends on the last one handed on.
+    fn name(&mut self, first: u32, blocks: usize) {
         let segments = &self.queue.segments;
-        let last = segments.recent(segments.handed().wrapping_sub(1));
-        let (Some(first), Some(last)) = (segments.recent(first), last) else { return };
+        let Some(first) = segments.recent(first) else { return };
+        let mut last = first;
+        if blocks > 1 {
+            last = segments.recent(segments.handed().wrapping_sub(1)).unwrap_or(first);
+        }
         let begun = last.block.wrapping_add(1);
         // A line that stands for several has the number of its last block.
         let merged = first.block.wrapping_sub(self.begun) as i32 > 0;
