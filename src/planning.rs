@@ -353,9 +353,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let mut curves = 0;
         for _ in 0..blocks {
             let Some(block) = self.lookahead.first() else { break };
-            if block.has_functions() {
-                self.functions.pass(self.handed, &mut self.queue.events);
-            }
             curves += u32::from(!block.is_continued());
             self.handed = Distance::from_bits(self.handed.to_bits().wrapping_add(block.length()));
             self.lookahead.drop_first();

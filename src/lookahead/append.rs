@@ -3,7 +3,7 @@
 use super::dip::SPARE;
 use super::limits::{Share, max, min};
 use super::pace::Slowest;
-use super::{Before, Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
+use super::{Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -86,7 +86,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, element.entry, rapid, limits.fastest(&before.limits)));
         }
-        let Before { functions, gate } = core::mem::take(&mut self.before);
+        let gate = core::mem::take(&mut self.gate);
         anchor |= gate;
         if anchor {
             self.span = 0;
@@ -105,7 +105,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
-        marks.set(Marks::FUNCTIONS, functions);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.long += usize::from(long);

@@ -110,8 +110,6 @@ impl Marks {
     const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     const CHECKED: u8 = 16;
-    /// Functions come out where it begins.
-    const FUNCTIONS: u8 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
     const GATE: u8 = 64;
     /// It stands for several blocks, and is twice as long as the way to a standstill.
@@ -141,11 +139,6 @@ impl Block {
 
     fn is(&self, mark: u8) -> bool {
         self.marks.has(mark)
-    }
-
-    /// Whether functions come out where it begins.
-    pub fn has_functions(&self) -> bool {
-        self.is(Marks::FUNCTIONS)
     }
 
     /// Whether it waits for acknowledgements.
@@ -178,15 +171,6 @@ impl Block {
             self.marks.set(Marks::CHECKED, false);
         }
     }
-}
-
-/// What happens before a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Before {
-    /// Functions come out.
-    pub functions: bool,
-    /// The motion waits for acknowledgements.
-    pub gate: bool,
 }
 
 /// The span at the front of the ring.
@@ -283,8 +267,8 @@ pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
     last: Option<Last<AXES>>,
     /// The next transition is a standstill.
     stop: bool,
-    /// What happens before the next block.
-    before: Before,
+    /// The next block is a gate.
+    gate: bool,
     /// The plan goes on at least to this block: from there on it may be as it was.
     until: usize,
     /// The first block's start may rise up to this speed.
@@ -330,7 +314,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             depth,
             last: None,
             stop: false,
-            before: Before { functions: false, gate: false },
+            gate: false,
             until: usize::MAX,
             free: None,
             pass: Pass::Done,
@@ -393,7 +377,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.last = None;
-        self.before = Before::default();
+        self.gate = false;
         (self.until, self.free) = (usize::MAX, None);
         self.pass = Pass::Done;
         self.through = 0;
@@ -412,9 +396,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.stop = true;
     }
 
-    /// This happens before the next block.
-    pub fn before(&mut self, before: Before) {
-        self.before = before;
+    /// Whether the motion waits for acknowledgements before the next block.
+    pub fn before(&mut self, gate: bool) {
+        self.gate = gate;
     }
 
     /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its
@@ -545,13 +529,6 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         block.marks.set(Marks::GATE, false);
         self.until = self.until.min(index);
         Some(index)
-    }
-
-    /// The functions where the first block begins are out.
-    pub fn drop_functions(&mut self) {
-        if let Some(block) = self.blocks.front_mut() {
-            block.marks.set(Marks::FUNCTIONS, false);
-        }
     }
 
     /// The first block.

@@ -11,10 +11,6 @@ use crate::queue::PHASES;
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Before the first block of the look-ahead, a gate.
     pub(super) fn wait(&mut self) -> Work {
-        if self.lookahead.first().is_some_and(|first| first.has_functions()) {
-            self.functions.pass(self.handed, &mut self.queue.events);
-            self.lookahead.drop_functions();
-        }
         self.stand()
     }
 

@@ -1,18 +1,17 @@
 //! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion waits.
 //!
 //! A function belongs between two motion blocks, which counts as the number of motion blocks before it. Contour mode decides
-//! which element of the path begins there. That element carries two marks in the look-ahead: one says that functions come
-//! out where it begins, the other that it is a *gate*: it is not handed on, and the motion is planned to stand still before
-//! it, until all acknowledgements demanded there have come.
+//! which element of the path begins there. When that element goes into the look-ahead the place of the function is known, and
+//! it goes into the queue: the motion may come there without the planner. The element may be marked as a *gate*: it is not handed on,
+//! and the motion is planned to stand still before it, until all acknowledgements demanded there have come.
 use super::Function;
 use crate::control::{Control, OPEN, Ticket};
-use crate::lookahead::Before;
 use crate::machine::Synch;
 use crate::quantity::Distance;
 use crate::queue::{EVENTS, Event, Producer};
 use heapless::Vec;
 
-/// A function that is not in the queue yet.
+/// A function that is not in the queue yet, or whose gate is still to come.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     n: u32,
@@ -26,16 +25,13 @@ struct Entry {
     spans: bool,
     /// Its gate is known.
     gated: bool,
-    /// It comes out where this one of the marked elements begins.
-    at: Option<u32>,
+    /// It is in the queue.
+    placed: bool,
 }
 
 /// Functions and gates.
 pub(super) struct Functions {
     entries: Vec<Entry, EVENTS>,
-    /// Elements with functions before them that have gone into the look-ahead, and that have come out of it.
-    marked: u32,
-    passed: u32,
     /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded where
     /// everything taken in ends.
     gates: Vec<u32, OPEN>,
@@ -50,7 +46,7 @@ const fn reaches(number: u32, other: u32) -> bool {
 
 impl Functions {
     pub const fn new() -> Self {
-        Self { entries: Vec::new(), marked: 0, passed: 0, gates: Vec::new(), last: 0, sequence: 0 }
+        Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
 
     /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of events.
@@ -81,7 +77,7 @@ impl Functions {
             unsettled: in_motion && synch.is_before(),
             spans: synch == Synch::MvsSns,
             gated: !ticket.waits(),
-            at: None,
+            placed: false,
         };
         self.entries.push(entry).map_err(|_| ())
     }
@@ -99,7 +95,7 @@ impl Functions {
 
     /// Whether one is still to be given its place or its gate.
     pub fn are_open(&self) -> bool {
-        self.entries.iter().any(|entry| entry.at.is_none() || !entry.gated)
+        self.entries.iter().any(|entry| !entry.placed || !entry.gated)
     }
 
     /// The motion that they were programmed with is refused.
@@ -110,34 +106,16 @@ impl Functions {
         self.entries.retain(|entry| !entry.unsettled);
     }
 
-    /// What comes before the next element of the path: all that has no more than `due` motion blocks before it.
-    pub fn before(&mut self, due: u32) -> Before {
+    /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks before it goes into the queue,
+    /// which has room for it. Whether the element is a gate.
+    pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) -> bool {
         if self.entries.is_empty() && self.last == 0 {
-            return Before::default();
+            return false;
         }
-        let functions = self.assign(due);
+        self.place(due, distance, queue);
         let gate = core::mem::take(&mut self.last);
         // There is room: a gate has a bit of its own.
-        let gate = gate != 0 && self.gates.push(gate).is_ok();
-        Before { functions, gate }
-    }
-
-    /// Assigns functions to the next marked element, and gates to `last`.
-    fn assign(&mut self, due: u32) -> bool {
-        let mut functions = false;
-        for entry in &mut self.entries {
-            if entry.at.is_none() && reaches(due, entry.out) {
-                entry.at = Some(self.marked);
-                functions = true;
-            }
-            if entry.at.is_some() && !entry.gated && reaches(due, entry.gate) {
-                entry.gated = true;
-                self.last |= entry.ticket.bit();
-            }
-        }
-        self.marked = self.marked.wrapping_add(u32::from(functions));
-        self.tidy();
-        functions
+        gate != 0 && self.gates.push(gate).is_ok()
     }
 
     /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait there.
@@ -147,27 +125,29 @@ impl Functions {
         distance: Distance,
         queue: &mut Producer<'_, Event, EVENTS>,
     ) -> bool {
-        if self.assign(number) {
-            self.pass(distance, queue);
-        }
+        self.place(number, distance, queue);
         self.last != 0
     }
 
-    /// The next marked element begins at `distance`: its functions into the queue, which has room for them.
-    pub fn pass(&mut self, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) {
-        let here = Some(self.passed);
-        for entry in self.entries.iter().filter(|entry| entry.at == here) {
-            let Entry { n, function, ticket, .. } = *entry;
-            let _ = queue.push(Event { distance, n, function, ticket });
+    /// Gives functions their place, and gates to `last`.
+    fn place(&mut self, due: u32, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) {
+        for entry in &mut self.entries {
+            if !entry.placed && reaches(due, entry.out) {
+                entry.placed = true;
+                let Entry { n, function, ticket, .. } = *entry;
+                let _ = queue.push(Event { distance, n, function, ticket });
+            }
+            if entry.placed && !entry.gated && reaches(due, entry.gate) {
+                entry.gated = true;
+                self.last |= entry.ticket.bit();
+            }
         }
-        self.passed = self.passed.wrapping_add(1);
         self.tidy();
     }
 
     /// What is in the queue stays as long as its gate is still to come.
     fn tidy(&mut self) {
-        let passed = self.passed;
-        self.entries.retain(|entry| entry.at.is_none_or(|at| reaches(at, passed)) || !entry.gated);
+        self.entries.retain(|entry| !entry.placed || !entry.gated);
     }
 
     /// These acknowledgements have come; calls `open` with the number of every gate in the look-ahead that is open now, counted
@@ -202,6 +182,6 @@ impl Functions {
         control.acknowledgements().clear();
         self.entries.clear();
         self.gates.clear();
-        (self.last, self.passed) = (0, self.marked);
+        self.last = 0;
     }
 }

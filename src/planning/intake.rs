@@ -9,7 +9,7 @@ use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
-use crate::queue::{Function, Layer};
+use crate::queue::{EVENTS, Event, Producer, Function, Layer};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +50,7 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,
+    events: &'a mut Producer<'q, Event, EVENTS>,
     entered: &'a mut [Position; AXES],
 }
 
@@ -69,11 +70,12 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         due: u32,
         long: bool,
     ) {
+        let gate = self.functions.before(due, self.segments.end(), self.events);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
         element.shape.end(&base, self.entered);
-        self.lookahead.before(self.functions.before(due));
+        self.lookahead.before(gate);
         self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, long);
         self.dynamics.settle();
         if pass.stop {
@@ -242,7 +244,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
         let Self { lookahead, functions, dynamics, entered, held, queue, .. } = self;
-        (Entrance { lookahead, functions, dynamics, segments: &mut queue.segments, entered }, held)
+        let (segments, events) = (&mut queue.segments, &mut queue.events);
+        (Entrance { lookahead, functions, dynamics, segments, events, entered }, held)
     }
 
     /// Takes over an element from contour mode.

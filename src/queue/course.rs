@@ -266,7 +266,8 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let segment = unsafe { &mut *slot.get() };
         segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.start, segment.n, segment.block) = (*base, Distance::from_bits(start), n, block);
+        (segment.base, segment.start, segment.n, segment.block) =
+            (*base, Distance::from_bits(start), n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());

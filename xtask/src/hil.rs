@@ -24,11 +24,7 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    firmware.build(
-        TESTS,
-        &[COUNTED, &["--bin", "interrupt"], features].concat(),
-        &[],
-    )?;
+    firmware.build(TESTS, &[COUNTED, &["--bin", "interrupt"], features].concat(), &[])?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
     let runs = measure(&firmware, &host)?;
