@@ -31,6 +31,9 @@ const KEEPS_UP: usize = 1_000_000;
 /// A planner that is called so many ticks before a plan begins to differ is not late.
 const AHEAD: usize = 8;
 
+/// A law ends between two ticks, and the tick that shows its end comes from the planner: 1 µm, LSB 2^-44 mm.
+const NEAR_REST: i64 = 1 << 34;
+
 /// Ticks within which the motion goes on once the planner is called again.
 const REACTION: usize = 8;
 
@@ -213,7 +216,8 @@ impl Track {
         let (s, rests) = (&run.distances, self.rests());
         let mut stands: Vec<Range<usize>> = Vec::new();
         for tick in 1..s.len() {
-            if s[tick] != s[tick - 1] || rests.contains(&s[tick]) {
+            let planned = rests.iter().any(|rest| (s[tick] - rest).abs() < NEAR_REST);
+            if s[tick] != s[tick - 1] || planned {
                 continue;
             }
             match stands.last_mut() {

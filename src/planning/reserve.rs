@@ -15,7 +15,7 @@
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
 use super::flight::Flight;
 use super::hold::{Mode, NOTHING};
-use super::{Brake, Distance, Emitter, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Ticks ahead of the interrupt at which a new one is made.
 const NEAR: u32 = 32;
@@ -32,6 +32,8 @@ struct Way {
     /// Path distance where it stands.
     stands: i64,
     side: usize,
+    /// There it would stand anyway.
+    as_planned: bool,
 }
 
 /// What is put aside while such a way is made.
@@ -57,6 +59,8 @@ pub(super) struct Reserve {
     next: usize,
     distance: Distance,
     side: usize,
+    /// The law with the emitter is all of it so far.
+    as_planned: bool,
     /// There was no room for the one that begins there.
     failed: Option<u32>,
     /// Path distance of the standstill, where spans up to there are still to be handed on.
@@ -71,6 +75,7 @@ impl Reserve {
             next: 0,
             distance: Distance::ZERO,
             side: 0,
+            as_planned: false,
             failed: None,
             behind: None,
         }
@@ -134,19 +139,40 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
         (self.reserve.next, self.reserve.distance, self.reserve.side) = (0, self.handed, side);
         self.mode = mode.stop();
-        if !self.emitter.is_done()
-            && let Some(motion) = self.motion_at(end)
-            && let k = self.span_at(motion.distance)
-            && let Some(flight) = self.touch(k)
-        {
-            let (to, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits());
-            let limits = flight.span.braking();
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, to, v_out, limits, 0) {
-                self.emitter.resume_at(0);
-                self.brake(k, &brake);
-            }
+        self.reserve.as_planned = false;
+        if self.emitter.has_piece() {
+            self.slow_down();
         }
         Work::Working
+    }
+
+    /// From within the law with the emitter.
+    fn slow_down(&mut self) {
+        let before = self.emitter;
+        let mut phase = Phase::BLANK;
+        self.emitter.step(&mut phase);
+        let motion = Instant {
+            distance: phase.distance.to_bits(),
+            speed: phase.speed.to_bits(),
+            accel: 2 * phase.half_accel.to_bits(),
+        };
+        let k = self.span_at(motion.distance);
+        let Some(flight) = self.touch(k) else { return };
+        if motion.speed == 0 {
+            // It has not begun.
+            self.emitter.resume_at(0);
+            (self.laid, self.speed, self.mode.halting) = (k, Speed::ZERO, true);
+            return;
+        }
+        let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits());
+        let limits = flight.span.braking();
+        if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, limits, 0) {
+            self.emitter.resume_at(0);
+            self.brake(k, &brake);
+        } else {
+            self.emitter = before;
+            self.reserve.as_planned = true;
+        }
     }
 
     /// The span of the law with the emitter, which is at this path distance: one that was slowed down may have no other law yet.
@@ -220,6 +246,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The law of the next span: of one that has been handed on, or of the look-ahead.
     fn lay_next(&mut self) -> bool {
         let Some(Aside { flights, touched, .. }) = self.reserve.aside else { return false };
+        self.reserve.as_planned = false;
         if self.laid >= flights {
             if self.laid == self.flights.len() {
                 self.flights.truncate(flights);
@@ -260,7 +287,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.put_aside(rest) {
             return;
         }
-        let way = Way { at, end: self.end, stands, side: self.reserve.side };
+        let Reserve { side, as_planned, .. } = self.reserve;
+        let way = Way { at, end: self.end, stands, side, as_planned };
         self.queue.clock.release();
         if !self.queue.clock.has_left() {
             self.queue.clock.keep(at, way.side);
@@ -322,7 +350,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let laid = self.laid;
         self.flights.from(laid + 1).for_each(Flight::restore);
         self.queue.clock.go_on();
-        Work::Late
+        if way.as_planned { Work::Working } else { Work::Late }
     }
 
     /// Whether the span `k` is behind the standstill; it begins there if it is not.

@@ -1,0 +1,366 @@
+//! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out, stands on its path, goes on
+//! when the planner is called again, and loses nothing. What does not last as long as the queue is not felt.
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use host_tests::cases::random::Random;
+use host_tests::cases::{Program, machines, named};
+use host_tests::check;
+use host_tests::operate::{
+    Act, Operated, POLLS, judge, operate, operate_text, random_acts, random_setup, with_overrides,
+    with_stalls,
+};
+use host_tests::properties::permitted;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// The slopes, as `#SLOPE` names them, with their numbers in P-CHAN-00071.
+const SLOPES: [(u8, &str); 5] = [(0, "STEP"), (1, "TRAPEZ"), (2, "SIN2"), (3, "HSC"), (3, "HSC NO_OPT=0")];
+
+/// Ticks in which every queue of these programs runs out, and the motion comes to rest.
+const LONG: usize = 6000;
+
+/// Part of it at the end of which the motion stands.
+const AT_REST: usize = 600;
+
+/// Ticks in which some queues run out, and some do not.
+const SHORT: [usize; 5] = [1, 5, 20, 60, 200];
+
+/// A planner that keeps up: called until it has nothing to do.
+const KEEPS_UP: usize = 1_000_000;
+
+/// A planner that is called so many ticks before a plan begins to differ is not late.
+const AHEAD: usize = 8;
+
+/// Ticks within which the motion goes on once the planner is called again.
+const REACTION: usize = 8;
+
+/// A program, what an undisturbed planner makes of it, and its path.
+struct Track {
+    name: String,
+    text: String,
+    machine: MachineData<3>,
+    limits: Vec<check::Limits>,
+    /// If the judge knows the contour.
+    program: Option<Program>,
+    plain: Operated,
+    /// So slow that its set points show the path.
+    scan: Operated,
+}
+
+/// Programs whose contour the judge knows, longer than queue and look-ahead.
+fn programs() -> Vec<Program> {
+    let mut long = Program::new("long lines", 3);
+    let mut polygon = Program::new("polygon", 3);
+    let mut arcs = Program::new("arcs", 3);
+    for k in 1..=40 {
+        let far = f64::from(k);
+        // One corner in eight is sharp.
+        let y = if k % 8 == 0 { 9.0 } else { f64::from(k % 3) * 0.2 };
+        long = long.line(&[20.0 * far, y, f64::from(k % 2) * 0.1], 12_000.0);
+        let (ends, up) = ([0.0, 15.0][k as usize % 2], f64::from(k) * 6.0);
+        arcs = arcs.line(&[ends, up - 6.0, 0.0], 8000.0 + 100.0 * far);
+        arcs = arcs.arc(&[ends, up, 0.0], [0.0, 3.0], k % 2 == 0, 8000.0 + 100.0 * far);
+    }
+    for k in 1..=200 {
+        let turn = f64::from(k) * 0.15;
+        let feed = [9000.0, 4000.0, 6000.0][k as usize / 7 % 3];
+        polygon = polygon.line(&[12.0 * turn.sin() + 0.3 * f64::from(k), 12.0 - 12.0 * turn.cos()], feed);
+    }
+    vec![long, polygon, arcs, named::wave(500, 0.05, 3000.0)]
+}
+
+/// The same with contour mode, functions, dwell and exact stops.
+fn texts() -> Vec<(&'static str, String)> {
+    let polygon = |mode: &str| {
+        let mut text = format!("#CONTOUR MODE [{mode}]\nG01 X1 G261 F9000\n");
+        for k in 1..120 {
+            let y = [0.0, 1.5, 0.3, 2.4, 0.9][k % 5];
+            text += &format!("N{} X{} Y{y}\n", 10 * k, 1 + 3 * k);
+        }
+        text + "G260 X400\nM30\n"
+    };
+    let mut stops = String::from("H1\n");
+    for k in 1..60 {
+        stops += &format!("N{} G01 X{} Y{} F9000", 10 * k, 5 * k, k % 3);
+        stops += match k % 6 {
+            1 => "\nM7\n",
+            2 => "\nG04 X0.12\nM8\n",
+            3 => " M9 H4\n",
+            4 => " G60\n",
+            _ => "\n",
+        };
+    }
+    vec![
+        ("polygon, DEV", polygon("DEV PATH_DEV=0.05")),
+        ("polygon, DIST_SOFT", polygon("DIST_SOFT PATH_DIST=0.6")),
+        ("polygon, PTP", polygon("PTP PATH_DEV=0.05")),
+        ("stops", stops + "M30\n"),
+    ]
+}
+
+/// All of them with a slope.
+fn tracks(slope: (u8, &str)) -> Vec<Track> {
+    let mut tracks = Vec::new();
+    for mut program in programs() {
+        program.optimised = slope.1.ends_with('0');
+        tracks.push(Track::new(&program.name.clone(), slope, None, Some(program)));
+    }
+    for (name, text) in texts() {
+        let text = format!("%t\n#SLOPE [TYPE={}]\n{text}", slope.1);
+        tracks.push(Track::new(name, slope, Some(text), None));
+    }
+    tracks
+}
+
+impl Track {
+    fn new(name: &str, (slope, word): (u8, &str), text: Option<String>, program: Option<Program>) -> Self {
+        let mut machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        machine.channel.look_ahead = 30;
+        machine.channel.ptp = true;
+        let text =
+            text.or_else(|| program.as_ref().map(|program| program.text(&machine))).expect("one of both");
+        let limits = machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+        let go = |acts: &[(usize, Act)]| {
+            operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, acts, KEEPS_UP)
+                .unwrap_or_else(|fault| panic!("{name}, {word}: {fault}\n{text}"))
+        };
+        let (plain, scan) = (go(&[]), go(&[(0, Act::Override(50))]));
+        let track = Self { name: format!("{name}, {word}"), text, machine, limits, program, plain, scan };
+        track.verify(&track.plain).unwrap_or_else(|fault| panic!("{}: {fault}", track.name));
+        assert!(track.plain.late.is_empty());
+        track
+    }
+
+    fn ticks(&self) -> usize {
+        self.plain.distances.len()
+    }
+
+    fn run(&self, acts: &[(usize, Act)]) -> Operated {
+        operate_text::<3, 120>(&self.text, [Position::ZERO; 3], &self.machine, acts, KEEPS_UP)
+            .unwrap_or_else(|fault| panic!("{}, {acts:?}: {fault}", self.name))
+    }
+
+    /// Limits, path, order, end and functions.
+    fn verify(&self, run: &Operated) -> Result<(), String> {
+        check::limits(&run.trace, &self.limits)?;
+        if let Some(program) = &self.program {
+            judge(program, &self.machine, run)?;
+        }
+        if let Some(tick) = run.distances.windows(2).position(|w| w[1] < w[0]) {
+            return Err(format!("goes back at tick {tick}"));
+        }
+        for tick in 0..run.distances.len() {
+            self.on_path(run, tick)?;
+        }
+        let last = |of: &Operated| {
+            (of.distances.last().copied(), of.trace.row(of.trace.len() - 1).collect::<Vec<_>>())
+        };
+        if last(run) != last(&self.plain) {
+            return Err(format!("ends at {:?}, not at {:?}", last(run), last(&self.plain)));
+        }
+        self.functions(run)
+    }
+
+    /// The set point of a path distance is between those of the scan on both sides, no further off than these are apart.
+    fn on_path(&self, run: &Operated, tick: usize) -> Result<(), String> {
+        let (at, seen) = (run.distances[tick], run.trace.mm(tick));
+        let scan = &self.scan;
+        let next = scan.distances.partition_point(|s| *s < at).min(scan.distances.len() - 1);
+        let [from, to] = [scan.distances[next.saturating_sub(1)], scan.distances[next]];
+        let part = if to > from { (at - from) as f64 / (to - from) as f64 } else { 1.0 };
+        let [a, b] = [scan.trace.mm(next.saturating_sub(1)), scan.trace.mm(next)];
+        let distance =
+            |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum::<f64>().sqrt();
+        let expected: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + (b - a) * part).collect();
+        let (off, apart) = (distance(&seen, &expected), (to - from) as f64 / 2.0_f64.powi(44));
+        if off > apart + 1e-6 {
+            return Err(format!("tick {tick}: {seen:?} is {off} mm off, {apart} at most"));
+        }
+        Ok(())
+    }
+
+    /// The same ones in the same order, each at its place.
+    fn functions(&self, run: &Operated) -> Result<(), String> {
+        let all = |of: &Operated| of.outputs.iter().map(|(_, o)| (o.n, o.function)).collect::<Vec<_>>();
+        if all(run) != all(&self.plain) {
+            return Err(format!("{:?} instead of {:?}", all(run), all(&self.plain)));
+        }
+        for ((tick, output), (plain, _)) in run.outputs.iter().zip(&self.plain.outputs) {
+            let [seen, expected] = [places(run, *tick), places(&self.plain, *plain)];
+            if seen.start.max(expected.start) >= seen.end.min(expected.end) {
+                return Err(format!("tick {tick}: {output:?} in {seen:?}, not in {expected:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Path distances at which the undisturbed motion rests, the end too.
+    fn rests(&self) -> Vec<i64> {
+        let s = &self.plain.distances;
+        let rests = s.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]);
+        rests.chain([0]).chain(s.last().copied()).collect()
+    }
+
+    /// The first tick at which a run is another than the undisturbed one.
+    fn differs(&self, run: &Operated) -> Option<usize> {
+        let rows = self.ticks().max(run.trace.len());
+        let row = |of: &Operated, tick: usize| of.trace.row(tick.min(of.trace.len() - 1)).collect::<Vec<_>>();
+        (0..rows).find(|&tick| row(run, tick) != row(&self.plain, tick))
+    }
+
+    /// Standstills that nobody has planned: their ticks.
+    fn stands(&self, run: &Operated) -> Vec<Range<usize>> {
+        let (s, rests) = (&run.distances, self.rests());
+        let mut stands: Vec<Range<usize>> = Vec::new();
+        for tick in 1..s.len() {
+            if s[tick] != s[tick - 1] || rests.contains(&s[tick]) {
+                continue;
+            }
+            match stands.last_mut() {
+                Some(last) if last.end == tick => last.end += 1,
+                _ => stands.push(tick..tick + 1),
+            }
+        }
+        stands
+    }
+
+    /// What has to be true of a run with a stall of so many ticks from tick `at` on.
+    fn stalled(&self, run: &Operated, at: usize, ticks: usize) -> Result<(), String> {
+        self.verify(run)?;
+        let again = at + ticks;
+        let stands = self.stands(run);
+        let said = &run.late;
+        if stands.len() > 1 || said.len() > 1 || (self.differs(run).is_none() && !said.is_empty()) {
+            return Err(format!("says that it stands: stands at {stands:?}, says so at {said:?}"));
+        }
+        if let Some(stand) = stands.first() {
+            if said.len() != 1 || !(again..=stand.end.max(again)).contains(&said[0]) {
+                return Err(format!("says that it stands: stands at {stand:?}, says so at {said:?}"));
+            }
+            if stand.end > again.max(stand.start) + REACTION {
+                return Err(format!("goes on: stands at {stand:?}, with a planner from {again} on"));
+            }
+        }
+        Ok(())
+    }
+
+    /// A stall in which the queue runs out, and shorter ones from the same tick on. Whether it was felt.
+    fn at(&self, at: usize, short: &[usize], faults: &mut Faults) -> bool {
+        let long = self.run(&[(at, Act::Stall(LONG))]);
+        let felt = self.differs(&long);
+        let end = &long.distances[at + LONG - AT_REST..at + LONG];
+        if end.iter().any(|s| *s != end[0]) {
+            faults.add(self, at, LONG, "stands: moves all of the time");
+        }
+        if let Err(fault) = self.stalled(&long, at, LONG) {
+            faults.add(self, at, LONG, &fault);
+        }
+        for &ticks in short {
+            let run = self.run(&[(at, Act::Stall(ticks))]);
+            if let Err(fault) = self.stalled(&run, at, ticks) {
+                faults.add(self, at, ticks, &fault);
+            }
+            if felt.is_none_or(|felt| at + ticks + AHEAD <= felt)
+                && let Some(seen) = self.differs(&run)
+            {
+                faults.add(self, at, ticks, &format!("not felt: at {seen}, a long one at {felt:?}"));
+            }
+        }
+        felt.is_some()
+    }
+}
+
+/// What went wrong, by kind: how often, and the first of them.
+#[derive(Default)]
+struct Faults(BTreeMap<String, (usize, String)>);
+
+impl Faults {
+    fn add(&mut self, track: &Track, at: usize, ticks: usize, fault: &str) {
+        let long = if ticks >= LONG { "long" } else { "short" };
+        let kind = fault.split(':').take(2).collect::<Vec<_>>().join(":");
+        let kind = kind.split(|c: char| c.is_ascii_digit()).next().unwrap_or("").to_owned();
+        let kind = format!("{}, {long}: {kind}", track.name);
+        let first = format!("tick {at}, stall of {ticks}: {fault}");
+        self.0.entry(kind).or_insert((0, first)).0 += 1;
+    }
+
+    fn none(&self, tried: usize) {
+        let list = self.0.iter().map(|(kind, (count, first))| format!("{count} {kind} ({first})\n"));
+        let list: String = list.collect();
+        assert!(list.is_empty(), "of {tried} stalls\n{list}");
+    }
+}
+
+/// Path distances of which a tick passes or reaches the last one.
+fn places(run: &Operated, tick: usize) -> Range<i64> {
+    let at = run.distances[tick];
+    let before = tick.checked_sub(1).map_or(-1, |before| run.distances[before]);
+    before.min(at - 1) + 1..at + 1
+}
+
+/// Ticks at which a program is stalled.
+const TICKS: usize = 12;
+
+fn all(slope: usize) {
+    let mut faults = Faults::default();
+    let (mut tried, mut random) = (0, Random::new(slope as u64));
+    for track in tracks(SLOPES[slope]) {
+        let mut felt = 0;
+        for k in 0..TICKS {
+            let at = (track.ticks() as f64 * (k as f64 + random.unit()) / TICKS as f64) as usize;
+            felt += usize::from(track.at(at, &SHORT, &mut faults));
+            tried += 1 + SHORT.len();
+        }
+        assert!(felt >= TICKS / 3, "{}: {felt} of {TICKS}", track.name);
+        println!("{}: {} ticks, {felt} of {TICKS} felt", track.name, track.ticks());
+    }
+    faults.none(tried);
+}
+
+/// What an operator does about a stall of so many ticks from tick `at` on, and whether nothing of it makes the motion stand.
+fn operations(at: usize, ticks: usize) -> Vec<(Vec<(usize, Act)>, bool)> {
+    use Act::{Hold, Override, Resume};
+    let (before, stall, behind) = (at - 100, (at, Act::Stall(ticks)), at + ticks + 100);
+    let last = behind + 300;
+    vec![
+        (vec![(before, Override(600)), stall, (behind, Override(1000))], true),
+        (vec![(before, Override(1500)), stall, (behind, Override(700)), (last, Override(1000))], true),
+        (vec![(before, Override(600)), (before + 50, Override(1000)), stall, (behind, Override(900))], true),
+        (vec![stall, (at + ticks / 2, Override(500)), (behind, Override(1000))], true),
+        (vec![(before, Hold), stall, (behind, Resume)], false),
+        (vec![(before, Hold), (before + 60, Resume), stall, (behind, Hold), (last, Resume)], false),
+        (vec![stall, (at + ticks / 2, Hold), (behind, Resume)], false),
+        (vec![stall, (behind, Hold), (last, Resume)], false),
+    ]
+}
+
+/// With hold, resume and override some 100 ticks before and behind it, and meanwhile.
+#[test]
+fn zz() {
+    for slope in SLOPES {
+        let mut program = Program::new("track", 3)
+            .line(&[6.0, 0.0, 0.0], 9000.0)
+            .line(&[12.0, 0.4, 0.0], 9000.0)
+            .arc(&[12.4, 6.4, 0.0], [0.2, 3.0], false, 6000.0);
+        for k in 1..=60 {
+            let x = 12.4 - 0.25 * f64::from(k);
+            program = program.line(&[x, 6.4 + 0.001 * f64::from(k * k), 0.0], 9000.0);
+        }
+        program = program.stop().line(&[0.0, 0.0, 0.0], 12_000.0);
+        program.optimised = slope.1.ends_with('0');
+        let mut track = Track::new("track", slope, None, Some(program));
+        track.machine.channel.look_ahead = 10;
+        track.plain = track.run(&[]);
+        for (name, at) in [("TRAPEZ", 3353), ("TRAPEZ", 3409), ("STEP", 525)] {
+            if slope.1 != name { continue; }
+            let run = track.run(&[(at, Act::Stall(LONG))]);
+            println!("{} {at}: {:?} late {:?} stands {:?} differs {:?}", slope.1, track.stalled(&run, at, LONG), run.late, track.stands(&run), track.differs(&run));
+            let s = &run.distances;
+            let mut from = 1;
+            for t in 1..s.len() { if s[t] != s[t-1] { if t - from > 1 { println!("   rest {from}..{t} at {}", s[t-1]); } from = t+1; } }
+            println!("   plain rests {:?}", track.rests());
+            if at==3353 { for t in (4055..4068).chain(9350..9360) { println!("   {t} {} {:?}", s[t], run.trace.row(t).collect::<Vec<_>>()); } }
+            if at==999999 { println!("   end {:?}", track.program.as_ref().unwrap().end_points());}
+        }
+    }
+}
