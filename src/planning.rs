@@ -86,9 +86,11 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     speed: Speed,
     /// Ticks of rest that belong behind it.
     owed: u64,
-    /// Instant up to which pieces are in the queue, and the one since which blocks are taken in.
+    /// Instant up to which pieces are in the queue.
     end: u32,
-    since: u32,
+    /// In how many ticks the queue was found low since blocks are taken in, and the last one.
+    low: u32,
+    seen: u32,
     mode: Mode,
     /// The operator's commands as they were seen last, and what they make of the speed.
     word: u32,
@@ -150,7 +152,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             speed: Speed::ZERO,
             owed: 0,
             end: 0,
-            since: 0,
+            seen: 0,
+            low: 0,
             mode: Mode::RUN,
             word: Control::NORMAL,
             pace: Pace::new(machine.channel.override_weight_prog_feed),
@@ -249,7 +252,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                     return Ok(Work::Working);
                 }
                 self.stage = Stage::Filling;
-                self.since = self.queue.clock.now();
+                (self.seen, self.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
             Stage::Releasing(_) if self.reopened && !self.queue.segments.is_over() => Ok(self.plan_anew()),

@@ -6,7 +6,7 @@
 //!
 //! A planner that does not keep up hands on in the same way, before it is done with the next block: where what is in the queue ends at
 //! speed and has run low while blocks are being taken in. A planner that keeps up never comes to that: it has filled the queue before each
-//! tick.
+//! tick. (One that is not called at all is left to the way in reserve, see `reserve`.)
 //!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the text comes.
 use super::{Planning, RESERVE, Speed, Work, clock};
@@ -22,20 +22,24 @@ const DRY: u32 = 256;
 const FEW: u32 = 10;
 const _: () = assert!(FEW < SEGMENTS as u32 - MOST && FEW < PHASES as u32 - 2 * RESERVE);
 
-/// Ticks within which a planner that keeps up has filled the queue again.
+/// Ticks within which a planner that is called in each of them, and keeps up, has filled the queue again.
 const SOON: u32 = 2;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being taken in.
-    pub(super) fn runs_dry(&self) -> bool {
+    pub(super) fn runs_dry(&mut self) -> bool {
         if self.speed == Speed::ZERO || self.lookahead.is_empty() {
             return false;
         }
         let now = self.queue.clock.now();
-        self.end.wrapping_sub(now) <= clock::TICK * DRY
-            && now.wrapping_sub(self.since) >= clock::TICK * SOON
+        let low = self.end.wrapping_sub(now) <= clock::TICK * DRY
             && self.queue.phases.len() <= FEW
-            && self.queue.segments.len() <= FEW
+            && self.queue.segments.len() <= FEW;
+        // Ticks in which it was not called say nothing about those to come.
+        if low && now != self.seen {
+            (self.seen, self.low) = (now, self.low + 1);
+        }
+        low && self.low >= SOON
     }
 
     /// Goes on without a next block. Only after [`Work::Hungry`]. [`Work::Starved`] once for each standstill.

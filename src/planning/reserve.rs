@@ -125,7 +125,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Begins to make one.
     #[inline(never)]
     pub(super) fn begin_reserve(&mut self) -> Work {
-        if self.stage == Stage::Passing || self.owed > 0 || self.reserve.behind.is_some() {
+        if self.stage == Stage::Passing || self.reserve.behind.is_some() {
             return Work::Waiting;
         }
         let side = self.reserve.kept.map_or(0, |way| 1 - way.side);
