@@ -62,7 +62,9 @@ struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
 unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
 impl<const AXES: usize> Place<AXES> {
-    const BLANK: Self = Self(UnsafeCell::new(Segment::BLANK));
+    const fn blank() -> Self {
+        Self(UnsafeCell::new(Segment::BLANK))
+    }
 }
 
 /// The index `by` further in a ring of `len`.
@@ -167,7 +169,10 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
     /// No curve.
     pub const fn new() -> Self {
         Self {
-            slots: Both { front: [const { Place::BLANK }; BLOCKS], back: [const { Place::BLANK }; SEGMENTS] },
+            slots: Both {
+                front: [const { Place::blank() }; BLOCKS],
+                back: [const { Place::blank() }; SEGMENTS],
+            },
             starts: Both {
                 front: [const { Start::zero() }; BLOCKS],
                 back: [const { Start::zero() }; STARTS],
