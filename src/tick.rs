@@ -48,8 +48,8 @@ pub struct Interpolator<'a, const AXES: usize> {
     phase: Phase,
     /// Ticks of the piece evaluated.
     done: u16,
-    /// It stops, or stands, with the pieces of this ring.
-    side: Option<usize>,
+    /// It stops, or stands, without the planner.
+    stops: bool,
     distance: Distance,
     set_points: [Position; AXES],
 }
@@ -58,7 +58,14 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
     /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
-        Self { queue, phase: Phase::BLANK, done: 0, side: None, distance: Distance::ZERO, set_points: start }
+        Self {
+            queue,
+            phase: Phase::BLANK,
+            done: 0,
+            stops: false,
+            distance: Distance::ZERO,
+            set_points: start,
+        }
     }
 
     /// Computes the next set point. Instructions on a Cortex-M4F: see `docs/figures.md`.
@@ -66,18 +73,20 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         let instant = self.queue.clock.own();
         if let Some(number) = self.queue.clock.cut(instant) {
             // On its way to a standstill it has left them for good.
-            if self.side.is_none() {
+            if !self.stops {
                 self.queue.phases.jump(number);
                 self.done = u16::MAX;
             }
         }
         if self.done >= self.phase.ticks {
             if self.queue.clock.is_end(instant) {
-                self.side = Some(self.queue.clock.leave());
+                self.queue.reserve.begin(self.queue.clock.leave());
+                self.stops = true;
             }
-            let more = match self.side {
-                None => self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0),
-                Some(side) => self.stop(side),
+            let more = if self.stops {
+                self.stop()
+            } else {
+                self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0)
             };
             if !more {
                 return State::Idle;
@@ -97,12 +106,11 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
 
     /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
     #[inline(never)]
-    fn stop(&mut self, side: usize) -> bool {
+    fn stop(&mut self) -> bool {
         if self.queue.clock.has_left() {
-            let ring = self.queue.reserves.get_mut(side);
-            return ring.is_some_and(|ring| ring.pop_into(&mut self.phase, |_| true));
+            return self.queue.reserve.take_into(&mut self.phase);
         }
-        self.side = None;
+        self.stops = false;
         self.queue.phases.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 

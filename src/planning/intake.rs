@@ -9,7 +9,7 @@ use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
-use crate::queue::{EVENTS, Event, Producer, Function, Layer};
+use crate::queue::{EVENTS, Event, Function, Layer, Producer};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! A way to a standstill in reserve, for a planner that gets no time.
 //!
-//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready, in rings of its own, and
+//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready and
 //! tells the interrupt to go on with it there ([`clock`]). As long as it is called it moves that reserve on before the
 //! interrupt comes there: then nothing of it is ever seen. If it is not, the motion slows down by itself, with the limits of every block
 //! it comes through, and stands. The planner, when it is called again, takes back what is in the queue and goes on from there.
@@ -31,7 +31,6 @@ struct Way {
     end: u32,
     /// Path distance where it stands.
     stands: i64,
-    side: usize,
     /// There it would stand anyway.
     as_planned: bool,
 }
@@ -58,7 +57,6 @@ pub(super) struct Reserve {
     /// Of the way being made: the next block of the look-ahead, and its path distance.
     next: usize,
     distance: Distance,
-    side: usize,
     /// The law with the emitter is all of it so far.
     as_planned: bool,
     /// There was no room for the one that begins there.
@@ -74,7 +72,6 @@ impl Reserve {
             aside: None,
             next: 0,
             distance: Distance::ZERO,
-            side: 0,
             as_planned: false,
             failed: None,
             behind: None,
@@ -128,16 +125,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.stage == Stage::Passing || self.reserve.behind.is_some() {
             return Work::Waiting;
         }
-        let side = self.reserve.kept.map_or(0, |way| 1 - way.side);
-        if let Some(ring) = self.queue.reserves.get_mut(side) {
-            let taken = ring.taken();
-            ring.withdraw(taken);
-        }
+        self.queue.reserve.begin();
         let Self { emitter, laid, speed, owed, end, stops, mode, .. } = *self;
         let flights = self.flights.len();
         self.reserve.aside =
             Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
-        (self.reserve.next, self.reserve.distance, self.reserve.side) = (0, self.handed, side);
+        (self.reserve.next, self.reserve.distance) = (0, self.handed);
         self.mode = mode.stop();
         self.reserve.as_planned = false;
         if self.emitter.has_piece() {
@@ -228,12 +221,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A piece into the ring.
+    /// A piece of it.
     fn put_aside(&mut self, phase: Phase) -> bool {
-        let side = self.reserve.side;
         self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
-        let put = self.queue.reserves.get_mut(side).is_some_and(|ring| ring.push(phase).is_ok());
-        put || self.fail()
+        self.queue.reserve.push(phase) || self.fail()
     }
 
     /// There is no room for it. The one before would be in the way of what is in the queue behind it.
@@ -284,15 +275,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(flight) = self.flights.get(k) else { return };
         let stands = if self.mode.halting { flight.start.to_bits() } else { flight.end() };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
-        if !self.put_aside(rest) {
+        if !self.put_aside(rest) || !self.put_aside(Phase::BLANK) {
             return;
         }
-        let Reserve { side, as_planned, .. } = self.reserve;
-        let way = Way { at, end: self.end, stands, side, as_planned };
-        self.queue.clock.release();
-        if !self.queue.clock.has_left() {
-            self.queue.clock.keep(at, way.side);
-            self.reserve.kept = Some(way);
+        if self.drop_reserve() {
+            let as_planned = self.reserve.as_planned;
+            self.queue.clock.keep(at, self.queue.reserve.commit());
+            self.reserve.kept = Some(Way { at, end: self.end, stands, as_planned });
         }
     }
 
@@ -316,6 +305,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.queue.clock.has_left() {
             return false;
         }
+        self.queue.reserve.clear();
         self.reserve.kept = None;
         self.reserve.failed = None;
         true
@@ -334,6 +324,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.clock.withdraw();
         let void = self.queue.phases.taken();
         self.queue.phases.withdraw(void);
+        self.queue.reserve.clear();
         self.reserve.kept = None;
         self.reserve.failed = None;
         self.reserve.behind = Some(way.stands);

@@ -18,8 +18,8 @@
 //!
 //! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
 //! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
-//! needs to do nothing for the motion to slow down. The pieces of that way have two rings of their own: one is written while the
-//! other one is in force. Once there, the interrupt stays with them until the planner lets it go on.
+//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own ([`super::reserve`]). Once there,
+//! the interrupt stays with them until the planner lets it go on.
 //!
 //! An instant is twice the number of ticks of motion passed since the split, modulo 2^32: even, so that an odd one is never.
 use core::sync::atomic::{AtomicU32, Ordering, fence};
@@ -37,17 +37,17 @@ pub struct Clock {
     at: AtomicU32,
     /// The number of the piece that follows then.
     to: AtomicU32,
-    /// The instant of the reserve, and which of its rings.
+    /// The instant of the reserve, and its first piece.
     end: AtomicU32,
-    side: AtomicU32,
+    first: AtomicU32,
     /// Set by the interrupt when it has come there, cleared by the planner.
     left: AtomicU32,
 }
 
 impl Clock {
     pub(super) const fn new() -> Self {
-        let [now, to, side, left] = [const { AtomicU32::new(0) }; 4];
-        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), side, left }
+        let [now, to, first, left] = [const { AtomicU32::new(0) }; 4];
+        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), first, left }
     }
 
     /// Ticks of motion passed. For the interrupt.
@@ -78,10 +78,11 @@ impl Clock {
         self.end.load(Ordering::Relaxed) == instant
     }
 
-    /// It does: which ring it goes on with. For the interrupt.
-    pub fn leave(&self) -> usize {
+    /// It does: the piece it goes on with. For the interrupt.
+    pub fn leave(&self) -> u32 {
+        fence(Ordering::Acquire);
         self.left.store(1, Ordering::Release);
-        self.side.load(Ordering::Acquire) as usize
+        self.first.load(Ordering::Relaxed)
     }
 
     /// Whether the interrupt has gone on with the reserve.
@@ -95,9 +96,9 @@ impl Clock {
         self.left.store(0, Ordering::Release);
     }
 
-    /// The reserve in the ring `side` holds at `instant`. For the planner, while there is none.
-    pub fn keep(&self, instant: u32, side: usize) {
-        self.side.store(side as u32, Ordering::Relaxed);
+    /// The reserve that begins with the piece `first` holds at `instant`. For the planner, while there is none.
+    pub fn keep(&self, instant: u32, first: u32) {
+        self.first.store(first, Ordering::Relaxed);
         self.end.store(instant, Ordering::Release);
     }
 

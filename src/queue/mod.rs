@@ -3,10 +3,12 @@
 //! of time that moves along it.
 pub mod clock;
 mod course;
+mod reserve;
 mod ring;
 
 pub use clock::Clock;
 pub use course::{Course, Follower, Layer, MOST};
+pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
 pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::control::{Control, Ticket};
@@ -19,9 +21,6 @@ use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
 pub const PHASES: usize = 64;
-
-/// Pieces of time of a way to a standstill that is kept in reserve.
-pub const RESERVE: usize = 128;
 
 /// Events handed over.
 pub const EVENTS: usize = 32;
@@ -141,7 +140,7 @@ impl Phase {
 pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     segments: Course<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
-    reserves: [Ring<Phase, RESERVE>; 2],
+    reserve: Reserve,
     events: Ring<Event, EVENTS>,
     control: Control,
     clock: Clock,
@@ -154,7 +153,7 @@ pub struct Sender<'a, const AXES: usize> {
     /// Pieces of time.
     pub phases: Producer<'a, Phase, PHASES>,
     /// Those of the way to a standstill: see [`Clock`].
-    pub reserves: [Producer<'a, Phase, RESERVE>; 2],
+    pub reserve: Keeper<'a>,
     /// Events.
     pub events: Producer<'a, Event, EVENTS>,
     /// Commands of the operator.
@@ -170,7 +169,7 @@ pub struct Receiver<'a, const AXES: usize> {
     /// Pieces of time.
     pub phases: Consumer<'a, Phase, PHASES>,
     /// Those of the way to a standstill: see [`Clock`].
-    pub reserves: [Consumer<'a, Phase, RESERVE>; 2],
+    pub reserve: Taker<'a>,
     /// Events.
     pub events: Consumer<'a, Event, EVENTS>,
     /// Commands of the operator.
@@ -185,7 +184,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         Self {
             segments: Course::new(),
             phases: Ring::new(),
-            reserves: [const { Ring::new() }; 2],
+            reserve: Reserve::new(),
             events: Ring::new(),
             control: Control::new(),
             clock: Clock::new(),
@@ -196,8 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>) {
         let (to_segments, segments) = self.segments.split();
         let (to_phases, phases) = self.phases.split();
-        let [(to_this, this), (to_that, that)] = self.reserves.each_mut().map(Ring::split);
-        let (to_reserves, reserves) = ([to_this, to_that], [this, that]);
+        let (to_reserve, reserve) = self.reserve.split();
         let (to_events, events) = self.events.split();
         self.control = Control::new();
         self.clock = Clock::new();
@@ -206,12 +204,12 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
             Sender {
                 segments: to_segments,
                 phases: to_phases,
-                reserves: to_reserves,
+                reserve: to_reserve,
                 events: to_events,
                 control,
                 clock,
             },
-            Receiver { segments, phases, reserves, events, control, clock },
+            Receiver { segments, phases, reserve, events, control, clock },
         )
     }
 }

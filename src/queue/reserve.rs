@@ -1,0 +1,110 @@
+//! The pieces of a way to a standstill that the interrupt goes on with if the planner gets no time ([`super::clock`]).
+//!
+//! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of no ticks. The interrupt
+//! reads only the way in force, and only once it has left the queue for it; from then on until it is let go nothing is written.
+#![allow(unsafe_code)]
+use super::{Phase, Slot};
+use core::cell::UnsafeCell;
+
+/// Pieces of both ways together, a power of two.
+pub const STOP_PIECES: usize = 128;
+const MASK: u32 = STOP_PIECES as u32 - 1;
+
+/// Static memory of the ways.
+pub struct Reserve {
+    pieces: [UnsafeCell<Phase>; STOP_PIECES],
+}
+
+// SAFETY: the interrupt reads pieces in force, the planner writes others; the clock says which are in force, with release and acquire.
+unsafe impl Sync for Reserve {}
+
+/// Writes ways.
+pub struct Keeper<'a> {
+    reserve: &'a Reserve,
+    /// The way in force: its first piece and how many there are.
+    first: u32,
+    count: u32,
+    /// The same of the one that is being written.
+    start: u32,
+    written: u32,
+}
+
+/// Goes along the way in force.
+pub struct Taker<'a> {
+    reserve: &'a Reserve,
+    next: u32,
+}
+
+impl Reserve {
+    /// No way.
+    pub const fn new() -> Self {
+        const { assert!(STOP_PIECES.is_power_of_two()) };
+        Self { pieces: [const { UnsafeCell::new(Phase::BLANK) }; STOP_PIECES] }
+    }
+
+    /// Both ends.
+    pub fn split(&mut self) -> (Keeper<'_>, Taker<'_>) {
+        (Keeper { reserve: self, first: 0, count: 0, start: 0, written: 0 }, Taker { reserve: self, next: 0 })
+    }
+
+    fn piece(&self, number: u32) -> *mut Phase {
+        // The mask is below the length: the optimiser removes the check.
+        self.pieces[(number & MASK) as usize].get()
+    }
+}
+
+impl Default for Reserve {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Keeper<'_> {
+    /// Begins a new way. Not while the interrupt is on the one in force.
+    pub const fn begin(&mut self) {
+        self.start = self.first.wrapping_add(self.count);
+        self.written = 0;
+    }
+
+    /// Its next piece; one of no ticks ends it. `false` if there is no room.
+    pub fn push(&mut self, piece: Phase) -> bool {
+        if self.count + self.written > MASK {
+            return false;
+        }
+        let number = self.start.wrapping_add(self.written);
+        // SAFETY: outside of the way in force: the interrupt does not look at it.
+        unsafe { *self.reserve.piece(number) = piece };
+        self.written += 1;
+        true
+    }
+
+    /// The new way takes the place of the one in force; its first piece. None is in force for the interrupt meanwhile.
+    pub const fn commit(&mut self) -> u32 {
+        (self.first, self.count, self.written) = (self.start, self.written, 0);
+        self.first
+    }
+
+    /// None is in force.
+    pub const fn clear(&mut self) {
+        self.count = 0;
+    }
+}
+
+impl Taker<'_> {
+    /// At the first piece of the way in force.
+    pub const fn begin(&mut self, first: u32) {
+        self.next = first;
+    }
+
+    /// Its next piece into `piece`; `false` at its end.
+    pub fn take_into(&mut self, piece: &mut Phase) -> bool {
+        // SAFETY: of the way in force, up to the piece that ends it; the planner leaves it alone.
+        let next = unsafe { &*self.reserve.piece(self.next) };
+        if next.ticks == 0 {
+            return false;
+        }
+        *piece = *next;
+        self.next = self.next.wrapping_add(1);
+        true
+    }
+}
