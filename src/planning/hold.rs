@@ -403,8 +403,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.mode.stopping || too_fast {
             let target = if self.mode.stopping { 0 } else { speed_bits(v) };
-            if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), target)
-            {
+            let (profile, braking) = (&mut self.profile, span.braking());
+            let brake = if self.reserve.is_made() {
+                Brake::stop(profile, &motion, end, braking)
+            } else {
+                Brake::plan(profile, &motion, end, planned, braking, target)
+            };
+            if let Some(brake) = brake {
                 self.brake(k, &brake);
                 return None;
             }

@@ -18,7 +18,7 @@ use super::hold::{Mode, NOTHING};
 use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Ticks ahead of the interrupt at which a new one is made.
-const NEAR: u32 = 32;
+const NEAR: u32 = 8;
 
 /// Spans per call.
 const SPANS: u32 = 2;
@@ -157,9 +157,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             (self.laid, self.speed, self.mode.halting) = (k, Speed::ZERO, true);
             return;
         }
-        let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits());
-        let limits = flight.span.braking();
-        if let Some(brake) = Brake::plan(&mut self.profile, &motion, end, v_out, limits, 0) {
+        if let Some(brake) = Brake::stop(&mut self.profile, &motion, flight.end(), flight.span.braking()) {
             self.emitter.resume_at(0);
             self.brake(k, &brake);
         } else {

@@ -55,6 +55,14 @@ pub struct Brake {
     pub v_out: i64,
 }
 
+/// A speed, or what comes next to it.
+#[derive(Clone, Copy)]
+struct Aim {
+    v: i64,
+    /// Where there is no room to come down to it, the nearest speed above that there is room for.
+    or_near: bool,
+}
+
 /// Over less than that (2^-44 mm) one LSB more or less shows in the jerk of the fastest law.
 pub const SHORT: i64 = 1 << 20;
 
@@ -86,7 +94,7 @@ impl Brake {
             return None;
         }
         let firm = Limits { a_down, ..*limits };
-        let brake = Self::reach(profile, motion, room, &firm, target)?;
+        let brake = Self::reach(profile, motion, room, &firm, Aim { v: target, or_near: true })?;
         if brake.v_out == 0 {
             return Some(brake);
         }
@@ -107,7 +115,7 @@ impl Brake {
         if v_out == 0 {
             return None;
         }
-        let brake = Self::reach(profile, motion, room, &firm, v_out)?;
+        let brake = Self::reach(profile, motion, room, &firm, Aim { v: v_out, or_near: true })?;
         let left = end.wrapping_sub(brake.end);
         if left == 0 {
             return (brake.v_out < v_out).then_some(brake);
@@ -115,23 +123,32 @@ impl Brake {
         (brake.v_out <= v_out).then_some(Self { tail: time_at(left, brake.v_out), end, ..brake })
     }
 
-    fn reach(
+    /// From `motion` to a standstill before `end`, if that is possible. No search: a few evaluations.
+    pub fn stop(
         profile: &mut Profile,
         motion: &Motion,
-        room: i64,
-        limits: &Limits,
-        target: i64,
+        end: i64,
+        (limits, a_down): (&Limits, f32),
     ) -> Option<Self> {
+        let room = end.wrapping_sub(motion.distance);
+        if motion.speed <= 0 || room <= 0 {
+            return None;
+        }
+        let firm = Limits { a_down, ..*limits };
+        Self::reach(profile, motion, room, &firm, Aim { v: 0, or_near: false })
+    }
+
+    fn reach(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits, aim: Aim) -> Option<Self> {
         *profile = Profile::default();
         match limits.law {
-            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), target),
+            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), aim),
             Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall], .. } => {
                 let ramp =
                     Linear { up_fall: up_fall * bend.peak_jerk(), a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
-                    ramp.go_on(profile, motion, room, target)
+                    ramp.go_on(profile, motion, room, aim)
                 } else {
-                    ramp.turn(profile, motion, room, target)
+                    ramp.turn(profile, motion, room, aim)
                 }
             }
         }
@@ -139,7 +156,7 @@ impl Brake {
 
     /// From acceleration zero, or from any that may end at once; an acceleration that has to fall first is in
     /// `profile.up`.
-    fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp, target: i64) -> Option<Self> {
+    fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp, aim: Aim) -> Option<Self> {
         let distance = motion.distance;
         let length = profile.up.length();
         let v = if length > 0 { profile.up.speeds[3] } else { motion.speed };
@@ -147,7 +164,7 @@ impl Brake {
         if rest < 0 {
             return None;
         }
-        let most = v - target;
+        let most = v - aim.v;
         if most <= 0 {
             return Some(Self {
                 from: distance,
@@ -156,12 +173,12 @@ impl Brake {
                 ..Self::default()
             });
         }
-        let dv = lost(ramp, [0, most], v, rest)?;
+        let dv = lost(ramp, [0, most], v, rest, aim)?;
         profile.down.slow_down(ramp, v, v - dv);
         let down = profile.down.length();
         if dv == most {
             let end = distance.wrapping_add(length + down);
-            return (down <= rest).then_some(Self { from: distance, end, v_out: target, ..Self::default() });
+            return (down <= rest).then_some(Self { from: distance, end, v_out: aim.v, ..Self::default() });
         }
         profile.cruise = time_at(rest.checked_sub(down).filter(|left| *left >= 0)?, v);
         Some(Self { from: distance, over: 0, tail: 0, end: distance.wrapping_add(room), v_out: v - dv })
@@ -182,16 +199,16 @@ impl Linear {
     }
 
     /// From acceleration zero or above.
-    fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, target: i64) -> Option<Brake> {
+    fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         if motion.accel > NO_ACCEL {
             let time = ticks(to_f32(motion.accel) / (self.up_fall * ACCEL_ONE));
             profile.up = Change::fall(motion.speed, motion.accel, time);
         }
-        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()), target)
+        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()), aim)
     }
 
     /// From a deceleration.
-    fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, target: i64) -> Option<Brake> {
+    fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         let decel = motion.accel.unsigned_abs();
         let bowed = self.ramp();
         let ramp = Ramp::Bowed(bowed);
@@ -206,8 +223,8 @@ impl Linear {
         if least > v {
             return None;
         }
-        let most = (v - target).max(least);
-        let dv = lost(&ramp, [least, most], v, room)?;
+        let most = (v - aim.v).max(least);
+        let dv = lost(&ramp, [least, most], v, room, aim)?;
         profile.down = Change::extended(v, v - dv, decel, over, &bowed, self.down_fall)?;
         let length = profile.down.length();
         let left = room - length;
@@ -254,7 +271,7 @@ fn released(decel: u64, j: f32) -> i64 {
 /// How much of the speed `v` can be lost within `room`: `most`, or as much as ends there. Between `least`, if
 /// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to two
 /// thirds of `v` and stays above that of `most` from there on.
-fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> {
+fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Option<i64> {
     let target = mm(room) * (1.0 - CLOSE);
     let [mut low, mut high] = [least, most].map(speed_f32);
     let fits = |dv: f32| {
@@ -267,7 +284,7 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64) -> Option<i64> 
     if fits(high) {
         return Some(most);
     }
-    if !fits(low) {
+    if !aim.or_near || !fits(low) {
         return None;
     }
     for _ in 0..STEPS {
