@@ -25,6 +25,8 @@ const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
 /// An acknowledgement came that the planner has not looked at.
 const ANSWERED: u32 = 8 << 16;
+/// The interrupt has gone on with the way in reserve.
+const LEFT: u32 = 16 << 16;
 
 /// Commands to a running channel. Shared by all who give them and the planner that follows them.
 pub struct Control {
@@ -48,7 +50,7 @@ pub struct Commands {
 
 impl Control {
     /// The commands in the word.
-    pub(crate) const COMMANDS: u32 = !ANSWERED;
+    pub(crate) const COMMANDS: u32 = !(ANSWERED | LEFT);
 
     /// The word of [`Self::new`].
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
@@ -112,6 +114,17 @@ impl Control {
         self.word.load(Ordering::Relaxed)
     }
 
+    /// Whether the interrupt stops, or stands, without the planner ([`crate::queue::Clock`]).
+    #[inline(always)]
+    pub(crate) fn has_left(&self) -> bool {
+        self.word() & LEFT != 0
+    }
+
+    /// It does; or it may go on with what is in the queue.
+    pub(crate) fn set_left(&self, left: bool) {
+        self.set(LEFT, left);
+    }
+
     /// Whether an acknowledgement is to be looked at.
     pub(crate) fn is_answered(&self) -> bool {
         self.word() & ANSWERED != 0
@@ -136,9 +149,9 @@ impl Control {
 
     fn set(&self, flag: u32, on: bool) {
         if on {
-            self.word.fetch_or(flag, Ordering::Relaxed);
+            self.word.fetch_or(flag, Ordering::Release);
         } else {
-            self.word.fetch_and(!flag, Ordering::Relaxed);
+            self.word.fetch_and(!flag, Ordering::Release);
         }
     }
 }

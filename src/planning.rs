@@ -26,7 +26,7 @@ use functions::Functions;
 use held::Held;
 use hold::Mode;
 pub use intake::MotionError;
-use reserve::Reserve;
+use reserve::{FAR, NEAR, Reserve};
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -183,15 +183,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
-        if self.reserve.is_made() || self.queue.clock.has_left() {
-            return Ok(self.look_after());
-        }
         if let Some(work) = self.attend() {
             return Ok(work);
         }
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
         if self.queue.phases.room() < PIECES + RESERVE {
-            return Ok(if self.needs_reserve() { self.begin_reserve() } else { Work::Waiting });
+            return Ok(self.wait_for_room());
         }
         if !self.emitter.is_done() && self.hand_out() {
             return Ok(Work::Working);
@@ -243,23 +240,22 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 Ok(Work::Working)
             }
             // A span of many blocks was handed on at once: what it took of the room of others comes back first.
-            Stage::Releasing(0) if self.queue.segments.is_over() => {
-                Ok(if self.needs_reserve() { self.begin_reserve() } else { Work::Waiting })
-            }
+            Stage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_for_room()),
             Stage::Releasing(0) => {
-                // While blocks are taken in and planned there is no complete plan to make it of.
-                if self.lacks_reserve() && self.begin_reserve() == Work::Working {
-                    return Ok(Work::Working);
-                }
                 self.stage = Stage::Filling;
                 (self.seen, self.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
             Stage::Releasing(_) if self.reopened && !self.queue.segments.is_over() => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
-            Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
             Stage::Filling => Ok(self.fill()),
         }
+    }
+
+    /// The queue is full: time for a way in reserve.
+    #[inline(always)]
+    fn wait_for_room(&mut self) -> Work {
+        if self.secure(NEAR) { Work::Working } else { Work::Waiting }
     }
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
@@ -273,9 +269,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         true
     }
 
-    /// There is room in the look-ahead.
+    /// Blocks are taken in, or the ring is planned if there is no room for another one.
     fn fill(&mut self) -> Work {
-        if self.runs_dry() {
+        if self.secure(FAR) {
+            return Work::Working;
+        }
+        if self.lookahead.is_full() || self.runs_dry() {
             return self.begin_pass();
         }
         if !self.contouring.is_empty() && self.round_off() {
@@ -321,7 +320,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait());
         }
         self.trim();
-        if self.needs_reserve() && self.begin_reserve() == Work::Working {
+        if self.secure(NEAR) {
             return Ok(Work::Working);
         }
         if self.queue.segments.is_sated() || self.flights.is_full() {

@@ -80,8 +80,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         }
         if self.done >= self.phase.ticks {
             if self.queue.clock.is_end(instant) {
-                self.queue.reserve.begin(self.queue.clock.leave());
-                self.stops = true;
+                self.leave();
             }
             let more = if self.stops {
                 self.stop()
@@ -104,10 +103,18 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         State::Active
     }
 
+    /// Goes on with the way to a standstill.
+    #[inline(never)]
+    fn leave(&mut self) {
+        self.queue.control.set_left(true);
+        self.queue.reserve.begin(self.queue.clock.first());
+        self.stops = true;
+    }
+
     /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
     #[inline(never)]
     fn stop(&mut self) -> bool {
-        if self.queue.clock.has_left() {
+        if self.queue.control.has_left() {
             return self.queue.reserve.take_into(&mut self.phase);
         }
         self.stops = false;

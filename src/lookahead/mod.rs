@@ -449,12 +449,12 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// The span that begins `at` blocks behind the front, as it is planned now; `false` if there is none. Where the plan is
-    /// complete.
+    /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there is none. Not while the plan
+    /// is at work.
     pub fn planned(&self, at: usize, release: &mut Release) -> bool {
         release.level = self.level;
         release.v_reduced = self.slowest.least;
-        Self::span_of(self.blocks.iter().skip(at), release).is_some()
+        Self::span_of(self.blocks.iter().take(self.end).skip(at), release).is_some()
     }
 
     /// The span at the front of these blocks; what the ring has for all of them is left open.

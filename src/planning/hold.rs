@@ -68,7 +68,7 @@ impl Mode {
 
     /// A way to a standstill is made behind the law with the emitter, whatever the commands are.
     pub const fn stop(self) -> Self {
-        Self { stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
+        Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
 }
 
@@ -82,6 +82,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     #[inline(never)]
     fn follow(&mut self, word: u32) -> Option<Work> {
+        if self.reserve.is_made() || self.queue.control.has_left() {
+            return Some(self.look_after());
+        }
         let commands = Commands::of(word);
         // An acknowledgement to be looked at makes every word a new one.
         let word = word & Control::COMMANDS;

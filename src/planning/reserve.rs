@@ -9,8 +9,7 @@
 //! span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a ring ends in a standstill: so
 //! does this. What the planner is about meanwhile is put aside and goes on behind it.
 //!
-//! A new one is made when the interrupt comes near the one before, or before more blocks are taken in: a few times for a
-//! full queue, whatever the length of the blocks.
+//! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length of the blocks.
 //!
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
 use super::flight::Flight;
@@ -18,7 +17,10 @@ use super::hold::{Mode, NOTHING};
 use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Ticks ahead of the interrupt at which a new one is made.
-const NEAR: u32 = 8;
+pub(super) const NEAR: u32 = 8;
+
+/// The same before blocks are taken in or planned: while a plan is at work there is none to make it of.
+pub(super) const FAR: u32 = 64;
 
 /// Spans per call.
 const SPANS: u32 = 2;
@@ -93,7 +95,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Where the interrupt has left the queue, or a way is being made: a piece of that.
     #[inline(never)]
     pub(super) fn look_after(&mut self) -> Work {
-        if self.queue.clock.has_left() {
+        if self.queue.control.has_left() {
             self.take_back();
             return self.go_on_late();
         }
@@ -104,26 +106,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether the interrupt will soon come to the one there is, and what is in the queue goes on behind it.
+    /// Begins to make one if the interrupt will come within so many ticks to the one there is, and what is in the queue goes on behind
+    /// it at speed.
     #[inline(always)]
-    pub(super) fn needs_reserve(&self) -> bool {
-        let near = self.queue.clock.now().wrapping_add(clock::TICK * NEAR);
-        self.reserve.kept.is_none_or(|way| clock::is_before(way.at, near)) && self.lacks_reserve()
-    }
-
-    /// Whether what is in the queue ends at speed, without one.
-    #[inline(always)]
-    pub(super) fn lacks_reserve(&self) -> bool {
-        self.reserve.kept.is_none_or(|way| way.at != self.end)
+    pub(super) fn secure(&mut self, within: u32) -> bool {
+        let near = self.queue.clock.now().wrapping_add(clock::TICK * within);
+        self.reserve.kept.is_none_or(|way| clock::is_before(way.at, near) && way.at != self.end)
             && (self.speed > Speed::ZERO || !self.emitter.is_done())
-            && self.reserve.failed != Some(self.end)
+            && self.begin_reserve()
     }
 
-    /// Begins to make one.
     #[inline(never)]
-    pub(super) fn begin_reserve(&mut self) -> Work {
-        if self.stage == Stage::Passing || self.reserve.behind.is_some() {
-            return Work::Waiting;
+    fn begin_reserve(&mut self) -> bool {
+        let failed = self.reserve.failed == Some(self.end);
+        if self.stage == Stage::Passing || self.reserve.behind.is_some() || failed {
+            return false;
         }
         self.queue.reserve.begin();
         let Self { emitter, laid, speed, owed, end, stops, mode, .. } = *self;
@@ -136,12 +133,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.emitter.has_piece() {
             self.slow_down();
         }
-        Work::Working
+        true
     }
 
     /// From within the law with the emitter.
     fn slow_down(&mut self) {
-        let before = self.emitter;
         let mut phase = Phase::BLANK;
         self.emitter.step(&mut phase);
         let motion = Instant {
@@ -160,8 +156,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if let Some(brake) = Brake::stop(&mut self.profile, &motion, flight.end(), flight.span.braking()) {
             self.emitter.resume_at(0);
             self.brake(k, &brake);
-        } else {
-            self.emitter = before;
+        } else if let Some(aside) = &self.reserve.aside {
+            self.emitter = aside.emitter;
             self.reserve.as_planned = true;
         }
     }
@@ -300,7 +296,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// with it.
     pub(super) fn drop_reserve(&mut self) -> bool {
         self.queue.clock.release();
-        if self.queue.clock.has_left() {
+        if self.queue.control.has_left() {
             return false;
         }
         self.queue.reserve.clear();
@@ -312,7 +308,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The interrupt has gone on with it: once it stands, everything behind begins there.
     fn go_on_late(&mut self) -> Work {
         let Some(way) = self.reserve.kept else {
-            self.queue.clock.go_on();
+            self.queue.control.set_left(false);
             return Work::Working;
         };
         if self.queue.clock.now() != way.end {
@@ -338,7 +334,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let laid = self.laid;
         self.flights.from(laid + 1).for_each(Flight::restore);
-        self.queue.clock.go_on();
+        self.queue.control.set_left(false);
         if way.as_planned { Work::Working } else { Work::Late }
     }
 

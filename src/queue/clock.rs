@@ -40,14 +40,12 @@ pub struct Clock {
     /// The instant of the reserve, and its first piece.
     end: AtomicU32,
     first: AtomicU32,
-    /// Set by the interrupt when it has come there, cleared by the planner.
-    left: AtomicU32,
 }
 
 impl Clock {
     pub(super) const fn new() -> Self {
-        let [now, to, first, left] = [const { AtomicU32::new(0) }; 4];
-        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), first, left }
+        let [now, to, first] = [const { AtomicU32::new(0) }; 3];
+        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), first }
     }
 
     /// Ticks of motion passed. For the interrupt.
@@ -78,22 +76,10 @@ impl Clock {
         self.end.load(Ordering::Relaxed) == instant
     }
 
-    /// It does: the piece it goes on with. For the interrupt.
-    pub fn leave(&self) -> u32 {
+    /// It does: the piece it goes on with. For the interrupt, which says so ([`crate::control::Control`]).
+    pub fn first(&self) -> u32 {
         fence(Ordering::Acquire);
-        self.left.store(1, Ordering::Release);
         self.first.load(Ordering::Relaxed)
-    }
-
-    /// Whether the interrupt has gone on with the reserve.
-    #[inline(always)]
-    pub fn has_left(&self) -> bool {
-        self.left.load(Ordering::Acquire) != 0
-    }
-
-    /// The interrupt may go on with what is in the queue, once it stands. For the planner.
-    pub fn go_on(&self) {
-        self.left.store(0, Ordering::Release);
     }
 
     /// The reserve that begins with the piece `first` holds at `instant`. For the planner, while there is none.
@@ -102,7 +88,7 @@ impl Clock {
         self.end.store(instant, Ordering::Release);
     }
 
-    /// Takes the reserve back. For the planner: [`Self::has_left`] says whether it came in time.
+    /// Takes the reserve back. For the planner: whether it came in time says [`crate::control::Control`].
     pub fn release(&self) {
         self.end.store(NEVER, Ordering::Release);
     }

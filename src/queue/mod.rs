@@ -20,7 +20,7 @@ use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 /// channel, beside those of the look-ahead, and that of a law in the planner.
 pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
-pub const PHASES: usize = 64;
+pub const PHASES: usize = 256;
 
 /// Events handed over.
 pub const EVENTS: usize = 32;
