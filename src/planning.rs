@@ -196,7 +196,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.stops {
             self.emitter.settle();
             self.stops = false;
-            self.drop_reserve();
+            if self.reserve.is_kept() {
+                self.drop_reserve();
+            }
         }
         self.go_on()
     }
@@ -339,7 +341,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.name(first, blocks);
         self.flights.push();
         self.stood = false;
-        if self.is_behind(self.laid) {
+        if self.reserve.behind.is_some() && self.is_behind(self.laid) {
             self.laid += 1;
             return Ok(Work::Working);
         }

@@ -85,6 +85,11 @@ impl Reserve {
         self.aside.is_some()
     }
 
+    /// There is one.
+    pub const fn is_kept(&self) -> bool {
+        self.kept.is_some()
+    }
+
     /// Forgets all of it.
     pub fn clear(&mut self) {
         *self = Self::none();
