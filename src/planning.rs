@@ -257,9 +257,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             }
             Stage::Releasing(_) if self.reopened && !self.queue.segments.is_over() => Ok(self.plan_anew()),
             Stage::Releasing(left) => self.release(left),
-            Stage::Filling if self.lookahead.is_full() => Ok(self.begin_pass()),
+            Stage::Filling if self.is_full() => Ok(self.begin_pass()),
             Stage::Filling => Ok(self.fill()),
         }
+    }
+
+    /// Whether the look-ahead takes no other block before some of its own have left: there, or in the queue, is no room for one.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        self.lookahead.is_full() || self.queue.segments.is_bent_full()
     }
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.

@@ -1,7 +1,7 @@
 //! The ring of curves between planner and interrupt: which one a tick finds, and which it gives back.
 use glidepath::path::{LONGEST, Shape};
 use glidepath::quantity::{Distance, Position};
-use glidepath::queue::{Course, Follower, Layer, MOST, SEGMENTS, Segment, Slot};
+use glidepath::queue::{Course, Follower, Layer, MOST, SEGMENTS, Segment};
 use host_tests::cases::random::Random;
 
 /// Curves of the look-ahead.
@@ -12,9 +12,7 @@ const ALL: usize = AHEAD + SEGMENTS;
 const FAR: i64 = 1 << 61;
 
 fn shape(length: i64) -> Shape<1> {
-    let mut shape = Segment::BLANK.shape;
-    shape.length = Distance::from_bits(length);
-    shape
+    Shape::resting(Distance::from_bits(length))
 }
 
 /// Puts in a curve of that length, with its number as block; its start.
@@ -32,9 +30,9 @@ fn found(follower: &mut Follower<'_, 1>, distance: i64) -> Option<(u32, i64)> {
         assert_eq!((segment.block, segment.n), (number, number.wrapping_mul(10)));
         assert_eq!(segment.base, [Position::from_bits(i64::from(number))]);
     };
-    let (number, along) = follower.follow(distance).map(|(segment, along)| {
-        on(segment, segment.block);
-        (segment.block, along)
+    let (number, along) = follower.follow(distance).map(|(curve, along)| {
+        on(curve.segment, curve.segment.block);
+        (curve.segment.block, along)
     })?;
     on(follower.peek(distance).expect("a curve"), number);
     Some((number, along))
