@@ -63,7 +63,10 @@ struct Place<T>(UnsafeCell<T>);
 
 // SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has given it back, and read
 // only by the one interrupt in between, or by the planner itself; starts and `taken` pass it with release and acquire.
-unsafe impl<T: Send> Sync for Place<T> {}
+unsafe impl<T> Sync for Place<T> {}
+
+// SAFETY: as shared. What a curve points at lies beside it, and is there as long as the ends of the ring are.
+unsafe impl<T> Send for Place<T> {}
 
 impl<T: Slot> Place<T> {
     const fn blank() -> Self {
@@ -71,8 +74,8 @@ impl<T: Slot> Place<T> {
     }
 }
 
-/// A bend's slot has a number of 8 bits from 1, and curves handed on leave room for others.
-const _: () = assert!(BENDS < u8::MAX as usize && BENDS > SEGMENTS);
+/// Bends are counted in 8 bits, and those of curves handed on leave room for others.
+const _: () = assert!(BENDS <= u8::MAX as usize && BENDS > SEGMENTS);
 
 /// The index `by` further in a ring of `len`.
 #[inline(always)]
@@ -139,8 +142,8 @@ pub struct Layer<'a, const AXES: usize> {
     /// There were long ones.
     long: bool,
     /// Bends put in, how many there is surely room for, and where the next one goes.
-    bent: u32,
-    bendable: u32,
+    bent: u8,
+    bendable: u8,
     bend: usize,
 }
 
@@ -150,7 +153,6 @@ pub struct Follower<'a, const AXES: usize> {
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: Lap<'a, Start>,
     slot: Lap<'a, Place<Segment<AXES>>>,
-    bends: &'a [Place<Bend<AXES>>; BENDS],
 }
 
 /// A curve in the ring, and its bend.
@@ -173,16 +175,11 @@ impl<const AXES: usize> Found<'_, AXES> {
 /// A curve with its bend.
 ///
 /// # Safety
-/// The planner does not write that curve's bend as long as this is borrowed.
+/// The curve was put in, and as long as it is borrowed the planner does not write its bend.
 #[inline(always)]
-unsafe fn found<'a, const AXES: usize>(
-    segment: &'a Segment<AXES>,
-    bends: &'a [Place<Bend<AXES>>; BENDS],
-) -> Found<'a, AXES> {
-    // Of a line the number is beyond all of them.
-    let place = bends.get(usize::from(segment.bend.wrapping_sub(1)));
-    // SAFETY: the caller says so.
-    Found { segment, bend: place.map(|Place(bend)| unsafe { &*bend.get() }) }
+unsafe fn found<const AXES: usize>(segment: &Segment<AXES>) -> Found<'_, AXES> {
+    // SAFETY: null, or in the ring of bends beside that of curves: both are borrowed as long as their ends are there.
+    Found { segment, bend: unsafe { segment.bend.as_ref() } }
 }
 
 /// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
@@ -254,10 +251,10 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
             end: 0,
             long: false,
             bent: 0,
-            bendable: BENDS as u32,
+            bendable: BENDS as u8,
             bend: 0,
         };
-        (layer, Follower { taken, start, slot, bends })
+        (layer, Follower { taken, start, slot })
     }
 }
 
@@ -297,9 +294,9 @@ impl<const AXES: usize> Layer<'_, AXES> {
 
     /// Room for bends: those before the curve that the interrupt is on are free.
     #[inline(never)]
-    fn room_for_bends(&self) -> u32 {
+    fn room_for_bends(&self) -> u8 {
         let passed = self.recent(self.taken()).map_or(self.bent, |segment| segment.bends);
-        (BENDS as u32).saturating_sub(self.bent.wrapping_sub(passed))
+        (BENDS as u8).saturating_sub(self.bent.wrapping_sub(passed))
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared over.
@@ -342,7 +339,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.end = start.wrapping_add(length);
         (segment.gain, segment.shift, segment.base) = (shape.gain, shape.shift, *base);
         (segment.end, segment.n, segment.block) = (Distance::from_bits(self.end), n, block);
-        (segment.bends, segment.bend) = (self.bent, 0);
+        (segment.bends, segment.bend) = (self.bent, ptr::null());
         if let Some(bend) = &shape.bend {
             segment.bend = self.push_bend(bend);
         }
@@ -362,21 +359,19 @@ impl<const AXES: usize> Layer<'_, AXES> {
         true
     }
 
-    /// Puts the bend of the next curve in; its number, from 1. There is room.
+    /// Puts the bend of the next curve in; where it is. There is room.
     #[inline(never)]
-    fn push_bend(&mut self, bend: &Bend<AXES>) -> u8 {
+    fn push_bend(&mut self, bend: &Bend<AXES>) -> *const Bend<AXES> {
         if self.bendable == 0 {
             self.bendable = self.room_for_bends();
         }
-        let at = self.bend;
-        if let Some(Place(slot)) = self.bends.get(at) {
-            // SAFETY: not full, so the interrupt is past the curve that had it, and finds none that has it now; of planners there is one.
-            unsafe { *slot.get() = *bend };
-        }
-        self.bend = on(at, 1, BENDS);
+        let Some(Place(slot)) = self.bends.get(self.bend) else { return ptr::null() };
+        // SAFETY: not full, so the interrupt is past the curve that had it, and finds none that has it now; of planners there is one.
+        unsafe { *slot.get() = *bend };
+        self.bend = on(self.bend, 1, BENDS);
         self.bent = self.bent.wrapping_add(1);
         self.bendable = self.bendable.saturating_sub(1);
-        at as u8 + 1
+        slot.get()
     }
 
     /// That many more curves are handed on.
@@ -507,7 +502,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let number = self.taken();
         let (start, segment) = (self.start(number)?, self.recent(number)?);
         // SAFETY: only this end of the ring writes bends, and needs `&mut self` for that.
-        Some((number, start, unsafe { found(segment, self.bends) }))
+        Some((number, start, unsafe { found(segment) }))
     }
 
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It does not get further
@@ -527,7 +522,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
         let bends_back = self.bent.wrapping_sub(bends);
-        self.bend = on(self.bend, BENDS.saturating_sub(bends_back as usize), BENDS);
+        self.bend = on(self.bend, BENDS.saturating_sub(usize::from(bends_back)), BENDS);
         (self.bent, self.bendable) = (bends, self.bendable.saturating_add(bends_back));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             self.shown = number;
@@ -565,7 +560,7 @@ impl<const AXES: usize> Follower<'_, AXES> {
         fence(Ordering::Acquire);
         // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it and its bend alone
         // until it is given back.
-        Some((unsafe { found(&*(*self.slot.at).0.get(), self.bends) }, along))
+        Some((unsafe { found(&*(*self.slot.at).0.get()) }, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.
