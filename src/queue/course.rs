@@ -186,7 +186,8 @@ unsafe fn found<const AXES: usize>(segment: &Segment<AXES>) -> Found<'_, AXES> {
 struct Lap<'a, T> {
     at: *const T,
     end: *const T,
-    len: usize,
+    /// From the end to the first one, bytes.
+    back: isize,
     ring: PhantomData<&'a [T]>,
 }
 
@@ -197,14 +198,15 @@ impl<'a, T> Lap<'a, T> {
     /// At the first element. The ring is so many elements at the front of the array, one at least.
     fn new(array: &'a [T], len: usize) -> Self {
         let at = array.as_ptr();
-        Self { at, end: at.wrapping_add(len), len, ring: PhantomData }
+        let back = ((len * size_of::<T>()) as isize).wrapping_neg();
+        Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
 
     /// Goes on by no more than a lap.
     #[inline(always)]
     fn go_on(&mut self, by: usize) {
         let to = self.at.wrapping_add(by);
-        self.at = if to >= self.end { to.wrapping_sub(self.len) } else { to };
+        self.at = if to >= self.end { to.wrapping_byte_offset(self.back) } else { to };
     }
 }
 
