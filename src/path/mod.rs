@@ -290,11 +290,10 @@ impl<const AXES: usize> Sight<'_, AXES> {
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
         *out = *base;
-        if let Some(bend) = self.bend {
-            let arc = match bend {
-                Bend::Arc(arc) => arc,
-                Bend::Poly { power, down } => return bent(w, (self.gain, power, down), base, out),
-            };
+        if let Some(Bend::Poly { power, down }) = self.bend {
+            return bent(w, (self.gain, power, down), base, out);
+        }
+        if let Some(Bend::Arc(arc)) = self.bend {
             // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
             let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
             let [x, y] = arc.circle(Halves::of(w), HALF);

@@ -63,10 +63,7 @@ struct Place<T>(UnsafeCell<T>);
 
 // SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has given it back, and read
 // only by the one interrupt in between, or by the planner itself; starts and `taken` pass it with release and acquire.
-unsafe impl<T> Sync for Place<T> {}
-
-// SAFETY: as shared. What a curve points at lies beside it, and is there as long as the ends of the ring are.
-unsafe impl<T> Send for Place<T> {}
+unsafe impl<T: Send> Sync for Place<T> {}
 
 impl<T: Slot> Place<T> {
     const fn blank() -> Self {
@@ -74,8 +71,8 @@ impl<T: Slot> Place<T> {
     }
 }
 
-/// Bends are counted in 8 bits, and those of curves handed on leave room for others.
-const _: () = assert!(BENDS <= u8::MAX as usize && BENDS > SEGMENTS);
+/// A bend's slot has a number of 8 bits from 1, and curves handed on leave room for others.
+const _: () = assert!(BENDS < u8::MAX as usize && BENDS > SEGMENTS);
 
 /// The index `by` further in a ring of `len`.
 #[inline(always)]
@@ -142,8 +139,8 @@ pub struct Layer<'a, const AXES: usize> {
     /// There were long ones.
     long: bool,
     /// Bends put in, how many there is surely room for, and where the next one goes.
-    bent: u8,
-    bendable: u8,
+    bent: u32,
+    bendable: u32,
     bend: usize,
 }
 
@@ -153,6 +150,7 @@ pub struct Follower<'a, const AXES: usize> {
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: Lap<'a, Start>,
     slot: Lap<'a, Place<Segment<AXES>>>,
+    bends: &'a [Place<Bend<AXES>>; BENDS],
 }
 
 /// A curve in the ring, and its bend.
@@ -175,11 +173,16 @@ impl<const AXES: usize> Found<'_, AXES> {
 /// A curve with its bend.
 ///
 /// # Safety
-/// The curve was put in, and as long as it is borrowed the planner does not write its bend.
+/// The planner does not write that curve's bend as long as this is borrowed.
 #[inline(always)]
-unsafe fn found<const AXES: usize>(segment: &Segment<AXES>) -> Found<'_, AXES> {
-    // SAFETY: null, or in the ring of bends beside that of curves: both are borrowed as long as their ends are there.
-    Found { segment, bend: unsafe { segment.bend.as_ref() } }
+unsafe fn found<'a, const AXES: usize>(
+    segment: &'a Segment<AXES>,
+    bends: &'a [Place<Bend<AXES>>; BENDS],
+) -> Found<'a, AXES> {
+    // Of a line the number is beyond all of them.
+    let place = bends.get(usize::from(segment.bend.wrapping_sub(1)));
+    // SAFETY: the caller says so.
+    Found { segment, bend: place.map(|Place(bend)| unsafe { &*bend.get() }) }
 }
 
 /// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
@@ -253,10 +256,10 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
             end: 0,
             long: false,
             bent: 0,
-            bendable: BENDS as u8,
+            bendable: BENDS as u32,
             bend: 0,
         };
-        (layer, Follower { taken, start, slot })
+        (layer, Follower { taken, start, slot, bends })
     }
 }
 
@@ -296,9 +299,9 @@ impl<const AXES: usize> Layer<'_, AXES> {
 
     /// Room for bends: those before the curve that the interrupt is on are free.
     #[inline(never)]
-    fn room_for_bends(&self) -> u8 {
+    fn room_for_bends(&self) -> u32 {
         let passed = self.recent(self.taken()).map_or(self.bent, |segment| segment.bends);
-        (BENDS as u8).saturating_sub(self.bent.wrapping_sub(passed))
+        (BENDS as u32).saturating_sub(self.bent.wrapping_sub(passed))
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared over.
@@ -341,7 +344,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.end = start.wrapping_add(length);
         (segment.gain, segment.shift, segment.base) = (shape.gain, shape.shift, *base);
         (segment.end, segment.n, segment.block) = (Distance::from_bits(self.end), n, block);
-        (segment.bends, segment.bend) = (self.bent, ptr::null());
+        (segment.bends, segment.bend) = (self.bent, 0);
         if let Some(bend) = &shape.bend {
             segment.bend = self.push_bend(bend);
         }
@@ -361,19 +364,21 @@ impl<const AXES: usize> Layer<'_, AXES> {
         true
     }
 
-    /// Puts the bend of the next curve in; where it is. There is room.
+    /// Puts the bend of the next curve in; its number, from 1. There is room.
     #[inline(never)]
-    fn push_bend(&mut self, bend: &Bend<AXES>) -> *const Bend<AXES> {
+    fn push_bend(&mut self, bend: &Bend<AXES>) -> u8 {
         if self.bendable == 0 {
             self.bendable = self.room_for_bends();
         }
-        let Some(Place(slot)) = self.bends.get(self.bend) else { return ptr::null() };
-        // SAFETY: not full, so the interrupt is past the curve that had it, and finds none that has it now; of planners there is one.
-        unsafe { *slot.get() = *bend };
-        self.bend = on(self.bend, 1, BENDS);
+        let at = self.bend;
+        if let Some(Place(slot)) = self.bends.get(at) {
+            // SAFETY: not full, so the interrupt is past the curve that had it, and finds none that has it now; of planners there is one.
+            unsafe { *slot.get() = *bend };
+        }
+        self.bend = on(at, 1, BENDS);
         self.bent = self.bent.wrapping_add(1);
         self.bendable = self.bendable.saturating_sub(1);
-        slot.get()
+        at as u8 + 1
     }
 
     /// That many more curves are handed on.
@@ -504,7 +509,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let number = self.taken();
         let (start, segment) = (self.start(number)?, self.recent(number)?);
         // SAFETY: only this end of the ring writes bends, and needs `&mut self` for that.
-        Some((number, start, unsafe { found(segment) }))
+        Some((number, start, unsafe { found(segment, self.bends) }))
     }
 
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It does not get further
@@ -513,7 +518,9 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let first = self.taken().wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
         let back = self.count.wrapping_sub(number);
-        let Some(end) = self.recent(number.wrapping_sub(1)).map(|segment| segment.end.to_bits()) else { return };
+        let Some(end) = self.recent(number.wrapping_sub(1)).map(|segment| segment.end.to_bits()) else {
+            return;
+        };
         let bends = self.recent(number).map_or(self.bent, |segment| segment.bends);
         let behind = self.count.wrapping_add(BEHIND as u32);
         for number in numbers(number, behind) {
@@ -524,7 +531,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
         let bends_back = self.bent.wrapping_sub(bends);
-        self.bend = on(self.bend, BENDS.saturating_sub(usize::from(bends_back)), BENDS);
+        self.bend = on(self.bend, BENDS.saturating_sub(bends_back as usize), BENDS);
         (self.bent, self.bendable) = (bends, self.bendable.saturating_add(bends_back));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             self.shown = number;
@@ -562,7 +569,7 @@ impl<const AXES: usize> Follower<'_, AXES> {
         fence(Ordering::Acquire);
         // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it and its bend alone
         // until it is given back.
-        Some((unsafe { found(&*(*self.slot.at).0.get()) }, along))
+        Some((unsafe { found(&*(*self.slot.at).0.get(), self.bends) }, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.

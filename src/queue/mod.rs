@@ -6,7 +6,7 @@ mod course;
 mod ring;
 
 pub use clock::Clock;
-pub use course::{Course, Found, Follower, Layer, MOST};
+pub use course::{Course, Follower, Found, Layer, MOST};
 pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::control::{Control, Ticket};
@@ -72,12 +72,12 @@ pub struct Segment<const AXES: usize> {
     pub n: u32,
     /// Motion blocks since program start, from 0.
     pub block: u32,
-    /// The rest of it; null: it is a line.
-    bend: *const Bend<AXES>,
-    /// Arcs and polynomials before it since the split. Those in the ring are fewer than this counts.
-    bends: u8,
+    /// Arcs and polynomials before it since the split.
+    bends: u32,
     /// For its linear part.
     shift: u8,
+    /// Where the rest of it is, from 1; 0: it is a line.
+    bend: u8,
 }
 
 /// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
@@ -103,9 +103,9 @@ impl<const AXES: usize> Slot for Segment<AXES> {
         end: Distance::ZERO,
         n: 0,
         block: 0,
-        bend: core::ptr::null(),
         bends: 0,
         shift: 0,
+        bend: 0,
     };
 }
 
