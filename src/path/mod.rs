@@ -176,17 +176,16 @@ pub struct Shape<const AXES: usize> {
     /// Path length, above 0.
     pub length: Distance,
     /// Linear part: 2^-42 mm per 2^64 units of `w`.
-    gain: [i64; AXES],
-    curve: Curve<AXES>,
+    pub(crate) gain: [i64; AXES],
+    /// What comes to that: nothing to a line.
+    pub(crate) bend: Option<Bend<AXES>>,
     /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond an end.
-    shift: u8,
+    pub(crate) shift: u8,
 }
 
-/// What comes to the linear part.
+/// The part of a curve that a line does not have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Curve<const AXES: usize> {
-    /// Nothing.
-    Line,
+pub(crate) enum Bend<const AXES: usize> {
     /// A circle.
     Arc(Arc),
     /// See [`mod@poly`].
@@ -201,7 +200,7 @@ enum Curve<const AXES: usize> {
 /// The part of an arc in its plane. Packed so that a polynomial of three axes is hardly larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
-struct Arc {
+pub(crate) struct Arc {
     /// Radius vector at the start, 2^-44 mm.
     a: [i64; 2],
     /// Angle: 2^-59 revolutions per 2^64 units of `w`.
@@ -214,42 +213,35 @@ struct Arc {
     plane: [u8; 2],
 }
 
+/// A [`Shape`] without its length, wherever its parts lie.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<'a, const AXES: usize> {
+    pub gain: &'a [i64; AXES],
+    pub bend: Option<&'a Bend<AXES>>,
+    pub shift: u8,
+}
+
 impl<const AXES: usize> Shape<AXES> {
-    /// No shape: all bits zero.
-    pub(crate) const BLANK: Self =
-        Self { length: Distance::ZERO, gain: [0; AXES], curve: Curve::Line, shift: 0 };
-
     /// A shape of that length that does not move yet.
-    fn resting(length: Distance) -> Self {
+    pub fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(2);
-        Self { length, gain: [0; AXES], curve: Curve::Line, shift }
-    }
-
-    /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
-    #[inline(always)]
-    pub(crate) fn assign(&mut self, other: &Self) {
-        if other.is_line() {
-            (self.length, self.gain, self.curve, self.shift) =
-                (other.length, other.gain, Curve::Line, other.shift);
-        } else {
-            *self = *other;
-        }
+        Self { length, gain: [0; AXES], bend: None, shift }
     }
 
     /// Whether it is a line.
     pub(crate) fn is_line(&self) -> bool {
-        matches!(self.curve, Curve::Line)
+        self.bend.is_none()
     }
 
     /// Whether it is an arc.
     pub fn is_arc(&self) -> bool {
-        matches!(self.curve, Curve::Arc(_))
+        matches!(self.bend, Some(Bend::Arc(_)))
     }
 
     /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
-        if let Curve::Arc(arc) = self.curve {
+        if let Some(Bend::Arc(arc)) = self.bend {
             for (axis, a) in arc.plane.into_iter().zip(arc.a) {
                 if let Some(x) = base.get_mut(axis as usize) {
                     *x = Position::from_bits(x.to_bits().wrapping_sub(a >> 12));
@@ -259,61 +251,11 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift of two words.
-    #[inline(always)]
-    fn w(&self, distance: i64) -> i64 {
-        let (upper, lower) = ((distance >> 32) as u32, distance as u32);
-        let shift = u32::from(self.shift);
-        let (upper, lower) = if shift < 32 {
-            (upper << shift | lower >> 1 >> (31 - shift), lower << shift)
-        } else {
-            (lower << (shift & 31), 0)
-        };
-        (u64::from(upper) << 32 | u64::from(lower)) as i64
-    }
-
-    /// Position of every axis at `distance` from the start of the block. Runs in the tick.
-    /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
+    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half an LSB of a position,
+    /// for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
-        let w = self.w(distance);
-        *out = *base;
-        if let Curve::Poly { power, down } = &self.curve {
-            return self.bent(w, (power, down), base, out);
-        }
-        if let Curve::Arc(arc) = &self.curve {
-            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
-            let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
-            let [x, y] = arc.circle(Halves::of(w), HALF);
-            for (axis, offset) in [(p, x), (q, y)] {
-                out[axis] = Position::from_bits(out[axis].to_bits().wrapping_add(offset >> GUARD));
-            }
-        }
-        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
-            if *gain != 0 {
-                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each product
-                // would be three.
-                let w = black_box(Halves::of(w));
-                *x = add(*base, w.times(Halves::of(*gain)));
-            }
-        }
-    }
-
-    /// A polynomial at `w`. Not inlined: lines would pay for its registers.
-    #[inline(never)]
-    fn bent(
-        &self,
-        w: i64,
-        (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
-        base: &[Position; AXES],
-        out: &mut [Position; AXES],
-    ) {
-        let linear = base.iter().zip(&self.gain);
-        for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
-            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
-            let w = black_box(w);
-            *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
-        }
+        Sight { gain: &self.gain, bend: self.bend.as_ref(), shift: self.shift }.at(distance, base, out);
     }
 
     /// The same at its end. Of a line without a branch for every axis, which would keep the halves of `w` apart.
@@ -327,6 +269,69 @@ impl<const AXES: usize> Shape<AXES> {
             *x = add(*base, mul_near(w, *gain));
         }
     }
+}
+
+impl<const AXES: usize> Sight<'_, AXES> {
+    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift of two words.
+    #[inline(always)]
+    fn w(&self, distance: i64) -> i64 {
+        let (upper, lower) = ((distance >> 32) as u32, distance as u32);
+        let shift = u32::from(self.shift);
+        let (upper, lower) = if shift < 32 {
+            (upper << shift | lower >> 1 >> (31 - shift), lower << shift)
+        } else {
+            (lower << (shift & 31), 0)
+        };
+        (u64::from(upper) << 32 | u64::from(lower)) as i64
+    }
+
+    /// [`Shape::at`]. Runs in the tick.
+    #[inline(always)]
+    pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        let w = self.w(distance);
+        *out = *base;
+        if let Some(Bend::Poly { power, down }) = self.bend {
+            return bent(w, (self.gain, power, down), base, out);
+        }
+        if let Some(Bend::Arc(arc)) = self.bend {
+            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+            let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
+            let [x, y] = arc.circle(Halves::of(w), HALF);
+            for (axis, offset) in [(p, x), (q, y)] {
+                out[axis] = Position::from_bits(out[axis].to_bits().wrapping_add(offset >> GUARD));
+            }
+        }
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(self.gain) {
+            if *gain != 0 {
+                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each product
+                // would be three.
+                let w = black_box(Halves::of(w));
+                *x = add(*base, w.times(Halves::of(*gain)));
+            }
+        }
+    }
+}
+
+/// A polynomial at `w`: linear part, coefficients and their exponents. Not inlined: lines would pay for its registers.
+#[inline(never)]
+fn bent<const AXES: usize>(
+    w: i64,
+    (gain, power, down): (&[i64; AXES], &[[i32; 4]; AXES], &[u8; AXES]),
+    base: &[Position; AXES],
+    out: &mut [Position; AXES],
+) {
+    let linear = base.iter().zip(gain);
+    for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
+        // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
+        let w = black_box(w);
+        *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
+    }
+}
+
+impl<const AXES: usize> Bend<AXES> {
+    /// All bits zero.
+    pub(crate) const BLANK: Self =
+        Self::Arc(Arc { a: [0; 2], turn: 0, grow: [0; 2], miss: [0; 2], plane: [0; 2] });
 }
 
 impl Arc {
