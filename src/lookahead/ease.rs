@@ -53,7 +53,7 @@ const WALK: usize = 32;
 const STEPS: usize = 8;
 /// Work of a step that looks for an anchor, and of any other, LSB about 32 instructions.
 const SEEK: usize = 20;
-pub(super) const TRIAL: usize = 100;
+pub(super) const TRIAL: usize = 120;
 /// Laws per step.
 const LAWS: usize = 4;
 /// Blocks for which the acceleration is lowered, at most.
