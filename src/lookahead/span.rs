@@ -124,6 +124,9 @@ pub(super) fn spend(work: &mut usize, part: usize) {
 /// Steps of the search for an end speed.
 const LEAVE_STEPS: usize = 24;
 
+/// Less is no rise of speed.
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
+
 /// A distance in a span is good to this part of its length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
 
@@ -234,6 +237,11 @@ impl Law {
     /// Where the slowing down begins.
     pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
+    }
+
+    /// Whether its end is slower than its peak.
+    fn slows_down(&self) -> bool {
+        self.peak > self.v_out * RISE
     }
 
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
@@ -607,12 +615,17 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             return self.plan_again(from, to);
         }
-        if !firm && !flat && from < self.batch() && pass.cut > from {
-            if let Some(block) = self.blocks.get_mut(pass.cut) {
+        let batch = self.batch();
+        if !firm && !flat && from < batch && pass.cut > from {
+            let mut cut = pass.cut;
+            if !pass.law.slows_down() {
+                // Its end is no better a place than the first quarter.
+                cut = batch;
+            } else if let Some(block) = self.blocks.get_mut(cut) {
                 // Acceleration vanishes there anyway: no other law is faster.
                 block.joint.close();
             }
-            self.set_anchor(pass.cut);
+            self.set_anchor(cut);
             return self.plan_again(from, to);
         }
         self.span_done(&mut pass.forward, v_in);
