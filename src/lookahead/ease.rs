@@ -9,7 +9,7 @@
 //! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
 //! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
 use super::dip;
-use super::span::{Law, Pass, Span};
+use super::span::{Law, Pass, Span, spend};
 use super::{Lookahead, Marks, Share, UNPLANNED};
 use crate::math::float::to_f32;
 use crate::quantity::Speed;
@@ -51,8 +51,9 @@ const MOST: u8 = 240;
 /// Blocks per step that are only counted, and that are compared with a law.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Steps per call.
-const TRIALS: usize = 3;
+/// Work of a step that looks for an anchor, and of any other, LSB about 32 instructions.
+const SEEK: usize = 20;
+pub(super) const TRIAL: usize = 120;
 /// Laws per step.
 const LAWS: usize = 4;
 /// Blocks for which the acceleration is lowered, at most.
@@ -187,19 +188,20 @@ impl Trial {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// Some steps of a trial; the next pass, or none if this one goes on. Several at once: each call has its own cost.
+    /// Some steps of a trial; the next pass, or none if this one goes on.
     #[inline(never)]
-    pub(super) fn trials(&mut self, pass: &mut Trial) -> Option<Pass> {
-        for _ in 0..TRIALS {
-            let next = self.trial(pass);
-            if next.is_some() || matches!(pass.step, Step::Dip(_)) {
+    pub(super) fn trials(&mut self, pass: &mut Trial, work: &mut usize) -> Option<Pass> {
+        while *work > 0 {
+            let next = self.trial(pass, work);
+            if next.is_some() {
                 return next;
             }
         }
         None
     }
 
-    fn trial(&mut self, pass: &mut Trial) -> Option<Pass> {
+    fn trial(&mut self, pass: &mut Trial, work: &mut usize) -> Option<Pass> {
+        spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
         match pass.step {
             Step::Seek => self.seek(pass),
             Step::Gather => {
@@ -214,8 +216,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 self.search(pass, side, between);
                 None
             }
-            Step::Dip(step) => {
-                self.dip(pass, step);
+            Step::Dip(_) => {
+                self.dip(pass, work);
                 None
             }
         }

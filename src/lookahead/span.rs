@@ -108,10 +108,24 @@ pub(super) struct Law {
 
 /// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
 const STEPS: usize = 16;
-/// Blocks per call that are only counted.
-const WALK: usize = 32;
+/// What one call does with spans, LSB about 32 instructions: a call and the copies of the state cost 1,500.
+const WORK: usize = 600;
+/// What it is to take in a block, to find a speed, to make a law, and to compare a block with it.
+const ADD: usize = 3;
+const RAMP: usize = 14;
+const LAW: usize = 50;
+const COMPARE: usize = 8;
+
+/// Some of the work of a call is done.
+pub(super) fn spend(work: &mut usize, part: usize) {
+    *work = work.saturating_sub(part);
+}
+
 /// Steps of the search for an end speed.
 const LEAVE_STEPS: usize = 24;
+
+/// Less is no rise of speed.
+const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
 /// A distance in a span is good to this part of its length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
@@ -124,14 +138,17 @@ impl Span {
 
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
-        let mut limits = block.limits;
-        if let Some(share) = share {
-            limits.share(share);
-        }
-        if self.length == 0 {
-            self.limits = limits;
-        } else {
-            self.limits.join(&limits);
+        match share {
+            None if self.length == 0 => self.limits = block.limits,
+            None => self.limits.join(&block.limits),
+            Some(share) => {
+                let limits = block.limits.shared(share);
+                if self.length == 0 {
+                    self.limits = limits;
+                } else {
+                    self.limits.join(&limits);
+                }
+            }
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.length;
@@ -222,6 +239,11 @@ impl Law {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
 
+    /// Whether its end is slower than its peak.
+    fn slows_down(&self) -> bool {
+        self.peak > self.v_out * RISE
+    }
+
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
     pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
@@ -267,44 +289,25 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// The same with spans of several blocks.
+    /// The same with spans of several blocks: as much as one call may do.
     #[inline(never)]
     fn spans(&mut self) -> bool {
-        // What goes on is put back alone: of all that a pass may be it is the smaller part.
-        let next = match self.pass {
-            Pass::Backward(mut pass) => {
-                let next = self.backward(&mut pass);
-                if next.is_none() {
-                    self.pass = Pass::Backward(pass);
-                }
-                next
+        // Copied once in and out, as each call has its own cost too.
+        let mut pass = self.pass;
+        let mut work = WORK;
+        while work > 0 {
+            let next = match &mut pass {
+                Pass::Backward(pass) => self.backward(pass, &mut work),
+                Pass::Forward(pass) => self.forward(pass, &mut work),
+                Pass::Inside(pass) => self.inside(pass, &mut work),
+                Pass::Trial(pass) => self.trials(pass, &mut work),
+                Pass::Done | Pass::Blocks(..) => break,
+            };
+            if let Some(next) = next {
+                pass = next;
             }
-            Pass::Forward(mut pass) => {
-                let next = self.forward(&mut pass);
-                if next.is_none() {
-                    self.pass = Pass::Forward(pass);
-                }
-                next
-            }
-            Pass::Inside(mut pass) => {
-                let next = self.inside(&mut pass);
-                if next.is_none() {
-                    self.pass = Pass::Inside(pass);
-                }
-                next
-            }
-            Pass::Trial(mut pass) => {
-                let next = self.trials(&mut pass);
-                if next.is_none() {
-                    self.pass = Pass::Trial(pass);
-                }
-                next
-            }
-            _ => None,
-        };
-        if let Some(next) = next {
-            self.pass = next;
         }
+        self.pass = pass;
         matches!(self.pass, Pass::Done)
     }
 
@@ -344,8 +347,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// Another one, or none if this one goes on.
-    fn backward(&mut self, pass: &mut Backward) -> Option<Pass> {
-        for _ in 0..STEPS {
+    fn backward(&mut self, pass: &mut Backward, work: &mut usize) -> Option<Pass> {
+        while *work > 0 {
+            spend(work, ADD);
             let Some(left) = pass.left.checked_sub(1) else { return Some(self.start_forward()) };
             pass.left = left;
             let last = self.open && left + 1 == self.blocks.len();
@@ -355,6 +359,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if left > 0 && !block.is(Marks::ANCHOR) {
                 continue;
             }
+            spend(work, RAMP);
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
@@ -414,8 +419,9 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The same.
-    fn forward(&mut self, pass: &mut Forward) -> Option<Pass> {
-        for _ in 0..WALK {
+    fn forward(&mut self, pass: &mut Forward, work: &mut usize) -> Option<Pass> {
+        while *work > 0 {
+            spend(work, 1);
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
                 None if pass.last > 1 && self.untried > 0 => return Some(Pass::Trial(Trial::new(pass.last))),
@@ -425,6 +431,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 && (pass.next == pass.from || !block.is(Marks::ANCHOR))
             {
                 if !checked {
+                    spend(work, ADD);
                     let last = self.open && pass.next + 1 == self.blocks.len();
                     let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
                     pass.span.add(block, share);
@@ -444,24 +451,32 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
                 (pass.from, pass.span) = (pass.next, Span::default());
                 continue;
             }
-            return Some(self.span(*pass));
+            spend(work, RAMP);
+            if let Some(next) = self.span(pass) {
+                spend(work, LAW);
+                return Some(next);
+            }
         }
         None
     }
 
-    /// Plans a span that has changed.
-    fn span(&mut self, mut pass: Forward) -> Pass {
-        pass.span.limits.ease(self.ease(pass.from));
+    /// Plans a span that has changed; `None` if it is one block, which needs no law.
+    fn span(&mut self, pass: &mut Forward) -> Option<Pass> {
+        let single = pass.next - pass.from == 1;
+        if !single {
+            pass.span.limits.ease(self.ease(pass.from));
+        }
         let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
-        let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return self.go_back(&pass) };
+        let Some(v_out) = pass.span.leave(pass.v_in, planned) else { return Some(self.go_back(pass)) };
         if let Some(end) = self.blocks.get_mut(pass.next) {
             if v_out != end.v_reached {
                 end.marks.set(Marks::CHECKED, false);
             }
             end.v_reached = v_out;
         }
-        if pass.next - pass.from == 1 {
-            return self.span_done(pass, v_out);
+        if single {
+            self.span_done(pass, v_out);
+            return None;
         }
         let flat = self.blocks.get(pass.from).is_some_and(|first| first.is(Marks::FLAT));
         if flat {
@@ -471,7 +486,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm || flat);
         pass.v_in = v_out;
         let block = pass.from;
-        Pass::Inside(Inside { forward: pass, law, block, at: 0, worst: None, cut: 0 })
+        Some(Pass::Inside(Inside { forward: *pass, law, block, at: 0, worst: None, cut: 0 }))
     }
 
     /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
@@ -534,18 +549,18 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             .unwrap_or(self.blocks.len())
     }
 
-    fn span_done(&mut self, mut pass: Forward, v_out: Speed) -> Pass {
+    fn span_done(&mut self, pass: &mut Forward, v_out: Speed) {
         if let Some(first) = self.blocks.get_mut(pass.from) {
             first.marks.set(Marks::CHECKED, true);
         }
         (pass.from, pass.span, pass.v_in) = (pass.next, Span::default(), v_out);
-        Pass::Forward(pass)
     }
 
-    fn inside(&mut self, pass: &mut Inside) -> Option<Pass> {
+    fn inside(&mut self, pass: &mut Inside, work: &mut usize) -> Option<Pass> {
         let Forward { from, next: to, .. } = pass.forward;
         let batch = self.batch();
-        for _ in 0..STEPS {
+        while *work > 0 {
+            spend(work, COMPARE);
             if pass.block >= to {
                 return Some(self.inside_done(pass));
             }
@@ -577,7 +592,7 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         None
     }
 
-    fn inside_done(&mut self, pass: &Inside) -> Pass {
+    fn inside_done(&mut self, pass: &mut Inside) -> Pass {
         let Forward { from, next: to, firm, v_in, .. } = pass.forward;
         let flat = self.blocks.get(from).is_some_and(|block| block.is(Marks::FLAT));
         if let Some((first, behind, v)) = pass.worst {
@@ -600,15 +615,21 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             }
             return self.plan_again(from, to);
         }
-        if !firm && !flat && from < self.batch() && pass.cut > from {
-            if let Some(block) = self.blocks.get_mut(pass.cut) {
+        let batch = self.batch();
+        if !firm && !flat && from < batch && pass.cut > from {
+            let mut cut = pass.cut;
+            if !pass.law.slows_down() {
+                // Its end is no better a place than the first quarter.
+                cut = batch;
+            } else if let Some(block) = self.blocks.get_mut(cut) {
                 // Acceleration vanishes there anyway: no other law is faster.
                 block.joint.close();
             }
-            self.set_anchor(pass.cut);
+            self.set_anchor(cut);
             return self.plan_again(from, to);
         }
-        self.span_done(pass.forward, v_in)
+        self.span_done(&mut pass.forward, v_in);
+        Pass::Forward(pass.forward)
     }
 
     /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside. Where it is at
@@ -617,7 +638,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         let Forward { from, next: to, .. } = pass.forward;
         let mut at = 0;
         let mut places = [0; 2];
-        for (k, block) in (from..behind).zip(self.blocks.iter().skip(from)) {
+        for k in from..behind {
+            let Some(block) = self.blocks.get(k) else { break };
             at += block.length;
             if k + 1 == first {
                 places[0] = at;

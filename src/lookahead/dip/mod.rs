@@ -21,7 +21,7 @@
 mod shift;
 
 use super::ease::{self, Ease, Trial};
-use super::span::{Law, Span, length_mm};
+use super::span::{Law, Span, length_mm, spend};
 use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
 use crate::math::float::to_bits;
 use crate::math::root::sqrt_f32;
@@ -169,10 +169,17 @@ impl Dip {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    pub(super) fn dip(&mut self, pass: &mut Trial, step: Step) {
-        // Apart from the pass, which is copied with every step.
+    /// Some steps; the work of the first one is spent.
+    pub(super) fn dip(&mut self, pass: &mut Trial, work: &mut usize) {
+        // Apart from the pass, which is copied with every call.
         let mut dip = self.dip;
-        self.step_dip(pass, &mut dip, step);
+        while let ease::Step::Dip(step) = pass.step {
+            self.step_dip(pass, &mut dip, step);
+            if *work == 0 {
+                break;
+            }
+            spend(work, ease::TRIAL);
+        }
         self.dip = dip;
     }
 
@@ -514,17 +521,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         piece.marks.set(Marks::CHECKED, true);
         block.marks.set(Marks::LONG, false);
         piece.give_way();
-        let behind = self.blocks.len() - (k + 1);
-        if self.blocks.push_back(piece).is_err() {
+        // From the front: every block takes the place before it.
+        if self.blocks.push_front(piece).is_err() {
             return;
         }
         let (front, back) = self.blocks.as_mut_slices();
-        let mut ring = front.iter_mut().chain(back).rev();
-        // From the end: every block takes the place behind it.
+        let mut ring = front.iter_mut().chain(back);
         if let Some(mut place) = ring.next() {
-            for before in ring.take(behind) {
-                *place = *before;
-                place = before;
+            for next in ring.take(k + 1) {
+                *place = *next;
+                place = next;
             }
             *place = piece;
         }
