@@ -17,7 +17,7 @@ use super::hold::{Mode, NOTHING};
 use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Ticks ahead of the interrupt at which a new one is made.
-pub(super) const NEAR: u32 = 8;
+pub(super) const NEAR: u32 = 32;
 
 /// The same before blocks are taken in or planned: while a plan is at work there is none to make it of.
 pub(super) const FAR: u32 = 64;
@@ -111,19 +111,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins to make one if the interrupt will come within so many ticks to the one there is, and what is in the queue goes on behind
-    /// it at speed.
+    /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to which the interrupt will come
+    /// within so many ticks, or within half of what is in the queue.
     #[inline(always)]
     pub(super) fn secure(&mut self, within: u32) -> bool {
-        let near = self.queue.clock.now().wrapping_add(clock::TICK * within);
-        self.reserve.kept.is_none_or(|way| clock::is_before(way.at, near) && way.at != self.end)
+        let now = self.queue.clock.now();
+        let within = (self.end.wrapping_sub(now) / 2).min(clock::TICK * within);
+        self.reserve.kept.is_none_or(|way| clock::is_before(way.at, now.wrapping_add(within)))
             && (self.speed > Speed::ZERO || !self.emitter.is_done())
             && self.begin_reserve()
     }
 
     #[inline(never)]
     fn begin_reserve(&mut self) -> bool {
-        let failed = self.reserve.failed == Some(self.end);
+        let has_one = self.reserve.kept.is_some_and(|way| way.at == self.end);
+        let failed = self.reserve.failed == Some(self.end) || has_one;
         if self.stage == Stage::Passing || self.reserve.behind.is_some() || failed {
             return false;
         }
@@ -138,6 +140,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.emitter.has_piece() {
             self.slow_down();
         }
+        if !self.go_on_stopping() {
+            self.take_back();
+        }
         true
     }
 
@@ -151,7 +156,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             accel: 2 * phase.half_accel.to_bits(),
         };
         let k = self.span_at(motion.distance);
-        let Some(flight) = self.touch(k) else { return };
+        self.touch(k);
+        let Some(flight) = self.flights.get(k) else { return };
         if motion.speed == 0 {
             // It has not begun.
             self.emitter.resume_at(0);
@@ -174,14 +180,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if within { before } else { self.laid }
     }
 
-    /// The span `k`, as it will be again when this is over.
-    fn touch(&mut self, k: usize) -> Option<Flight> {
+    /// The span `k` is about to have another law: it will be as it was when this is over.
+    fn touch(&mut self, k: usize) {
         self.restore_touched();
-        let flight = *self.flights.get(k)?;
-        if let Some(aside) = &mut self.reserve.aside {
-            aside.touched = Some((k, flight));
+        if let (Some(aside), Some(flight)) = (&mut self.reserve.aside, self.flights.get(k)) {
+            aside.touched = Some((k, *flight));
         }
-        Some(flight)
     }
 
     fn restore_touched(&mut self) {
@@ -235,7 +239,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The law of the next span: of one that has been handed on, or of the look-ahead.
     fn lay_next(&mut self) -> bool {
-        let Some(Aside { flights, touched, .. }) = self.reserve.aside else { return false };
+        let Some(Aside { flights, touched, .. }) = &self.reserve.aside else { return false };
+        let (flights, touched) = (*flights, touched.as_ref().map(|(k, _)| *k));
         self.reserve.as_planned = false;
         if self.laid >= flights {
             if self.laid == self.flights.len() {
@@ -250,8 +255,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.reserve.distance = Distance::from_bits(flight.end());
                 self.flights.push();
             }
-        } else if touched.is_none_or(|(k, _)| k != self.laid) && self.touch(self.laid).is_none() {
-            return false;
+        } else if touched != Some(self.laid) {
+            self.touch(self.laid);
         }
         // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
         let Some(flight) = self.flights.get_mut(self.laid) else { return false };
@@ -287,14 +292,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// What was put aside goes on.
     fn take_back(&mut self) {
         self.restore_touched();
-        let Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, .. }) =
-            self.reserve.aside.take()
-        else {
-            return;
-        };
-        (self.emitter, self.laid, self.speed, self.owed) = (emitter, laid, speed, owed);
-        (self.end, self.stops, self.mode) = (end, stops, mode);
-        self.flights.truncate(flights);
+        let Some(aside) = &self.reserve.aside else { return };
+        self.emitter = aside.emitter;
+        (self.laid, self.speed, self.owed) = (aside.laid, aside.speed, aside.owed);
+        (self.end, self.stops, self.mode) = (aside.end, aside.stops, aside.mode);
+        self.flights.truncate(aside.flights);
+        self.reserve.aside = None;
     }
 
     /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if the interrupt has gone on
