@@ -260,12 +260,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.secure(NEAR) { Work::Working } else { Work::Waiting }
     }
 
-    /// Whether the look-ahead takes no other block before some of its own have left: there, or in the queue, is no room for one.
-    #[inline(always)]
-    fn is_full(&self) -> bool {
-        self.lookahead.is_full() || self.queue.segments.is_bent_full()
-    }
-
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
     #[inline(never)]
     fn round_off(&mut self) -> bool {
@@ -282,7 +276,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.secure(FAR) {
             return Work::Working;
         }
-        if self.is_full() || self.runs_dry() {
+        if self.lookahead.is_full() || self.runs_dry() {
             return self.begin_pass();
         }
         if !self.contouring.is_empty() && self.round_off() {

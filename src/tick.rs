@@ -96,8 +96,8 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         self.done += 1;
         self.distance = Distance::from_bits(distance);
 
-        if let Some((curve, along)) = self.queue.segments.follow(distance) {
-            curve.at(along, &mut self.set_points);
+        if let Some((segment, along)) = self.queue.segments.follow(distance) {
+            segment.shape.at(along, &segment.base, &mut self.set_points);
         }
         self.queue.clock.pass();
         State::Active

@@ -1,8 +1,7 @@
 //! Feed hold, resume and abort at any tick: inside all limits, on the path, exact at the end.
 use glidepath::machine::MachineData;
-use glidepath::path::Shape;
 use glidepath::quantity::{Distance, Position, Speed};
-use glidepath::queue::{Phase, Rings, Slot, clock};
+use glidepath::queue::{Phase, Rings, Segment, Slot, clock};
 use glidepath::tick::{Interpolator, State};
 use host_tests::cases::feeds::Feeds;
 use host_tests::cases::random::{Mix, Random, program};
@@ -217,7 +216,7 @@ fn a_cut_is_taken_as_a_whole_or_not_at_all() {
         let mut rings: Rings<1, 1> = Rings::new();
         let (mut sender, receiver) = rings.split();
         let mut interpolator = Interpolator::new(receiver, [Position::ZERO]);
-        assert!(sender.segments.push(&Shape::resting(Distance::from_bits(1)), &[Position::ZERO], 0, 0));
+        assert!(sender.segments.push(&Segment::BLANK.shape, &[Position::ZERO], 0, 0));
         let mut seen = Vec::new();
         let mut ticks = |n: usize| {
             for _ in 0..n {

@@ -1,9 +1,7 @@
 //! The ring of curves between planner and interrupt: which one a tick finds, and which it gives back.
-use glidepath::nc::Plane;
-use glidepath::path::{LONGEST, Shape, arc};
+use glidepath::path::{LONGEST, Shape};
 use glidepath::quantity::{Distance, Position};
-use glidepath::queue::{BENDS, Course, Follower, Layer, MOST, SEGMENTS, Segment};
-use host_tests::cases::machines::machine;
+use glidepath::queue::{Course, Follower, Layer, MOST, SEGMENTS, Segment, Slot};
 use host_tests::cases::random::Random;
 
 /// Curves of the look-ahead.
@@ -14,7 +12,9 @@ const ALL: usize = AHEAD + SEGMENTS;
 const FAR: i64 = 1 << 61;
 
 fn shape(length: i64) -> Shape<1> {
-    Shape::resting(Distance::from_bits(length))
+    let mut shape = Segment::BLANK.shape;
+    shape.length = Distance::from_bits(length);
+    shape
 }
 
 /// Puts in a curve of that length, with its number as block; its start.
@@ -32,9 +32,9 @@ fn found(follower: &mut Follower<'_, 1>, distance: i64) -> Option<(u32, i64)> {
         assert_eq!((segment.block, segment.n), (number, number.wrapping_mul(10)));
         assert_eq!(segment.base, [Position::from_bits(i64::from(number))]);
     };
-    let (number, along) = follower.follow(distance).map(|(curve, along)| {
-        on(curve.segment, curve.segment.block);
-        (curve.segment.block, along)
+    let (number, along) = follower.follow(distance).map(|(segment, along)| {
+        on(segment, segment.block);
+        (segment.block, along)
     })?;
     on(follower.peek(distance).expect("a curve"), number);
     Some((number, along))
@@ -216,49 +216,4 @@ fn a_way_to_a_standstill_is_known_as_far_as_distances_are_compared() {
     // The next word tells it the rest.
     layer.hand_on(1);
     assert!(layer.known().to_bits() >= known + FAR / 2);
-}
-
-/// Arcs and lines in turn, several laps of both rings, some taken back: each arc stays what it was until it is passed.
-#[test]
-fn bends_belong_to_their_curves() {
-    const ROOM: usize = 300;
-    let measure = machine::<3>(1000, |_, _| {}).measure();
-    let mut course = Course::<3, ROOM>::new();
-    let (mut layer, mut follower) = course.split();
-    let mut random = Random::new(3);
-    let mm = |x: u32| Position::from_bits(i64::from(x) << 32);
-    let (mut list, mut at, mut full, mut withdrawn) = (Vec::<(Shape<3>, i64)>::new(), 0, 0, 0);
-    while list.len() < 5000 {
-        while !layer.is_full() && list.len() - at < ROOM {
-            let number = list.len() as u32;
-            let end = [mm(2 + number % 50), Position::ZERO, Position::ZERO];
-            let centre = [Position::from_bits(end[0].to_bits() / 2), Position::ZERO];
-            let element = arc(&[Position::ZERO; 3], &end, centre, Plane::G17, true, &measure);
-            let arc = element.expect("an arc").shape;
-            let shape = if random.once_in(3) { Shape::resting(arc.length) } else { arc };
-            let start = layer.end().to_bits();
-            assert!(layer.push(&shape, &[Position::ZERO; 3], number, number));
-            list.push((shape, start));
-        }
-        let bends = list[at..].iter().filter(|(shape, _)| shape.is_arc()).count();
-        assert!(bends <= BENDS && layer.is_full() == (bends == BENDS));
-        full += usize::from(layer.is_full());
-        if random.once_in(5) {
-            let left = at + 1 + random.bits() as usize % (list.len() - at);
-            layer.withdraw(left as u32);
-            withdrawn += list.len() - left;
-            list.truncate(left);
-        }
-        at = (at + random.bits() as usize % MOST as usize).min(list.len() - 1);
-        let (shape, start) = &list[at];
-        let along = random.bits() as i64 & i64::MAX;
-        let along = along % shape.length.to_bits();
-        let (mut expected, mut out) = ([Position::ZERO; 3], [Position::ZERO; 3]);
-        shape.at(along, &[Position::ZERO; 3], &mut expected);
-        let (curve, found) = follower.follow(start.wrapping_add(along)).expect("a curve");
-        assert_eq!((curve.segment.block, found), (at as u32, along));
-        curve.at(along, &mut out);
-        assert_eq!(out, expected);
-    }
-    assert!(full > 50 && withdrawn > 100, "{full} {withdrawn}");
 }

@@ -3,7 +3,7 @@
 //! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
 //! then changes linearly with the angle from the one to the other.
 use super::{
-    Arc, Bend, Circle, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, hypot, path_length,
+    Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, hypot, path_length,
 };
 use crate::math::angle::atan2_turns;
 use crate::math::divide::{div_shift_signed, div_wide};
@@ -103,7 +103,7 @@ pub fn arc<const AXES: usize>(
         let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
         (div_shift_signed(missed, 62, end_w) << 2) as i32
     });
-    shape.bend = Some(Bend::Arc(circle));
+    shape.curve = Curve::Arc(circle);
 
     let linear = shape.linear_tangent();
     let end = |r: [i64; 2], len: i64| {
@@ -216,7 +216,7 @@ impl<const AXES: usize> Element<AXES> {
     /// Direction and curvature at `distance` from the start of a line or an arc.
     pub fn end_at(&self, distance: i64) -> End<AXES> {
         let mut end = self.entry;
-        let (Some(Bend::Arc(arc)), Some(circle)) = (self.shape.bend, self.circle) else { return end };
+        let (Curve::Arc(arc), Some(circle)) = (self.shape.curve, self.circle) else { return end };
         let shift = u32::from(self.shape.shift & 63);
         let r = arc.circle(Halves::of(distance << shift), 0).map(|x| x as f64 * LSB_42);
         let r0 = { arc.a }.map(|x| x as f64 * LSB_44_F64);

@@ -1,5 +1,5 @@
 //! G00 and G01: a straight line of all axes together.
-use super::{Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
@@ -74,7 +74,7 @@ impl<const AXES: usize> Straight<AXES> {
     #[inline(always)]
     pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
-        let shape = Shape { length, gain, bend: None, shift };
+        let shape = Shape { length, gain, curve: Curve::Line, shift };
         (shape, End { tangent, curvature: [0.0; AXES] })
     }
 

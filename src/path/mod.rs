@@ -176,16 +176,17 @@ pub struct Shape<const AXES: usize> {
     /// Path length, above 0.
     pub length: Distance,
     /// Linear part: 2^-42 mm per 2^64 units of `w`.
-    pub(crate) gain: [i64; AXES],
-    /// What comes to that: nothing to a line.
-    pub(crate) bend: Option<Bend<AXES>>,
+    gain: [i64; AXES],
+    curve: Curve<AXES>,
     /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond an end.
-    pub(crate) shift: u8,
+    shift: u8,
 }
 
-/// The part of a curve that a line does not have.
+/// What comes to the linear part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Bend<const AXES: usize> {
+enum Curve<const AXES: usize> {
+    /// Nothing.
+    Line,
     /// A circle.
     Arc(Arc),
     /// See [`mod@poly`].
@@ -200,7 +201,7 @@ pub(crate) enum Bend<const AXES: usize> {
 /// The part of an arc in its plane. Packed so that a polynomial of three axes is hardly larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
-pub(crate) struct Arc {
+struct Arc {
     /// Radius vector at the start, 2^-44 mm.
     a: [i64; 2],
     /// Angle: 2^-59 revolutions per 2^64 units of `w`.
@@ -213,35 +214,42 @@ pub(crate) struct Arc {
     plane: [u8; 2],
 }
 
-/// A [`Shape`] without its length, wherever its parts lie.
-#[derive(Clone, Copy)]
-pub(crate) struct Sight<'a, const AXES: usize> {
-    pub gain: &'a [i64; AXES],
-    pub bend: Option<&'a Bend<AXES>>,
-    pub shift: u8,
-}
-
 impl<const AXES: usize> Shape<AXES> {
+    /// No shape: all bits zero.
+    pub(crate) const BLANK: Self =
+        Self { length: Distance::ZERO, gain: [0; AXES], curve: Curve::Line, shift: 0 };
+
     /// A shape of that length that does not move yet.
-    pub fn resting(length: Distance) -> Self {
+    fn resting(length: Distance) -> Self {
         let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(2);
-        Self { length, gain: [0; AXES], bend: None, shift }
+        Self { length, gain: [0; AXES], curve: Curve::Line, shift }
+    }
+
+    /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
+    #[inline(always)]
+    pub(crate) fn assign(&mut self, other: &Self) {
+        if other.is_line() {
+            (self.length, self.gain, self.curve, self.shift) =
+                (other.length, other.gain, Curve::Line, other.shift);
+        } else {
+            *self = *other;
+        }
     }
 
     /// Whether it is a line.
     pub(crate) fn is_line(&self) -> bool {
-        self.bend.is_none()
+        matches!(self.curve, Curve::Line)
     }
 
     /// Whether it is an arc.
     pub fn is_arc(&self) -> bool {
-        matches!(self.bend, Some(Bend::Arc(_)))
+        matches!(self.curve, Curve::Arc(_))
     }
 
     /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
-        if let Some(Bend::Arc(arc)) = self.bend {
+        if let Curve::Arc(arc) = self.curve {
             for (axis, a) in arc.plane.into_iter().zip(arc.a) {
                 if let Some(x) = base.get_mut(axis as usize) {
                     *x = Position::from_bits(x.to_bits().wrapping_sub(a >> 12));
@@ -251,27 +259,6 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half an LSB of a position,
-    /// for an arc 2^-44 of its radius more; 0 at both ends.
-    #[inline(always)]
-    pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
-        Sight { gain: &self.gain, bend: self.bend.as_ref(), shift: self.shift }.at(distance, base, out);
-    }
-
-    /// The same at its end. Of a line without a branch for every axis, which would keep the halves of `w` apart.
-    #[inline(always)]
-    pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
-        if !self.is_line() {
-            return self.at(self.length.to_bits(), base, out);
-        }
-        let w = self.end_w();
-        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
-            *x = add(*base, mul_near(w, *gain));
-        }
-    }
-}
-
-impl<const AXES: usize> Sight<'_, AXES> {
     /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift of two words.
     #[inline(always)]
     fn w(&self, distance: i64) -> i64 {
@@ -285,15 +272,16 @@ impl<const AXES: usize> Sight<'_, AXES> {
         (u64::from(upper) << 32 | u64::from(lower)) as i64
     }
 
-    /// [`Shape::at`]. Runs in the tick.
+    /// Position of every axis at `distance` from the start of the block. Runs in the tick.
+    /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
         *out = *base;
-        if let Some(Bend::Poly { power, down }) = self.bend {
-            return bent(w, (self.gain, power, down), base, out);
+        if let Curve::Poly { power, down } = &self.curve {
+            return self.bent(w, (power, down), base, out);
         }
-        if let Some(Bend::Arc(arc)) = self.bend {
+        if let Curve::Arc(arc) = &self.curve {
             // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
             let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
             let [x, y] = arc.circle(Halves::of(w), HALF);
@@ -301,7 +289,7 @@ impl<const AXES: usize> Sight<'_, AXES> {
                 out[axis] = Position::from_bits(out[axis].to_bits().wrapping_add(offset >> GUARD));
             }
         }
-        for ((x, base), gain) in out.iter_mut().zip(base).zip(self.gain) {
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
                 // Opaque in each branch: the sign of its upper word would come in a word of its own, and each product
                 // would be three.
@@ -310,28 +298,35 @@ impl<const AXES: usize> Sight<'_, AXES> {
             }
         }
     }
-}
 
-/// A polynomial at `w`: linear part, coefficients and their exponents. Not inlined: lines would pay for its registers.
-#[inline(never)]
-fn bent<const AXES: usize>(
-    w: i64,
-    (gain, power, down): (&[i64; AXES], &[[i32; 4]; AXES], &[u8; AXES]),
-    base: &[Position; AXES],
-    out: &mut [Position; AXES],
-) {
-    let linear = base.iter().zip(gain);
-    for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
-        // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
-        let w = black_box(w);
-        *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
+    /// A polynomial at `w`. Not inlined: lines would pay for its registers.
+    #[inline(never)]
+    fn bent(
+        &self,
+        w: i64,
+        (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
+        base: &[Position; AXES],
+        out: &mut [Position; AXES],
+    ) {
+        let linear = base.iter().zip(&self.gain);
+        for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
+            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
+            let w = black_box(w);
+            *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
+        }
     }
-}
 
-impl<const AXES: usize> Bend<AXES> {
-    /// All bits zero.
-    pub(crate) const BLANK: Self =
-        Self::Arc(Arc { a: [0; 2], turn: 0, grow: [0; 2], miss: [0; 2], plane: [0; 2] });
+    /// The same at its end. Of a line without a branch for every axis, which would keep the halves of `w` apart.
+    #[inline(always)]
+    pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        if !self.is_line() {
+            return self.at(self.length.to_bits(), base, out);
+        }
+        let w = self.end_w();
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
+            *x = add(*base, mul_near(w, *gain));
+        }
+    }
 }
 
 impl Arc {

@@ -8,7 +8,7 @@
 //! with the last part in 2^-42 mm and coefficients of 32 bits. What their rounding leaves is taken into the linear part, so
 //! that the end is met to the last bit; direction and curvature at the ends are off by about 2^-29 of the curve's
 //! own.
-use super::{Bend, Element, End, FINER, GUARD, LONGEST, Shape};
+use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};
 
@@ -112,7 +112,7 @@ impl<const AXES: usize> Draft<AXES> {
             return None;
         }
         let mut shape = Shape::resting(Distance::from_bits(bits));
-        shape.bend = Some(Bend::Poly { power: [[0; 4]; AXES], down: [0; AXES] });
+        shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
         let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
         let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None });
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
@@ -130,7 +130,7 @@ impl<const AXES: usize> Draft<AXES> {
         let h = f64::from(self.length);
         let end_w = shape.end_w();
         let reciprocal = shape.reciprocal();
-        let Some(Bend::Poly { power, down: downs }) = &mut shape.bend else { return None };
+        let Curve::Poly { power, down: downs } = &mut shape.curve else { return None };
         let bounds = bounds.as_mut()?;
         // τ at the end is 1 / grow.
         let grow = power_of_two(62) / end_w as f64;

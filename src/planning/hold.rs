@@ -520,12 +520,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands = self.motion_at(self.end).map_or(self.handed.to_bits(), |motion| motion.distance);
-        if let Some((number, start, curve)) = self.queue.segments.at_hand() {
-            let along = stands.wrapping_sub(start);
-            curve.at(along, &mut self.entered);
+        if let Some(segment) = self.queue.segments.recent(number) {
+            let along = stands.wrapping_sub(segment.start.to_bits());
+            segment.shape.at(along, &segment.base, &mut self.entered);
             // At the end of all that was handed on, no block of the look-ahead has begun.
             if along > 0 || number != self.queue.segments.handed() {
-                self.begun = curve.segment.block.wrapping_add(1);
+                self.begun = segment.block.wrapping_add(1);
             }
         }
         // The interrupt keeps the curve it is on.

@@ -4,10 +4,6 @@
 //! planner counts two kinds of them: those *handed on*, which pieces of time move along, and behind them those of the look-ahead, of
 //! which the interrupt already knows where they are.
 //!
-//! What a line does not have, and arcs and polynomials do, is most of a curve. It lies in a ring of its own, in the same order, and
-//! only they take room there. The planner counts with every curve how many of them were put in before it: those before the
-//! curve that the interrupt is on are free again. Where none is free, no curve goes in, as if all slots were taken.
-//!
 //! Starts lie in an array of their own, longer than the ring, so that behind the last curve there is room for starts that
 //! no distance reaches. So many of them are kept there as a tick looks at: it asks neither how many curves there are
 //! nor where the array ends (its head is repeated behind its end), and halves a window of fixed size.
@@ -16,8 +12,8 @@
 //! the place of is out of reach in both halves, so that a start half written is out of reach too. Distances can be compared over
 //! a limited way only: where the curves of the look-ahead lead beyond, their starts are written when the interrupt comes nearer.
 #![allow(unsafe_code)]
-use super::{BENDS, SEGMENTS, Segment, Slot};
-use crate::path::{Bend, Shape, Sight};
+use super::{SEGMENTS, Segment, Slot};
+use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
@@ -58,21 +54,18 @@ impl<T, const A: usize, const B: usize> Both<T, A, B> {
     }
 }
 
-/// The slot of a curve, or of its bend.
-struct Place<T>(UnsafeCell<T>);
+/// The slot of a curve.
+struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
 
 // SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has given it back, and read
 // only by the one interrupt in between, or by the planner itself; starts and `taken` pass it with release and acquire.
-unsafe impl<T: Send> Sync for Place<T> {}
+unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
-impl<T: Slot> Place<T> {
+impl<const AXES: usize> Place<AXES> {
     const fn blank() -> Self {
-        Self(UnsafeCell::new(T::BLANK))
+        Self(UnsafeCell::new(Segment::BLANK))
     }
 }
-
-/// A bend's slot has a number of 8 bits from 1, and curves handed on leave room for others.
-const _: () = assert!(BENDS < u8::MAX as usize && BENDS > SEGMENTS);
 
 /// The index `by` further in a ring of `len`.
 #[inline(always)]
@@ -112,8 +105,7 @@ impl Start {
 
 /// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
 pub struct Course<const AXES: usize, const BLOCKS: usize> {
-    slots: Both<Place<Segment<AXES>>, BLOCKS, SEGMENTS>,
-    bends: [Place<Bend<AXES>>; BENDS],
+    slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
     starts: Both<Start, BLOCKS, STARTS>,
     /// Curves the interrupt has left since the split.
     taken: AtomicU32,
@@ -121,8 +113,7 @@ pub struct Course<const AXES: usize, const BLOCKS: usize> {
 
 /// Puts curves in. They are numbered from 0 since the split.
 pub struct Layer<'a, const AXES: usize> {
-    slots: &'a [Place<Segment<AXES>>],
-    bends: &'a [Place<Bend<AXES>>; BENDS],
+    slots: &'a [Place<AXES>],
     starts: &'a [Start],
     taken: &'a AtomicU32,
     /// Curves put in.
@@ -138,10 +129,6 @@ pub struct Layer<'a, const AXES: usize> {
     end: i64,
     /// There were long ones.
     long: bool,
-    /// Bends put in, how many there is surely room for, and where the next one goes.
-    bent: u32,
-    bendable: u32,
-    bend: usize,
 }
 
 /// Follows them.
@@ -149,48 +136,14 @@ pub struct Follower<'a, const AXES: usize> {
     taken: &'a AtomicU32,
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: Lap<'a, Start>,
-    slot: Lap<'a, Place<Segment<AXES>>>,
-    bends: &'a [Place<Bend<AXES>>; BENDS],
-}
-
-/// A curve in the ring, and its bend.
-#[derive(Clone, Copy)]
-pub struct Found<'a, const AXES: usize> {
-    /// The curve.
-    pub segment: &'a Segment<AXES>,
-    bend: Option<&'a Bend<AXES>>,
-}
-
-impl<const AXES: usize> Found<'_, AXES> {
-    /// Position of every axis at `along` from its start: [`Shape::at`]. Runs in the tick.
-    #[inline(always)]
-    pub fn at(&self, along: i64, out: &mut [Position; AXES]) {
-        let Segment { gain, shift, base, .. } = self.segment;
-        Sight { gain, bend: self.bend, shift: *shift }.at(along, base, out);
-    }
-}
-
-/// A curve with its bend.
-///
-/// # Safety
-/// The planner does not write that curve's bend as long as this is borrowed.
-#[inline(always)]
-unsafe fn found<'a, const AXES: usize>(
-    segment: &'a Segment<AXES>,
-    bends: &'a [Place<Bend<AXES>>; BENDS],
-) -> Found<'a, AXES> {
-    // Of a line the number is beyond all of them.
-    let place = bends.get(usize::from(segment.bend.wrapping_sub(1)));
-    // SAFETY: the caller says so.
-    Found { segment, bend: place.map(|Place(bend)| unsafe { &*bend.get() }) }
+    slot: Lap<'a, Place<AXES>>,
 }
 
 /// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
 struct Lap<'a, T> {
     at: *const T,
     end: *const T,
-    /// From the end to the first one, bytes.
-    back: isize,
+    len: usize,
     ring: PhantomData<&'a [T]>,
 }
 
@@ -201,15 +154,14 @@ impl<'a, T> Lap<'a, T> {
     /// At the first element. The ring is so many elements at the front of the array, one at least.
     fn new(array: &'a [T], len: usize) -> Self {
         let at = array.as_ptr();
-        let back = ((len * size_of::<T>()) as isize).wrapping_neg();
-        Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
+        Self { at, end: at.wrapping_add(len), len, ring: PhantomData }
     }
 
     /// Goes on by no more than a lap.
     #[inline(always)]
     fn go_on(&mut self, by: usize) {
         let to = self.at.wrapping_add(by);
-        self.at = if to >= self.end { to.wrapping_byte_offset(self.back) } else { to };
+        self.at = if to >= self.end { to.wrapping_sub(self.len) } else { to };
     }
 }
 
@@ -221,7 +173,6 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
                 front: [const { Place::blank() }; BLOCKS],
                 back: [const { Place::blank() }; SEGMENTS],
             },
-            bends: [const { Place::blank() }; BENDS],
             starts: Both {
                 front: [const { Start::zero() }; BLOCKS],
                 back: [const { Start::zero() }; STARTS],
@@ -233,19 +184,13 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
     /// Both ends, emptied. There is one of each: they borrow it exclusively.
     pub fn split(&mut self) -> (Layer<'_, AXES>, Follower<'_, AXES>) {
         *self.taken.get_mut() = 0;
-        // Before the first curve.
-        if let Some(Place(last)) = self.slots.back.last_mut() {
-            *last.get_mut() = Segment::BLANK;
-        }
         let (slots, starts, taken) = (self.slots.as_slice(), self.starts.as_slice(), &self.taken);
-        let bends = &self.bends;
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
         let (start, slot) = (Lap::new(starts, places(starts)), Lap::new(slots, slots.len()));
         let layer = Layer {
             slots,
-            bends,
             starts,
             taken,
             count: 0,
@@ -255,11 +200,8 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
             place: 0,
             end: 0,
             long: false,
-            bent: 0,
-            bendable: BENDS as u32,
-            bend: 0,
         };
-        (layer, Follower { taken, start, slot, bends })
+        (layer, Follower { taken, start, slot })
     }
 }
 
@@ -288,20 +230,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
     /// Whether there is no room for another curve.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
-        self.count.wrapping_sub(self.taken()) as usize >= self.slots.len() || self.is_bent_full()
-    }
-
-    /// Whether there is no room for another arc or polynomial.
-    #[inline(always)]
-    pub fn is_bent_full(&self) -> bool {
-        self.bendable == 0 && self.room_for_bends() == 0
-    }
-
-    /// Room for bends: those before the curve that the interrupt is on are free.
-    #[inline(never)]
-    fn room_for_bends(&self) -> u32 {
-        let passed = self.recent(self.taken()).map_or(self.bent, |segment| segment.bends);
-        (BENDS as u32).saturating_sub(self.bent.wrapping_sub(passed))
+        self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared over.
@@ -324,10 +253,10 @@ impl<const AXES: usize> Layer<'_, AXES> {
         if (number.wrapping_sub(taken) as i32) <= 1 {
             return false;
         }
-        let (Some(first), Some(last)) = (self.start(taken), self.recent(number.wrapping_sub(1))) else {
+        let (Some(first), Some(last)) = (self.recent(taken), self.recent(number.wrapping_sub(1))) else {
             return false;
         };
-        last.end.to_bits().wrapping_sub(first) > OUT_OF_REACH
+        last.end().wrapping_sub(first.start.to_bits()) > OUT_OF_REACH
     }
 
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block; `false` if there is no
@@ -340,14 +269,11 @@ impl<const AXES: usize> Layer<'_, AXES> {
         }
         // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of planners there is one.
         let segment = unsafe { &mut *slot.get() };
+        segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
+        (segment.base, segment.start, segment.n, segment.block) =
+            (*base, Distance::from_bits(start), n, block);
         self.end = start.wrapping_add(length);
-        (segment.gain, segment.shift, segment.base) = (shape.gain, shape.shift, *base);
-        (segment.end, segment.n, segment.block) = (Distance::from_bits(self.end), n, block);
-        (segment.bends, segment.bend) = (self.bent, 0);
-        if let Some(bend) = &shape.bend {
-            segment.bend = self.push_bend(bend);
-        }
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());
         self.place = on(place, 1, places(self.starts));
@@ -364,23 +290,6 @@ impl<const AXES: usize> Layer<'_, AXES> {
         true
     }
 
-    /// Puts the bend of the next curve in; its number, from 1. There is room.
-    #[inline(never)]
-    fn push_bend(&mut self, bend: &Bend<AXES>) -> u8 {
-        if self.bendable == 0 {
-            self.bendable = self.room_for_bends();
-        }
-        let at = self.bend;
-        if let Some(Place(slot)) = self.bends.get(at) {
-            // SAFETY: not full, so the interrupt is past the curve that had it, and finds none that has it now; of planners there is one.
-            unsafe { *slot.get() = *bend };
-        }
-        self.bend = on(at, 1, BENDS);
-        self.bent = self.bent.wrapping_add(1);
-        self.bendable = self.bendable.saturating_sub(1);
-        at as u8 + 1
-    }
-
     /// That many more curves are handed on.
     #[inline(always)]
     pub fn hand_on(&mut self, curves: u32) {
@@ -394,18 +303,15 @@ impl<const AXES: usize> Layer<'_, AXES> {
     #[inline(never)]
     fn show(&mut self) {
         let from = self.shown;
-        // The curve before is in the ring: the interrupt has left none of those to be shown.
-        let Some(before) = self.recent(from.wrapping_sub(1)) else { return };
-        let mut start = before.end.to_bits();
-        let (mut end, mut cleared) = (start, from.wrapping_add(BEHIND as u32));
+        let (mut end, mut cleared) = (0, from.wrapping_add(BEHIND as u32));
         for _ in 0..self.slots.len() {
             let due = (self.handed.wrapping_sub(self.shown) as i32) > 0;
             if self.shown == self.count || (!due && self.is_far(self.shown)) {
                 break;
             }
             let Some(segment) = self.recent(self.shown) else { break };
-            let is_long = segment.end.to_bits().wrapping_sub(end) >= LONG;
-            end = segment.end.to_bits();
+            end = segment.end();
+            let is_long = segment.shape.length.to_bits() >= LONG;
             self.shown = self.shown.wrapping_add(1);
             if is_long || (cleared.wrapping_sub(self.shown) as i32) < 0 {
                 cleared = self.shown;
@@ -419,16 +325,9 @@ impl<const AXES: usize> Layer<'_, AXES> {
         }
         for number in numbers(from, self.shown) {
             if let Some(segment) = self.recent(number) {
-                self.set(self.place_of(number), start, Ordering::Release);
-                start = segment.end.to_bits();
+                self.set(self.place_of(number), segment.start.to_bits(), Ordering::Release);
             }
         }
-    }
-
-    /// Where the curve with this number begins, which the interrupt has seen and not left.
-    pub fn start(&self, number: u32) -> Option<i64> {
-        let is_there = (number.wrapping_sub(self.shown) as i32) < 0;
-        if is_there { Some(self.starts.get(self.place_of(number))?.get()) } else { None }
     }
 
     /// Where the start of the curve with this number is.
@@ -488,7 +387,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
     /// Path distance up to which the interrupt finds its way.
     pub fn known(&self) -> Distance {
         let last = self.recent(self.shown.wrapping_sub(1));
-        Distance::from_bits(last.map_or(self.end, |segment| segment.end.to_bits()))
+        Distance::from_bits(last.map_or(self.end, Segment::end))
     }
 
     /// The curve that was put in as the one with this number, if it is one of the last.
@@ -504,24 +403,13 @@ impl<const AXES: usize> Layer<'_, AXES> {
         Some(unsafe { &*slot.get() })
     }
 
-    /// The curve that the interrupt is on, with its number and where it begins.
-    pub fn at_hand(&self) -> Option<(u32, i64, Found<'_, AXES>)> {
-        let number = self.taken();
-        let (start, segment) = (self.start(number)?, self.recent(number)?);
-        // SAFETY: only this end of the ring writes bends, and needs `&mut self` for that.
-        Some((number, start, unsafe { found(segment, self.bends) }))
-    }
-
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It does not get further
     /// before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
         let first = self.taken().wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
         let back = self.count.wrapping_sub(number);
-        let Some(end) = self.recent(number.wrapping_sub(1)).map(|segment| segment.end.to_bits()) else {
-            return;
-        };
-        let bends = self.recent(number).map_or(self.bent, |segment| segment.bends);
+        let Some(end) = self.recent(number.wrapping_sub(1)).map(Segment::end) else { return };
         let behind = self.count.wrapping_add(BEHIND as u32);
         for number in numbers(number, behind) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
@@ -530,9 +418,6 @@ impl<const AXES: usize> Layer<'_, AXES> {
         self.slot = on(self.slot, len.saturating_sub(back as usize), len);
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
-        let bends_back = self.bent.wrapping_sub(bends);
-        self.bend = on(self.bend, BENDS.saturating_sub(bends_back as usize), BENDS);
-        (self.bent, self.bendable) = (bends, self.bendable.saturating_add(bends_back));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             self.shown = number;
         }
@@ -549,7 +434,7 @@ impl<const AXES: usize> Follower<'_, AXES> {
     /// The curve that a path distance not before the last one asked for is on, and the distance from its start; curves before it are
     /// given back, at most [`MOST`]. `None` before the first one. Runs in the tick.
     #[inline(always)]
-    pub fn follow(&mut self, distance: i64) -> Option<(Found<'_, AXES>, i64)> {
+    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
         // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its first one.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
         let mut at = first;
@@ -567,9 +452,9 @@ impl<const AXES: usize> Follower<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it and its bend alone
-        // until it is given back.
-        Some((unsafe { found(&*(*self.slot.at).0.get(), self.bends) }, along))
+        // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it alone until it is
+        // given back.
+        Some((unsafe { &*(*self.slot.at).0.get() }, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.

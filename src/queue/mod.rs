@@ -7,22 +7,18 @@ mod reserve;
 mod ring;
 
 pub use clock::Clock;
-pub use course::{Course, Follower, Found, Layer, MOST};
+pub use course::{Course, Follower, Layer, MOST};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
 pub use ring::{Consumer, Producer, Ring, Slot};
 
 use crate::control::{Control, Ticket};
 use crate::math::wide::mul_u32;
-use crate::path::Bend;
+use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 
 /// Elements handed on. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
 /// channel, beside those of the look-ahead, and that of a law in the planner.
 pub const SEGMENTS: usize = 64;
-/// What only arcs and polynomials have: so many of those in the ring have it. As many as curves of a look-ahead of 120 blocks and
-/// those handed on, so that such a look-ahead is never shorter for what its blocks are.
-pub const BENDS: usize = 120 + SEGMENTS;
-
 /// Pieces of time handed over.
 pub const PHASES: usize = 256;
 
@@ -57,26 +53,19 @@ pub enum Function {
     Tool(u32),
 }
 
-/// A curve at its place on the path. Where it begins is known from the curve before, how long it is nobody asks; what only an arc or a
-/// polynomial has lies elsewhere: see [`Course`].
+/// A curve at its place on the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<const AXES: usize> {
-    /// Its linear part: see [`crate::path`].
-    gain: [i64; AXES],
+    /// The curve.
+    pub shape: Shape<AXES>,
     /// What its offsets are added to.
     pub base: [Position; AXES],
-    /// Path distance of its end.
-    pub end: Distance,
+    /// Path distance of its start.
+    pub start: Distance,
     /// Programmed N number.
     pub n: u32,
     /// Motion blocks since program start, from 0.
     pub block: u32,
-    /// Arcs and polynomials before it since the split.
-    bends: u32,
-    /// For its linear part.
-    shift: u8,
-    /// Where the rest of it is, from 1; 0: it is a line.
-    bend: u8,
 }
 
 /// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
@@ -95,21 +84,17 @@ pub struct Phase {
     pub ticks: u16,
 }
 
-impl<const AXES: usize> Slot for Segment<AXES> {
-    const BLANK: Self = Self {
-        gain: [0; AXES],
-        base: [Position::ZERO; AXES],
-        end: Distance::ZERO,
-        n: 0,
-        block: 0,
-        bends: 0,
-        shift: 0,
-        bend: 0,
-    };
+impl<const AXES: usize> Segment<AXES> {
+    /// Path distance of its end, LSB 2^-44 mm.
+    #[inline(always)]
+    pub fn end(&self) -> i64 {
+        self.start.to_bits().wrapping_add(self.shape.length.to_bits())
+    }
 }
 
-impl<const AXES: usize> Slot for Bend<AXES> {
-    const BLANK: Self = Self::BLANK;
+impl<const AXES: usize> Slot for Segment<AXES> {
+    const BLANK: Self =
+        Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], start: Distance::ZERO, n: 0, block: 0 };
 }
 
 impl Slot for Phase {
