@@ -188,7 +188,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
         if self.queue.phases.room() < PIECES + RESERVE {
-            return Ok(self.wait_for_room());
+            return Ok(self.wait_a_while());
         }
         if !self.emitter.is_done() && self.hand_out() {
             return Ok(Work::Working);
@@ -242,8 +242,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 Ok(Work::Working)
             }
             // A span of many blocks was handed on at once: what it took of the room of others comes back first.
-            Stage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_for_room()),
+            Stage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             Stage::Releasing(0) => {
+                if self.secure(FAR) {
+                    return Ok(Work::Working);
+                }
                 self.stage = Stage::Filling;
                 (self.seen, self.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
@@ -254,9 +257,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// The queue is full: time for a way in reserve.
+    /// Nothing to do now: time for a way in reserve.
     #[inline(always)]
-    fn wait_for_room(&mut self) -> Work {
+    fn wait_a_while(&mut self) -> Work {
         if self.secure(NEAR) { Work::Working } else { Work::Waiting }
     }
 
@@ -273,9 +276,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Blocks are taken in, or the ring is planned if there is no room for another one.
     fn fill(&mut self) -> Work {
-        if self.secure(FAR) {
-            return Work::Working;
-        }
         if self.lookahead.is_full() || self.runs_dry() {
             return self.begin_pass();
         }

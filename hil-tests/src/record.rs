@@ -5,7 +5,7 @@ use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
 use glidepath::nc::{Decoder, NcError, Setup, Step};
 use glidepath::quantity::Position;
-use hil_cases::{BLOCKS, Case, Watch, run};
+use hil_cases::{Case, Watch, run};
 
 /// Number, sum and largest of something counted.
 #[derive(Default)]
@@ -52,7 +52,7 @@ impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
 }
 
 /// Runs a case; whether it ended as it should.
-pub fn record<const AXES: usize>(
+pub fn record<const AXES: usize, const BLOCKS: usize>(
     channel: &mut Channel<AXES, BLOCKS>,
     machine: &MachineData<AXES>,
     case: &Case,

@@ -46,7 +46,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub fn go_without(&mut self) -> Work {
         let left = self.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {
-            return Work::Waiting;
+            return self.wait_a_while();
         }
         self.let_go();
         if !self.lookahead.is_empty() {
@@ -56,7 +56,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.functions.at_end(self.taken, self.handed, &mut self.queue.events);
         }
         if self.stood || self.flights.len() == 0 {
-            return Work::Waiting;
+            return self.wait_a_while();
         }
         self.stand();
         Work::Starved

@@ -19,8 +19,8 @@ use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Sp
 /// Ticks ahead of the interrupt at which a new one is made.
 pub(super) const NEAR: u32 = 32;
 
-/// The same before blocks are taken in or planned: while a plan is at work there is none to make it of.
-pub(super) const FAR: u32 = 64;
+/// The same before blocks are taken in and planned: what a slow planner needs for that.
+pub(super) const FAR: u32 = 256;
 
 /// Spans per call.
 const SPANS: u32 = 2;

@@ -18,7 +18,7 @@ const LIMITS: [(&str, u64); 12] = [
     ("case.six_corners.tick_max", 1000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
-    ("size.bytes_per_block_3_axes", 160),
+    ("size.bytes_per_block_3_axes", 216),
 ];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.

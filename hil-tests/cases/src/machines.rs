@@ -1,4 +1,5 @@
 //! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms; two stages for STEP.
+use super::BLOCKS_6;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 
 const fn name(letter: &str) -> AxisName {
@@ -49,5 +50,5 @@ pub const AXES_4: MachineData<4> =
 /// X, Y, Z and the rotary axes A, B and C, with PTP.
 pub const AXES_6: MachineData<6> = MachineData {
     axes: [linear("X"), linear("Y"), linear("Z"), rotary("A"), rotary("B"), rotary("C")],
-    channel: ChannelData { ptp: true, ..CHANNEL },
+    channel: ChannelData { ptp: true, look_ahead: BLOCKS_6 as _, ..CHANNEL },
 };
