@@ -18,7 +18,7 @@
 //!
 //! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
 //! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
-//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own ([`super::reserve`]). Once there,
+//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own (`reserve`). Once there,
 //! the interrupt stays with them until the planner lets it go on.
 //!
 //! An instant is twice the number of ticks of motion passed since the split, modulo 2^32: even, so that an odd one is never.

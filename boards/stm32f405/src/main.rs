@@ -47,8 +47,10 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
     clock::start(&board.RCC, &board.FLASH);
     let axes = output::axes(board.SPI1, board.GPIOA, &board.RCC);
     message::info!("{} bytes of program, cycle {} us", TEXT.len(), machine::MACHINE.channel.cycle_us);
-    let (mut planner, interpolator) = match channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT) {
-        Ok(halves) => halves,
+    // The planner is used where it is made: moved, it would be on the stack twice.
+    let mut halves = channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT);
+    let (planner, interpolator) = match halves {
+        Ok((ref mut planner, interpolator)) => (planner, interpolator),
         Err(_error) => {
             message::error!("machine data refused: {}", defmt::Debug2Format(&_error));
             return;
