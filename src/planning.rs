@@ -26,7 +26,7 @@ use functions::Functions;
 use held::Held;
 use hold::Mode;
 pub use intake::MotionError;
-use reserve::{FAR, NEAR, Reserve};
+use reserve::{FAR, Reserve};
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -244,7 +244,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             // A span of many blocks was handed on at once: what it took of the room of others comes back first.
             Stage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             Stage::Releasing(0) => {
-                if self.secure(FAR) {
+                if self.secure(self.reserve.near.max(FAR)) {
                     return Ok(Work::Working);
                 }
                 self.stage = Stage::Filling;
@@ -255,12 +255,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             Stage::Releasing(left) => self.release(left),
             Stage::Filling => Ok(self.fill()),
         }
-    }
-
-    /// Nothing to do now: time for a way in reserve.
-    #[inline(always)]
-    fn wait_a_while(&mut self) -> Work {
-        if self.secure(NEAR) { Work::Working } else { Work::Waiting }
     }
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
@@ -322,7 +316,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait());
         }
         self.trim();
-        if self.secure(NEAR) {
+        if self.secure(self.reserve.near) {
             return Ok(Work::Working);
         }
         if self.queue.segments.is_sated() || self.flights.is_full() {

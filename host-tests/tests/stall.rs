@@ -452,3 +452,14 @@ fn stalls_with_hsc() {
 fn stalls_with_hsc_and_no_opt_0() {
     all(4);
 }
+
+/// A planner that is called every 60 ticks only, while its queue lasts for many times as long, is not late.
+#[test]
+fn called_rarely_it_is_not_late() {
+    for slope in SLOPES {
+        let track = tracks(slope).into_iter().find(|track| track.name.starts_with("long lines")).expect("it");
+        let calls: Vec<_> = (200..track.ticks()).step_by(60).map(|tick| (tick, Act::Stall(59))).collect();
+        let run = track.run(&calls);
+        assert_eq!((track.differs(&run), run.late.len()), (None, 0), "{}", track.name);
+    }
+}

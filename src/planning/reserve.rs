@@ -16,11 +16,13 @@ use super::flight::Flight;
 use super::hold::{Mode, NOTHING};
 use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
-/// Ticks ahead of the interrupt at which a new one is made.
-pub(super) const NEAR: u32 = 32;
+/// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in and planned: what a slow
+/// planner needs for that.
+const NEAR: u32 = clock::TICK * 32;
+pub(super) const FAR: u32 = clock::TICK * 256;
 
-/// The same before blocks are taken in and planned: what a slow planner needs for that.
-pub(super) const FAR: u32 = 256;
+/// A planner that is called rarely makes it so many times the time between its calls ahead.
+const CALLS: u32 = 2;
 
 /// Spans per call.
 const SPANS: u32 = 2;
@@ -61,6 +63,9 @@ pub(super) struct Reserve {
     distance: Distance,
     /// The law with the emitter is all of it so far.
     as_planned: bool,
+    /// The instant of the last call that had nothing to do, and the time ahead of the interrupt at which a new one is made.
+    waited: u32,
+    pub near: u32,
     /// There was no room for the one that begins there.
     failed: Option<u32>,
     /// Path distance of the standstill, where spans up to there are still to be handed on.
@@ -75,6 +80,8 @@ impl Reserve {
             next: 0,
             distance: Distance::ZERO,
             as_planned: false,
+            waited: 0,
+            near: NEAR,
             failed: None,
             behind: None,
         }
@@ -92,7 +99,7 @@ impl Reserve {
 
     /// Forgets all of it.
     pub fn clear(&mut self) {
-        *self = Self::none();
+        *self = Self { waited: self.waited, ..Self::none() };
     }
 }
 
@@ -112,14 +119,23 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to which the interrupt will come
-    /// within so many ticks, or within half of what is in the queue.
+    /// within that time, or within half of what is in the queue.
     #[inline(always)]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         let now = self.queue.clock.now();
-        let within = (self.end.wrapping_sub(now) / 2).min(clock::TICK * within);
+        let within = (self.end.wrapping_sub(now) / 2).min(within);
         self.reserve.kept.is_none_or(|way| clock::is_before(way.at, now.wrapping_add(within)))
             && (self.speed > Speed::ZERO || !self.emitter.is_done())
             && self.begin_reserve()
+    }
+
+    /// Nothing to do now: time for that.
+    #[inline(always)]
+    pub(super) fn wait_a_while(&mut self) -> Work {
+        let now = self.queue.clock.now();
+        let since = now.wrapping_sub(self.reserve.waited).min(1 << 28);
+        (self.reserve.waited, self.reserve.near) = (now, (CALLS * since).max(NEAR));
+        if self.secure(self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
     #[inline(never)]
