@@ -473,8 +473,9 @@ fn a_late_planner_takes_time_and_loses_nothing() {
     for row in &rows[still + 1..32_000] {
         assert_eq!((&row.axes, row.v_mm_s, row.a_mm_s2), (&rows[still].axes, 0.0, 0.0), "{}", row.t_s);
     }
-    assert!(rows[32_001].axes != rows[still].axes);
-    assert!((number(&run.summary["held_s"]) - (32_000 - still - 1) as f64 * 0.001).abs() < 0.002);
+    // It shows the standstill once more, and starts from rest.
+    assert!(rows[32_010].axes != rows[still].axes);
+    assert!((number(&run.summary["held_s"]) - (32_000 - still - 1) as f64 * 0.001).abs() < 0.005);
     let ends = |rows: &[Row]| rows[rows.len() - 1].axes.clone();
     assert_eq!(ends(rows), ends(&plain.trace.rows));
     assert_eq!(run.summary["blocks"], plain.summary["blocks"]);
