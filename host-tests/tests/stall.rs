@@ -28,10 +28,9 @@ const SHORT: [usize; 5] = [1, 5, 20, 60, 200];
 /// A planner that keeps up: called until it has nothing to do.
 const KEEPS_UP: usize = 1_000_000;
 
-/// A planner that is called so many ticks before a plan begins to differ is not late. The way to a standstill may begin with the rest of
-/// a ramp, which is long with SIN2.
-const AHEAD: usize = 8;
-const AHEAD_SIN2: usize = 128;
+/// A planner that is called so many ticks before a plan begins to differ is not late. The way to a standstill begins as planned: with the
+/// rest of a ramp, with blocks too short to stop in.
+const AHEAD: usize = 160;
 
 /// A law ends between two ticks, and the tick that shows its end comes from the planner: 4 µm, LSB 2^-44 mm.
 const NEAR_REST: i64 = 1 << 36;
@@ -208,10 +207,6 @@ impl Track {
         rests.chain([0]).chain(s.last().copied()).collect()
     }
 
-    fn ahead(&self) -> usize {
-        if self.machine.channel.slope_profile == 2 { AHEAD_SIN2 } else { AHEAD }
-    }
-
     /// The first tick at which a run is another than the undisturbed one.
     fn differs(&self, run: &Operated) -> Option<usize> {
         let rows = self.ticks().max(run.trace.len());
@@ -272,7 +267,7 @@ impl Track {
             if let Err(fault) = self.stalled(&run, at, ticks) {
                 faults.add(self, at, ticks, &fault);
             }
-            if felt.is_none_or(|felt| at + ticks + self.ahead() <= felt)
+            if felt.is_none_or(|felt| at + ticks + AHEAD <= felt)
                 && let Some(seen) = self.differs(&run)
             {
                 faults.add(self, at, ticks, &format!("not felt: at {seen}, a long one at {felt:?}"));
