@@ -270,7 +270,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Blocks are taken in, or the ring is planned if there is no room for another one.
     fn fill(&mut self) -> Work {
-        if self.lookahead.is_full() || self.runs_dry() {
+        if self.lookahead.ring.is_full() || self.runs_dry() {
             return self.begin_pass();
         }
         if !self.contouring.is_empty() && self.round_off() {
@@ -284,7 +284,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.let_go();
             return Work::Working;
         }
-        if self.flush && self.lookahead.is_empty() {
+        if self.flush && self.lookahead.ring.is_empty() {
             return self.come_to_rest();
         }
         // On the way to a standstill what is there has to do: a corner that is held back waits for the rest.
@@ -312,7 +312,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Plans the first span of the ring for good.
     #[inline(never)]
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
-        if self.lookahead.first().is_some_and(|first| first.is_gate()) {
+        if self.lookahead.ring.first().is_some_and(|first| first.is_gate()) {
             return Ok(self.wait());
         }
         self.trim();
@@ -323,7 +323,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(Work::Waiting);
         }
         let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
-        let Some(first) = self.lookahead.release(&mut flight.span) else {
+        let Some(first) = self.lookahead.ring.release(&mut flight.span) else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
@@ -350,10 +350,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     fn hand_on(&mut self, blocks: usize) {
         let mut curves = 0;
         for _ in 0..blocks {
-            let Some(block) = self.lookahead.first() else { break };
+            let Some(block) = self.lookahead.ring.first() else { break };
             curves += u32::from(!block.is_continued());
             self.handed = Distance::from_bits(self.handed.to_bits().wrapping_add(block.length()));
-            self.lookahead.drop_first();
+            self.lookahead.ring.drop_first();
         }
         self.queue.segments.hand_on(curves);
     }

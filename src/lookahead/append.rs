@@ -1,9 +1,11 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
+use super::block::{Block, Joint, Marks, UNPLANNED};
 use super::dip::SPARE;
+use super::dynamics::{Dynamics, Permitted};
 use super::limits::{Share, max, min};
 use super::pace::Slowest;
-use super::{Block, Dynamics, Joint, Lookahead, Marks, Permitted, UNPLANNED};
+use super::ring::Ring;
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -26,7 +28,7 @@ pub(super) struct Last<const AXES: usize> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]

@@ -8,9 +8,12 @@
 //! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
 //! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
 //! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
-use super::dip;
-use super::span::{Law, Pass, Span, spend};
-use super::{Lookahead, Marks, Share, UNPLANNED};
+use super::block::{Marks, UNPLANNED};
+use super::dip::{self, Dip};
+use super::law::{LSB_44, Law, RISE, Span};
+use super::limits::Share;
+use super::plan::spend;
+use super::ring::Ring;
 use crate::math::float::to_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_f32;
@@ -60,11 +63,8 @@ const LAWS: usize = 4;
 pub(super) const ROUNDS: u8 = 4;
 /// Longest span made of two, as a part of the ring.
 const PART: usize = 2;
-/// Less is no gain, and no rise of speed.
-const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
-const RISE: f32 = 1.0 + 1.0 / 1024.0;
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+/// Less is no gain.
+pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
 /// A limit that a law exceeds while its speed changes.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +113,7 @@ pub(super) struct Trial {
     /// Time of the plan as it is.
     pub time: f32,
     pub ease: Ease,
-    pub law: Option<Law>,
+    pub law: Law,
     worst: [Option<Excess>; 2],
     pub rounds: u8,
     /// What the law begins with before its first block, LSB 2^-44 mm.
@@ -125,26 +125,29 @@ pub(super) struct Trial {
 }
 
 impl Trial {
+    pub const NONE: Self = Self {
+        step: Step::Seek,
+        from: 0,
+        at: 0,
+        to: 0,
+        next: 1,
+        way: 0,
+        last: 0,
+        spans: [Span::NONE; 2],
+        speeds: [Speed::ZERO; 3],
+        time: 0.0,
+        ease: Ease::NONE,
+        law: Law::NONE,
+        worst: [None; 2],
+        rounds: 0,
+        head: 0,
+        fitting: false,
+        first: true,
+    };
+
+    /// Up to the anchor `last`.
     pub fn new(last: usize) -> Self {
-        Self {
-            step: Step::Seek,
-            from: 0,
-            at: 0,
-            to: 0,
-            next: 1,
-            way: 0,
-            last,
-            spans: [Span::default(); 2],
-            speeds: [Speed::ZERO; 3],
-            time: 0.0,
-            ease: Ease::NONE,
-            law: None,
-            worst: [None; 2],
-            rounds: 0,
-            head: 0,
-            fitting: false,
-            first: true,
-        }
+        Self { last, ..Self::NONE }
     }
 
     /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the end. That stays as
@@ -159,68 +162,47 @@ impl Trial {
     /// Begins to compare a law with all blocks.
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
-        self.law = Some(law);
+        self.law = law;
         (self.next, self.way) = (self.from, self.head);
         self.worst = [None; 2];
     }
+}
 
-    /// Takes note that the limit `v` between two distances is exceeded; `false` where less acceleration is no help.
-    fn exceeds(&mut self, law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> bool {
-        let [v_in, v_out] = [self.speeds[0], self.speeds[2]].map(|v| speed_f32(v.to_bits()));
+impl Excess {
+    /// That of the limit `v` between two distances, and whether it is one of the slowing down; `None` where less acceleration is no
+    /// help.
+    fn new(law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
+        let [v_in, v_out] = law.ends();
         let (side, way, low) = if to <= law.reaches_at() {
             (0, to, v_in)
         } else if from >= law.brakes_at() {
             (1, length - from, v_out)
         } else {
-            return false;
+            return None;
         };
-        if v <= low {
-            return false;
-        }
-        let a = (v - low) * (v + low) / way;
-        if let Some(worst) = self.worst.get_mut(side)
-            && worst.is_none_or(|worst| a < worst.a)
-        {
-            *worst = Some(Excess { way, v, a });
-        }
-        true
+        (v > low).then(|| (side, Self { way, v, a: (v - low) * (v + low) / way }))
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// Some steps of a trial; the next pass, or none if this one goes on.
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+    /// Some steps of a trial; `true` when all are done.
     #[inline(never)]
-    pub(super) fn trials(&mut self, pass: &mut Trial, work: &mut usize) -> Option<Pass> {
+    pub(super) fn trials(&mut self, pass: &mut Trial, dip: &mut Dip, work: &mut usize) -> bool {
         while *work > 0 {
-            let next = self.trial(pass, work);
-            if next.is_some() {
-                return next;
+            spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
+            match pass.step {
+                Step::Seek => {
+                    if self.seek(pass, dip) {
+                        return true;
+                    }
+                }
+                Step::Gather => self.gather(pass),
+                Step::Compare => self.compare(pass, dip),
+                Step::Search(side, between) => self.search(pass, side, between),
+                Step::Dip(step) => self.dip(pass, dip, step),
             }
         }
-        None
-    }
-
-    fn trial(&mut self, pass: &mut Trial, work: &mut usize) -> Option<Pass> {
-        spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
-        match pass.step {
-            Step::Seek => self.seek(pass),
-            Step::Gather => {
-                self.gather(pass);
-                None
-            }
-            Step::Compare => {
-                self.compare(pass);
-                None
-            }
-            Step::Search(side, between) => {
-                self.search(pass, side, between);
-                None
-            }
-            Step::Dip(_) => {
-                self.dip(pass, work);
-                None
-            }
-        }
+        false
     }
 
     /// What the span leaves unused that begins with this block.
@@ -241,16 +223,16 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
         }
     }
 
-    /// Goes on to the next anchor that may be tried.
-    fn seek(&mut self, pass: &mut Trial) -> Option<Pass> {
+    /// Goes on to the next anchor that may be tried; `true` if there is none.
+    fn seek(&mut self, pass: &mut Trial, dip: &mut Dip) -> bool {
         for _ in 0..WALK {
             if pass.next >= pass.last && core::mem::take(&mut pass.first) {
                 (pass.from, pass.next) = (0, 1);
             }
             if pass.next >= pass.last {
-                return Some(self.complete());
+                return true;
             }
-            let Some(block) = self.blocks.get(pass.next) else { return Some(self.complete()) };
+            let Some(block) = self.blocks.get(pass.next) else { return true };
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open()
                 && !(pass.first
@@ -259,20 +241,20 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
             if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.next) {
                 pass.at = pass.next;
                 if pass.first && block.limits.may_dip() {
-                    self.look_further(pass);
-                    return None;
+                    self.look_further(pass, dip);
+                    return false;
                 }
                 pass.next = pass.from;
-                pass.spans = [Span::default(); 2];
+                pass.spans = [Span::NONE; 2];
                 pass.step = Step::Gather;
-                return None;
+                return false;
             }
             if anchor {
                 pass.from = pass.next;
             }
             pass.next += 1;
         }
-        None
+        false
     }
 
     /// Whether the span that begins with this block keeps the limits of all its blocks, as fast as it may be.
@@ -366,26 +348,32 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// Compares the law with some of the blocks.
-    fn compare(&mut self, pass: &mut Trial) {
-        let Some(mut law) = pass.law else { return self.keep_anchor(pass) };
+    fn compare(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let length = to_f32(pass.spans[0].length) * LSB_44;
         for _ in 0..STEPS {
             let block = match self.blocks.get(pass.next) {
                 Some(block) if pass.next < pass.to => block,
-                _ => return self.compared(pass),
+                _ => return self.compared(pass, dip),
             };
             let start = to_f32(pass.way.max(0)) * LSB_44;
             pass.way += block.length;
             let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
             let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
-                if !law.keeps(v, places[0], places[1]) && !pass.exceeds(&law, v, places, length) {
+                if pass.law.keeps(v, places[0], places[1]) {
+                    continue;
+                }
+                let Some((side, excess)) = Excess::new(&pass.law, v, places, length) else {
                     return self.slow_peak(pass, v);
+                };
+                if let Some(worst) = pass.worst.get_mut(side)
+                    && worst.is_none_or(|worst| excess.a < worst.a)
+                {
+                    *worst = Some(excess);
                 }
             }
             pass.next += 1;
         }
-        pass.law = Some(law);
     }
 
     /// The peak lies in a block of that speed.
@@ -400,10 +388,10 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// All blocks are compared.
-    fn compared(&mut self, pass: &mut Trial) {
+    fn compared(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let [up, down] = pass.worst;
         if up.is_none() && down.is_none() {
-            return if pass.fitting { self.fitted(pass) } else { self.do_without(pass) };
+            return if pass.fitting { self.fitted(pass, dip) } else { self.do_without(pass) };
         }
         if pass.rounds == 0 {
             return self.keep_anchor(pass);

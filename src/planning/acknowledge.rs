@@ -26,7 +26,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether the motion stands still because acknowledgements have not come.
     pub fn is_waiting(&self) -> bool {
-        let gate = self.lookahead.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
+        let gate = self.lookahead.ring.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
         gate && self.stood && self.queue.clock.now() == self.end
     }
 
@@ -40,10 +40,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let answers = self.queue.control.take_answers();
-        let lookahead = &mut self.lookahead;
+        let ring = &mut self.lookahead.ring;
         let (mut first, mut any) = (false, false);
         self.functions.answer(answers, |gate| {
-            let index = lookahead.open_gate(gate);
+            let index = ring.open_gate(gate);
             first |= index == Some(0);
             any |= index > Some(0);
         });
@@ -60,11 +60,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if done || self.mode.stopping || self.laid != self.flights.len() {
             return false;
         }
-        let reach = flight.span.reach(self.lookahead.entry());
+        let reach = flight.span.reach(self.lookahead.ring.entry());
         if flight.span.v_out != Speed::ZERO || reach == Speed::ZERO {
             return false;
         }
-        self.lookahead.free_start(reach);
+        self.lookahead.ring.free_start(reach);
         self.lookahead.begin_pass(!self.flush);
         self.joining = true;
         true
@@ -78,14 +78,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.joining = false;
         // What was to be handed on had another plan.
         self.reopened = true;
-        let first = self.lookahead.first_speed();
+        let first = self.lookahead.ring.first_speed();
         let last = self.flights.len().wrapping_sub(1);
         let v_out = self.flights.get(last).map_or(Speed::ZERO, |flight| flight.span.reach(first));
         let joined = v_out > Speed::ZERO && self.join_at(v_out);
         let begins = if joined { v_out } else { Speed::ZERO };
         if begins != first {
             // The plan began faster.
-            self.lookahead.restart(begins);
+            self.lookahead.ring.restart(begins);
         }
         if !joined {
             return Some(Work::Working);

@@ -73,7 +73,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// An arc goes on behind what was held back.
     pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
-        if self.lookahead.is_full() {
+        if self.lookahead.ring.is_full() {
             self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {

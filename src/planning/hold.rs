@@ -174,7 +174,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
-        self.flights.len() == 0 && self.lookahead.is_empty() && self.rest == 0
+        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.rest == 0
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -491,7 +491,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         self.mode.uneven &= self.laid < self.flights.len();
-        let all = self.laid == self.flights.len() && self.lookahead.is_empty();
+        let all = self.laid == self.flights.len() && self.lookahead.ring.is_empty();
         if self.mode.stopping && (self.speed == Speed::ZERO || all) {
             self.mode.standing = true;
             return Ok(Some(Work::Working));

@@ -2,7 +2,7 @@
 use super::Planning;
 use super::functions::Functions;
 use super::held::Held;
-use crate::lookahead::{Dynamics, Lookahead, Permitted, SLOWEST};
+use crate::lookahead::{Dynamics, Permitted, Ring, SLOWEST};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
@@ -46,7 +46,7 @@ pub(super) struct Pass {
 
 /// The way into the look-ahead.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
-    lookahead: &'a mut Lookahead<AXES, BLOCKS>,
+    ring: &'a mut Ring<AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,
@@ -75,11 +75,11 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
         element.shape.end(&base, self.entered);
-        self.lookahead.before(gate);
-        self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, long);
+        self.ring.before(gate);
+        self.ring.push(element, limits, pass.feed.is_none(), self.dynamics, long);
         self.dynamics.settle();
         if pass.stop {
-            self.lookahead.stop_here();
+            self.ring.stop_here();
         }
     }
 }
@@ -156,7 +156,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.contouring.release(true);
         self.stop_held();
         if !self.contouring.holds() && self.held.is_none() {
-            self.lookahead.stop_here();
+            self.lookahead.ring.stop_here();
         }
     }
 
@@ -245,7 +245,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
         let Self { lookahead, functions, dynamics, entered, held, queue, .. } = self;
         let (segments, events) = (&mut queue.segments, &mut queue.events);
-        (Entrance { lookahead, functions, dynamics, segments, events, entered }, held)
+        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, events, entered }, held)
     }
 
     /// Takes over an element from contour mode.

@@ -28,7 +28,7 @@ const SOON: u32 = 2;
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being taken in.
     pub(super) fn runs_dry(&mut self) -> bool {
-        if self.speed == Speed::ZERO || self.lookahead.is_empty() {
+        if self.speed == Speed::ZERO || self.lookahead.ring.is_empty() {
             return false;
         }
         let now = self.queue.clock.now();
@@ -49,7 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return self.wait_a_while();
         }
         self.let_go();
-        if !self.lookahead.is_empty() {
+        if !self.lookahead.ring.is_empty() {
             return self.begin_pass();
         }
         if !self.contouring.holds() {

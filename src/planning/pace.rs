@@ -17,7 +17,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         let level = self.pace.level();
-        if level > self.lookahead.level() || self.lookahead.is_empty() {
+        if level > self.lookahead.ring.level() || self.lookahead.ring.is_empty() {
             self.lookahead.set_level(level);
             self.dynamics.set_level(level);
             self.renew_held();

@@ -263,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.flights.truncate(flights);
                 self.laid = flights;
                 let Some(flight) = self.flights.spare() else { return false };
-                if !self.lookahead.planned(self.reserve.next, &mut flight.span) {
+                if !self.lookahead.ring.planned(self.reserve.next, &mut flight.span) {
                     return false;
                 }
                 flight.begin(self.reserve.distance);

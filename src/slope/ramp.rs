@@ -27,6 +27,9 @@ pub enum Ramp {
 }
 
 impl Ramp {
+    /// Of nothing.
+    pub const NONE: Self = Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0 });
+
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         match self {

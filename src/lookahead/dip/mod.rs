@@ -20,9 +20,11 @@
 //! A block that is cut takes two places of the ring. They share its curve.
 mod shift;
 
-use super::ease::{self, Ease, Trial};
-use super::span::{Law, Span, length_mm, spend};
-use super::{Joint, Limits, Lookahead, Marks, UNPLANNED, limits, max, min};
+use super::block::{Joint, Marks, UNPLANNED};
+use super::ease::{self, Ease, GAIN, Trial};
+use super::law::{Law, RISE, Span, length_mm};
+use super::limits::{self, Limits, max, min};
+use super::ring::Ring;
 use crate::math::float::to_bits;
 use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
@@ -36,18 +38,12 @@ const WALK: usize = 32;
 const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
-/// Less is no rise of speed.
-const RISE: f32 = 1.0 + 1.0 / 1024.0;
-/// Less is no gain.
-const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 /// Deepest dip, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
 const DEEPEST: f32 = 0.125;
 /// Depth of the best dip below a speed that is small beside that of the fast block.
 const BEST: f32 = 1.0 / 3.9;
 /// A dip is so much shorter than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
 #[derive(Clone, Copy, Debug, Default)]
@@ -168,22 +164,9 @@ impl Dip {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// Some steps; the work of the first one is spent.
-    pub(super) fn dip(&mut self, pass: &mut Trial, work: &mut usize) {
-        // Apart from the pass, which is copied with every call.
-        let mut dip = self.dip;
-        while let ease::Step::Dip(step) = pass.step {
-            self.step_dip(pass, &mut dip, step);
-            if *work == 0 {
-                break;
-            }
-            spend(work, ease::TRIAL);
-        }
-        self.dip = dip;
-    }
-
-    fn step_dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+    /// One step.
+    pub(super) fn dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
         match step {
             Step::Look => self.look(pass, dip),
             Step::TakeIn => self.take_in(pass, dip),
@@ -491,15 +474,8 @@ impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
     }
 
     /// The law keeps the limits of the blocks.
-    pub(super) fn fitted(&mut self, pass: &mut Trial) {
-        let mut dip = self.dip;
-        self.next_fit(pass, &mut dip);
-        self.dip = dip;
-    }
-
-    fn next_fit(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let time = pass.law.as_ref().map_or(0.0, Law::time);
-        dip.time += time;
+    pub(super) fn fitted(&mut self, pass: &mut Trial, dip: &mut Dip) {
+        dip.time += pass.law.time();
         let [first, behind, middle] = &mut dip.eases;
         *match dip.fitting {
             1 => first,

@@ -2,10 +2,12 @@
 //!
 //! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
 //! zero either: it moves into the block on the other side, as far as the limit where it was permits.
-use super::{Dip, LSB_44, RISE, Step};
+use super::{Dip, Step};
+use crate::lookahead::block::{Joint, Marks, ROUNDED, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
-use crate::lookahead::span::{Law, Span};
-use crate::lookahead::{Joint, Limits, Lookahead, Marks, ROUNDED, UNPLANNED};
+use crate::lookahead::law::{LSB_44, Law, RISE, Span};
+use crate::lookahead::limits::Limits;
+use crate::lookahead::ring::Ring;
 use crate::math::float::to_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::{speed_bits, speed_f32};
@@ -17,15 +19,9 @@ const LAWS: usize = 2;
 /// An anchor moves only for so much: less is better gained without it.
 const WORTH: f32 = 0.995;
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
     /// An anchor that is slower than it may be.
-    pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial) {
-        let mut dip = self.dip;
-        self.look_shift(pass, &mut dip);
-        self.dip = dip;
-    }
-
-    fn look_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let (from, at) = (pass.from, pass.at);
         let to = self.anchor_behind(at);
         if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {

@@ -1,0 +1,266 @@
+//! Spans of blocks, and the law of one: from one speed up to a peak and down to another.
+use super::block::{Block, Marks};
+use super::limits::{Limits, Share, max, min};
+use crate::math::float::to_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::{peak_above, speed_bits, speed_f32};
+use crate::slope::ramp::Ramp;
+
+/// Blocks without an anchor between them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// Path length, LSB 2^-44 mm.
+    pub length: i64,
+    /// What all of them permit; of the speeds the highest.
+    pub limits: Limits,
+    /// The speed at its start may have been planned for another end speed.
+    pub kept: bool,
+}
+
+/// The law of a span: from one speed up to a peak and down to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    up: Ramp,
+    down: Ramp,
+    v_in: f32,
+    v_out: f32,
+    peak: f32,
+    length: f32,
+    /// The slowing down is final.
+    firm: bool,
+    /// The limit asked for last, where it is reached and where it is left.
+    asked: [f32; 3],
+}
+
+/// Steps of the search for an end speed.
+const LEAVE_STEPS: usize = 24;
+
+/// Less is no rise of speed.
+pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
+
+/// A distance in a span is good to this part of its length.
+const DISTANCE: f32 = 1.0 / 1_048_576.0;
+
+pub(super) const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+impl Span {
+    /// No block.
+    pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
+
+    /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
+    pub fn add(&mut self, block: &Block, share: Option<&Share>) {
+        match share {
+            None if self.length == 0 => self.limits = block.limits,
+            None => self.limits.join(&block.limits),
+            Some(share) => {
+                let limits = block.limits.shared(share);
+                if self.length == 0 {
+                    self.limits = limits;
+                } else {
+                    self.limits.join(&limits);
+                }
+            }
+        }
+        self.kept = block.is(Marks::KEPT) || self.length > 0;
+        self.length += block.length;
+    }
+
+    /// Takes in a piece of a block beside it.
+    pub fn add_piece(&mut self, limits: &Limits, length: i64) {
+        let v = self.limits.v;
+        self.limits.join(limits);
+        self.limits.v = v;
+        self.kept = true;
+        self.length += length;
+    }
+
+    /// Loses a piece at an end.
+    pub fn shorten(&mut self, length: i64) {
+        self.kept = true;
+        self.length -= length;
+    }
+
+    /// Takes in the span behind it.
+    pub fn append(&mut self, other: &Self) {
+        self.limits.join(&other.limits);
+        self.kept = true;
+        self.length += other.length;
+    }
+
+    fn millimetres(&self) -> f32 {
+        to_f32(self.length) * LSB_44
+    }
+
+    pub fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
+        faster(ramp, self.millimetres(), low, cap)
+    }
+
+    /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves unused may lower its highest
+    /// speed below `cap`.
+    pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
+        self.faster(&self.limits.brake(), v_out, min(cap, self.limits.v))
+    }
+
+    /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
+    pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
+        leave(&self.limits, self.length, self.kept, v_in, next)
+    }
+
+    /// Whether it permits both speeds and is long enough from one to the other.
+    pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
+        if v_in.max(v_out).to_bits() > speed_bits(self.limits.v) {
+            false
+        } else if v_out < v_in {
+            loses(&self.limits.brake(), self.millimetres(), v_in, v_out)
+        } else {
+            self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
+        }
+    }
+}
+
+impl Law {
+    /// Of nothing.
+    pub const NONE: Self = Self {
+        up: Ramp::NONE,
+        down: Ramp::NONE,
+        v_in: 0.0,
+        v_out: 0.0,
+        peak: 0.0,
+        length: 0.0,
+        firm: false,
+        asked: [f32::MAX; 3],
+    };
+
+    pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
+        let (up, down) = (span.limits.speed_up(), span.limits.brake());
+        let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
+        let low = v_in.max(v_out);
+        let peak = low + peak_above(&up, &down, [v_in, v_out, low], span.length, span.limits.v);
+        let [v_in, v_out, peak] = [v_in, v_out, peak].map(speed_f32);
+        Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
+    }
+
+    /// Whether its slowing down is final.
+    pub fn is_firm(&self) -> bool {
+        self.firm
+    }
+
+    /// Speeds at both ends.
+    pub fn ends(&self) -> [f32; 2] {
+        [self.v_in, self.v_out]
+    }
+
+    /// Highest speed.
+    pub fn peak(&self) -> f32 {
+        self.peak
+    }
+
+    /// Duration, ticks.
+    pub fn time(&self) -> f32 {
+        let [gained, lost] = [self.peak - self.v_in, self.peak - self.v_out];
+        let way = self.up.distance(self.v_in, gained)[0] + self.down.distance(self.v_out, lost)[0];
+        self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
+    }
+
+    /// Where the speeding up ends.
+    pub fn reaches_at(&self) -> f32 {
+        self.up.distance(self.v_in, self.peak - self.v_in)[0]
+    }
+
+    /// Where the slowing down begins.
+    pub fn brakes_at(&self) -> f32 {
+        self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
+    }
+
+    /// Whether its end is slower than its peak.
+    pub fn slows_down(&self) -> bool {
+        self.peak > self.v_out * RISE
+    }
+
+    /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
+    pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
+        if v >= self.peak {
+            return true;
+        }
+        if self.asked[0] != v {
+            let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
+            let left = self.length - self.down.passes(self.v_out, self.peak - self.v_out, v - self.v_out);
+            self.asked = [v, reached, left];
+        }
+        let near = DISTANCE * self.length;
+        to + near <= self.asked[1] || (self.firm && from - near >= self.asked[2])
+    }
+}
+
+/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too short even for
+/// a standstill. `kept`: the speed at its start may have been planned for another end speed.
+#[inline(always)]
+pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
+    let length = to_f32(length) * LSB_44;
+    if next >= v_in {
+        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
+    }
+    if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
+}
+
+/// The same where that is slower than `v_in`, whose plan may have had another end speed.
+#[inline(never)]
+fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
+    let brake = limits.brake();
+    let possible = |v_out: Speed| loses(&brake, length, v_in, v_out);
+    if possible(next) {
+        return Some(next);
+    }
+    // The speed was planned with a lower one here, where slowing down is quicker.
+    let (mut low, mut high) = (0, next.to_bits());
+    for _ in 0..LEAVE_STEPS {
+        let middle = low + (high - low) / 2;
+        if possible(Speed::from_bits(middle)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let v_out = Speed::from_bits(low);
+    (low > 0 || possible(v_out)).then_some(v_out)
+}
+
+/// Highest speed at the start of a span, at most `v_in`, from which it can slow down to `v_out`.
+pub(super) fn enter(limits: &Limits, length: i64, v_out: Speed, v_in: Speed) -> Speed {
+    let gain = ramp_gain(&limits.brake(), v_out, to_f32(length) * LSB_44);
+    Speed::from_bits(v_out.to_bits().saturating_add(gain)).min(v_in)
+}
+
+/// Whether a span is long enough to slow down from `v_in` to `v_out`.
+pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed) -> bool {
+    loses(&limits.brake(), to_f32(length) * LSB_44, v_in, v_out)
+}
+
+fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
+    let gain = ramp_gain(brake, v_out, length);
+    v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
+}
+
+/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.
+///
+/// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB in
+/// `f32`.
+#[inline(always)]
+pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
+    let cap = speed_bits(cap);
+    if low.to_bits() >= cap {
+        return Speed::from_bits(cap);
+    }
+    Speed::from_bits(low.to_bits().saturating_add(ramp_gain(ramp, low, length)).min(cap))
+}
+
+/// Change of speed from `low` on, rounded down by 2^-21.
+#[inline(always)]
+fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
+    speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
+}
+
+/// Path length, mm.
+pub(super) fn length_mm(block: &Block) -> f32 {
+    to_f32(block.length) * LSB_44
+}

@@ -1,0 +1,192 @@
+//! The plan at work: which pass it is in, what each of them knows, and how much of it one call does.
+//!
+//! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the next one begins.
+use super::block::Marks;
+use super::dip::Dip;
+use super::ease::Trial;
+use super::law::{faster, length_mm};
+use super::ring::Ring;
+use super::span::{Backward, Forward, Inside};
+use crate::quantity::Speed;
+
+/// Where the plan stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stage {
+    /// Complete.
+    Done,
+    /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of the last of
+    /// them.
+    Blocks(usize, Speed),
+    /// Speeds from which the plan can still stop, from the end to the front.
+    Backward,
+    /// Speeds that can be reached, from the front to the end.
+    Forward,
+    /// The blocks of one span against its law.
+    Inside,
+    /// Two spans against one law.
+    Trial,
+}
+
+/// The passes, of which one is at work.
+pub(super) struct Plan {
+    pub stage: Stage,
+    pub backward: Backward,
+    pub forward: Forward,
+    pub inside: Inside,
+    pub trial: Trial,
+    /// What is tried to be cut.
+    pub dip: Dip,
+}
+
+/// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
+const STEPS: usize = 16;
+/// What one call does with spans, LSB about 32 instructions: a call costs 1,000.
+const WORK: usize = 600;
+
+/// Some of the work of a call is done.
+pub(super) fn spend(work: &mut usize, part: usize) {
+    *work = work.saturating_sub(part);
+}
+
+impl Plan {
+    /// None.
+    pub const NONE: Self = Self {
+        stage: Stage::Done,
+        backward: Backward::NONE,
+        forward: Forward::NONE,
+        inside: Inside::NONE,
+        trial: Trial::NONE,
+        dip: Dip::NONE,
+    };
+
+    /// Whether it is complete.
+    pub fn is_done(&self) -> bool {
+        matches!(self.stage, Stage::Done)
+    }
+
+    /// Begins to plan.
+    pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) {
+        let left = ring.blocks.len();
+        if ring.through == 0 {
+            ring.blockwise = true;
+            self.stage = Stage::Blocks(left, Speed::ZERO);
+            return;
+        }
+        if ring.blockwise {
+            ring.blockwise = false;
+            for block in &mut ring.blocks {
+                block.v_old = block.v_in;
+                block.marks.set(Marks::CHECKED, false);
+            }
+        }
+        let until = left.min(core::mem::replace(&mut ring.until, usize::MAX));
+        self.backward = Backward::new(left, until, Speed::ZERO);
+        self.stage = Stage::Backward;
+    }
+
+    /// Goes on; `true` when the plan is complete.
+    pub fn step<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+        match self.stage {
+            Stage::Blocks(left, v_out) => self.blocks(ring, left, v_out),
+            Stage::Done => true,
+            _ => self.spans(ring),
+        }
+    }
+
+    /// The same with spans of several blocks: as much as one call may do.
+    #[inline(never)]
+    fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+        let mut work = WORK;
+        while work > 0 {
+            match self.stage {
+                Stage::Backward => ring.backward(self, &mut work),
+                Stage::Forward => ring.forward(self, &mut work),
+                Stage::Inside => ring.inside(self, &mut work),
+                Stage::Trial => {
+                    if ring.trials(&mut self.trial, &mut self.dip, &mut work) {
+                        self.complete(ring);
+                    }
+                }
+                Stage::Done | Stage::Blocks(..) => break,
+            }
+        }
+        self.is_done()
+    }
+
+    /// Every speed is final.
+    pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) {
+        ring.end = ring.blocks.len();
+        ring.free = None;
+        for block in ring.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {
+            block.marks.set(Marks::FRESH, false);
+            block.v_old = block.v_reached;
+        }
+        self.stage = Stage::Done;
+    }
+
+    fn blocks<const AXES: usize, const BLOCKS: usize>(
+        &mut self,
+        ring: &mut Ring<AXES, BLOCKS>,
+        mut left: usize,
+        mut v_out: Speed,
+    ) -> bool {
+        for _ in 0..STEPS {
+            // The first block's start is already decided.
+            if left <= 1 {
+                ring.raise_first(v_out);
+                return self.blocks_done(ring);
+            }
+            left -= 1;
+            let last = left + 1 == ring.blocks.len();
+            let Some(block) = ring.blocks.get_mut(left) else { continue };
+            let share = ring.last.as_ref().filter(|_| last && ring.open).map(|last| &last.share);
+            let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+            let v = faster(&brake, length_mm(block), v_out, block.cap());
+            // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
+            // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
+            // What was planned with a lower end speed stays possible, and is not taken back.
+            block.marks.set(Marks::KEPT, v < block.v_in);
+            let v = v.max(block.v_in);
+            if v == block.v_in && left <= ring.until {
+                return self.blocks_done(ring);
+            }
+            block.v_in = v;
+            v_out = v;
+        }
+        self.stage = Stage::Blocks(left, v_out);
+        false
+    }
+
+    fn blocks_done<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+        ring.end = ring.blocks.len();
+        ring.until = usize::MAX;
+        self.stage = Stage::Done;
+        true
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+    /// The first block's start may rise: to what its end permits.
+    fn raise_first(&mut self, v_out: Speed) {
+        let last = self.open && self.blocks.len() == 1;
+        let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+        let Some(block) = self.blocks.front_mut() else { return };
+        // Decided with another speed at its end.
+        block.marks.set(Marks::KEPT, true);
+        let Some(reach) = self.free.take() else { return };
+        let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+        let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
+        block.v_in = v.max(block.v_in);
+    }
+
+    /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.
+    pub(super) fn ready(&self) -> usize {
+        if !self.open {
+            return self.blocks.len();
+        }
+        let batch = self.batch();
+        (batch..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|b| b.is(Marks::ANCHOR)))
+            .unwrap_or(batch)
+    }
+}

@@ -1,0 +1,168 @@
+//! What leaves the ring: the span at its front, whole.
+use super::block::{Block, Marks, ROUNDED};
+use super::ease::Ease;
+use super::law;
+use super::limits::{Limits, max, min};
+use super::pace::Headroom;
+use super::ring::Ring;
+use crate::quantity::{Distance, Speed};
+
+/// The span at the front of the ring.
+#[derive(Clone, Copy, Debug)]
+pub struct Release {
+    /// Its blocks.
+    pub blocks: usize,
+    /// Path length.
+    pub length: Distance,
+    /// What all of its blocks permit; of the speeds the highest.
+    pub limits: Limits,
+    /// Deceleration that all of its blocks permit: a law may be gentler, see `limits`.
+    pub a_down: f32,
+    /// The lowest of their speeds.
+    pub v_least: f32,
+    /// Speed at its start.
+    pub v_in: Speed,
+    /// Speed at its end.
+    pub v_out: Speed,
+    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
+    /// one of `v_least` and `v_in`.
+    pub checked: bool,
+    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
+    pub ceiling: f32,
+    /// How its speed follows the override: of its blocks the fastest.
+    pub headroom: Headroom,
+    /// The speed of the block behind it.
+    pub v_next: f32,
+    /// How that follows the override.
+    pub next: Headroom,
+    /// Highest speed while the speed is reduced.
+    pub v_reduced: f32,
+    /// The level that all speeds were planned for.
+    pub level: f32,
+}
+
+impl Release {
+    /// Nothing.
+    pub const BLANK: Self = Self {
+        blocks: 0,
+        length: Distance::ZERO,
+        limits: Limits::WIDEST,
+        a_down: f32::MAX,
+        v_least: 0.0,
+        v_in: Speed::ZERO,
+        v_out: Speed::ZERO,
+        checked: false,
+        ceiling: f32::MAX,
+        headroom: Headroom::NONE,
+        v_next: 0.0,
+        next: Headroom::NONE,
+        v_reduced: f32::MAX,
+        level: 1.0,
+    };
+
+    /// Takes in a higher level.
+    pub fn raise(&mut self, level: f32) {
+        let risen = |v: f32, h: Headroom| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
+        self.limits.v = risen(self.limits.v, self.headroom);
+        self.v_next = risen(self.v_next, self.next);
+        self.level = level;
+    }
+
+    /// Its limits, and the deceleration of a slowing down that takes the place of its law.
+    pub const fn braking(&self) -> (&Limits, f32) {
+        (&self.limits, self.a_down)
+    }
+
+    /// Whether it is long enough to slow down from `v_in` to `v_out`.
+    pub fn can_leave(&self, v_in: Speed, v_out: Speed) -> bool {
+        law::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
+    }
+
+    /// Highest speed at its start, at most `v_in`, from which its end speed can be reached.
+    pub fn enter(&self) -> Speed {
+        law::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)
+    }
+
+    /// Highest speed at its end, at most `next`, that can be reached from the speed at its start.
+    pub fn reach(&self, next: Speed) -> Speed {
+        law::leave(&self.limits, self.length.to_bits(), true, self.v_in, next).unwrap_or(Speed::ZERO)
+    }
+
+    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
+    pub fn leave(&self, v_in: Speed) -> Speed {
+        law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
+    /// is none.
+    pub fn release(&mut self, release: &mut Release) -> Option<&Block> {
+        let (front, back) = self.blocks.as_slices();
+        Self::span_of(front.iter().chain(back), release)?;
+        release.level = self.level;
+        release.v_reduced = self.slowest.least;
+        release.checked &= !self.stale || release.blocks == 1;
+        if let Some(next) = self.blocks.get_mut(release.blocks) {
+            next.start_at(release.v_out);
+        }
+        self.stale = false;
+        self.blocks.front()
+    }
+
+    /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there is none. Not while the plan
+    /// is at work.
+    pub fn planned(&self, at: usize, release: &mut Release) -> bool {
+        release.level = self.level;
+        release.v_reduced = self.slowest.least;
+        Self::span_of(self.blocks.iter().take(self.end).skip(at), release).is_some()
+    }
+
+    /// The span at the front of these blocks; what the ring has for all of them is left open.
+    #[inline(always)]
+    fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block>, release: &mut Release) -> Option<()> {
+        let mut ease = Ease::NONE;
+        let first = ring.next()?;
+        let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
+        let mut v_least = first.limits.v;
+        let mut headroom = first.headroom;
+        let mut limits = first.limits;
+        let next = loop {
+            match ring.next() {
+                Some(block) if !block.is(Marks::ANCHOR) => {
+                    if blocks == 1 {
+                        ease = block.ease();
+                    }
+                    v_least = min(v_least, min(block.cap, block.limits.v));
+                    limits.join(&block.limits);
+                    headroom.join(block.headroom);
+                    length += block.length;
+                    (blocks, kept) = (blocks + 1, true);
+                }
+                next => break next,
+            }
+        };
+        release.a_down = limits.a_down;
+        if blocks > 1 {
+            limits.ease(ease);
+        }
+        let v_in = first.v_in;
+        let mut v_out = Speed::ZERO;
+        release.v_next = 0.0;
+        if let Some(next) = next {
+            (release.v_next, release.next) = (next.limits.v, next.headroom);
+            let planned = next.v_in.max(Speed::ZERO);
+            v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
+        }
+        if first.is(Marks::FLAT) {
+            limits.flatten(v_in, v_out);
+        }
+        release.blocks = blocks;
+        release.length = Distance::from_bits(length);
+        release.limits = limits;
+        (release.headroom, release.ceiling) = (headroom, f32::MAX);
+        release.checked = first.is(Marks::CHECKED) || blocks == 1;
+        (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
+        Some(())
+    }
+}

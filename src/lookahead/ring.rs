@@ -1,0 +1,213 @@
+//! The ring of blocks: what comes in, what leaves, and what counts them.
+use super::append::Last;
+use super::block::{Block, Joint, Marks, ROUNDED};
+use super::limits::{max, min};
+use super::pace::Slowest;
+use crate::quantity::Speed;
+use crate::slope::profile::speed_bits;
+use heapless::Deque;
+
+/// The ring.
+pub struct Ring<const AXES: usize, const BLOCKS: usize> {
+    pub(super) blocks: Deque<Block, BLOCKS>,
+    pub(super) depth: usize,
+    pub(super) last: Option<Last<AXES>>,
+    /// The next transition is a standstill.
+    pub(super) stop: bool,
+    /// The next block is a gate.
+    pub(super) gate: bool,
+    /// The plan goes on at least to this block: from there on it may be as it was.
+    pub(super) until: usize,
+    /// The first block's start may rise up to this speed.
+    pub(super) free: Option<Speed>,
+    /// More blocks may come.
+    pub(super) open: bool,
+    /// Transitions in the ring that are no anchors.
+    pub(super) through: usize,
+    /// Anchors that may be tried to do without.
+    pub(super) untried: usize,
+    /// Blocks in the ring that are long.
+    pub(super) long: usize,
+    /// Path length since the last anchor, LSB 2^-44 mm.
+    pub(super) span: i64,
+    /// The last plan was one of single blocks.
+    pub(super) blockwise: bool,
+    /// Where the plan before the present one ended: so many blocks from the front.
+    pub(super) end: usize,
+    /// The first block's start was lowered while the plan was at work.
+    pub(super) stale: bool,
+    /// Speeds are those of the programmed feed, so many times.
+    pub(super) level: f32,
+    pub(super) slowest: Slowest,
+    /// Blocks that are left free for cuts.
+    pub(super) spare: usize,
+}
+
+/// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
+const LONG_BLOCKS: usize = 2;
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+    /// An empty ring that uses `depth` of its blocks.
+    pub const fn new(depth: usize) -> Self {
+        let depth = if depth < BLOCKS { depth } else { BLOCKS };
+        Self {
+            blocks: Deque::new(),
+            depth,
+            last: None,
+            stop: false,
+            gate: false,
+            until: usize::MAX,
+            free: None,
+            open: false,
+            through: 0,
+            untried: 0,
+            long: 0,
+            span: 0,
+            blockwise: true,
+            end: 0,
+            stale: false,
+            level: 1.0,
+            slowest: Slowest::NONE,
+            spare: 0,
+        }
+    }
+
+    /// The level of all speeds, see [`Pace`].
+    pub fn level(&self) -> f32 {
+        self.level
+    }
+
+    /// Speeds are planned for another level, a higher one unless the ring is empty. What was planned stays possible.
+    pub(super) fn set_level(&mut self, level: f32) {
+        let before = self.level;
+        self.level = level;
+        let mut last = 0.0;
+        for (k, block) in self.blocks.iter_mut().enumerate() {
+            let by = block.headroom.raised(level) / block.headroom.raised(before);
+            block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
+            block.marks.set(Marks::CHECKED, false);
+            if k > 0 {
+                // From the highest speed that the transition permits, of which no more than the double is known.
+                let highest = block.cap * block.joint.rises();
+                block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
+                block.joint = Joint::new(min(highest / block.cap, 2.0), block.joint.is_open());
+            }
+            last = block.limits.v;
+        }
+        if !self.blocks.is_empty() {
+            self.until = 0;
+        }
+    }
+
+    /// Whether there is no room for another block, or what is there is long enough for any speed.
+    pub fn is_full(&self) -> bool {
+        self.blocks.len() + self.spare >= self.depth || self.long >= LONG_BLOCKS
+    }
+
+    /// Whether there is no block.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    /// Throws away what it holds.
+    pub(super) fn clear(&mut self) {
+        self.blocks.clear();
+        self.last = None;
+        self.gate = false;
+        (self.until, self.free) = (usize::MAX, None);
+        self.through = 0;
+        self.untried = 0;
+        self.long = 0;
+        self.span = 0;
+    }
+
+    /// Blocks handed on after a pass: a quarter of what is there.
+    pub fn batch(&self) -> usize {
+        (self.blocks.len() / 4).max(1)
+    }
+
+    /// Demands a standstill before the next block.
+    pub fn stop_here(&mut self) {
+        self.stop = true;
+    }
+
+    /// Whether the motion waits for acknowledgements before the next block.
+    pub fn before(&mut self, gate: bool) {
+        self.gate = gate;
+    }
+
+    /// A plan of the whole ring begins, see [`super::Lookahead::begin_pass`].
+    pub(super) fn begin_pass(&mut self, open: bool) {
+        self.open = open;
+        if core::mem::take(&mut self.stale)
+            && let Some(first) = self.blocks.front_mut()
+        {
+            first.marks.set(Marks::CHECKED, false);
+        }
+    }
+
+    /// The plan about to begin decides the speed at the first block's start too, up to `reach`.
+    pub fn free_start(&mut self, reach: Speed) {
+        self.free = Some(reach);
+        self.until = 0;
+    }
+
+    /// Speed at which the first block may be entered, whatever comes before and behind.
+    pub fn entry(&self) -> Speed {
+        self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
+    }
+
+    /// Planned speed at the first block's start.
+    pub fn first_speed(&self) -> Speed {
+        self.blocks.front().map_or(Speed::ZERO, |block| block.v_in)
+    }
+
+    /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is at work.
+    pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
+        if let Some(first) = self.blocks.front_mut() {
+            first.start_at(v_in);
+        }
+        self.stale = stale;
+    }
+
+    /// The first block begins at another speed than planned.
+    pub fn restart(&mut self, v_in: Speed) {
+        if let Some(first) = self.blocks.front_mut() {
+            first.v_in = v_in;
+            first.marks.set(Marks::CHECKED, false);
+        }
+        self.until = 0;
+    }
+
+    /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the plan is at work.
+    pub fn open_gate(&mut self, number: usize) -> Option<usize> {
+        let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
+        let (index, block) = gates.nth(number)?;
+        block.marks.set(Marks::GATE, false);
+        self.until = self.until.min(index);
+        Some(index)
+    }
+
+    /// The first block.
+    pub fn first(&self) -> Option<&Block> {
+        self.blocks.front()
+    }
+
+    /// The first block leaves the ring.
+    pub fn drop_first(&mut self) {
+        if let Some(block) = self.blocks.pop_front() {
+            let anchor = block.is(Marks::ANCHOR);
+            self.through -= usize::from(!anchor);
+            self.untried -= usize::from(anchor && block.joint.is_open()).min(self.untried);
+            self.long -= usize::from(block.is(Marks::LONG));
+        }
+        self.end = self.end.saturating_sub(1);
+        if self.until != usize::MAX {
+            self.until = self.until.saturating_sub(1);
+        }
+        if self.blocks.is_empty() {
+            // What follows starts from rest.
+            self.last = None;
+        }
+    }
+}
