@@ -5,16 +5,17 @@
 //! deceleration, that it passes the slow block at just its speed, or with the speed of a slow block as its highest.
 //!
 //! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all that the
-//! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, a search in
-//! steps of 2^-8 finds the largest acceleration that keeps that limit; at its peak, its highest speed is lowered. After a few
-//! rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
+//! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, the secant
+//! method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at its peak, its highest speed is lowered. After a
+//! few rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
 use super::block::{Marks, UNPLANNED};
 use super::dip::{self, Dip};
 use super::law::{LSB_44, Law, RISE, Span};
-use super::limits::Share;
+use super::limits::{Limits, Share, max, min};
 use super::plan::spend;
 use super::ring::Ring;
 use crate::math::float::to_f32;
+use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_f32;
 
@@ -57,6 +58,9 @@ const STEPS: usize = 8;
 /// Work of a step that looks for an anchor, and of any other, LSB about 32 instructions.
 const SEEK: usize = 20;
 pub(super) const TRIAL: usize = 120;
+/// Laws that are kept, a power of 2; nothing is known.
+const KNOWN: usize = 4;
+const UNKNOWN: (usize, f32, f32) = (usize::MAX, 0.0, 0.0);
 /// Laws per step.
 const LAWS: usize = 4;
 /// Blocks for which the acceleration is lowered, at most.
@@ -75,6 +79,9 @@ struct Excess {
     v: f32,
     /// The acceleration that leaves, twice, without the ramps.
     a: f32,
+    /// The change of speed up to there, and how far beyond it is met: negative.
+    dv: f32,
+    margin: f32,
 }
 
 /// What to do next.
@@ -87,8 +94,8 @@ pub(super) enum Step {
     /// Compare the law with the blocks.
     Compare,
     /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
-    /// number, enough with the second.
-    Search(usize, [u8; 2]),
+    /// number, enough with the second. What is tried next, if that is known.
+    Search(usize, [u8; 2], Option<u8>),
     /// The anchor stays where it is, unless it becomes a dip: see [`super::dip`].
     Dip(dip::Step),
 }
@@ -115,11 +122,15 @@ pub(super) struct Trial {
     pub ease: Ease,
     pub law: Law,
     worst: [Option<Excess>; 2],
+    /// The search: what was tried last, and the margin of that.
+    point: [f32; 2],
     pub rounds: u8,
     /// What the law begins with before its first block, LSB 2^-44 mm.
     pub head: i64,
     /// It is one of a dip.
     pub fitting: bool,
+    /// Laws of spans as they are planned: first block, highest speed, time. At the remainder of the first block's number.
+    known: [(usize, f32, f32); KNOWN],
     /// Only anchors that are slower than they may be.
     first: bool,
 }
@@ -139,9 +150,11 @@ impl Trial {
         ease: Ease::NONE,
         law: Law::NONE,
         worst: [None; 2],
+        point: [0.0; 2],
         rounds: 0,
         head: 0,
         fitting: false,
+        known: [UNKNOWN; KNOWN],
         first: true,
     };
 
@@ -159,6 +172,11 @@ impl Trial {
         (span.leave(v_in, v_end)? == v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
+    /// The plan has changed.
+    pub fn forget(&mut self) {
+        self.known = [UNKNOWN; KNOWN];
+    }
+
     /// Begins to compare a law with all blocks.
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
@@ -171,16 +189,29 @@ impl Trial {
 impl Excess {
     /// That of the limit `v` between two distances, and whether it is one of the slowing down; `None` where less acceleration is no
     /// help.
-    fn new(law: &Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
+    fn new(law: &mut Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
         let [v_in, v_out] = law.ends();
-        let (side, way, low) = if to <= law.reaches_at() {
-            (0, to, v_in)
+        let (side, way, low, at) = if to <= law.reaches_at() {
+            (0, to, v_in, to)
         } else if from >= law.brakes_at() {
-            (1, length - from, v_out)
+            (1, length - from, v_out, from)
         } else {
             return None;
         };
-        (v > low).then(|| (side, Self { way, v, a: (v - low) * (v + low) / way }))
+        let dv = v - low;
+        (v > low).then(|| (side, Self { way, v, a: dv * (v + low) / way, dv, margin: law.margin(v, at) }))
+    }
+}
+
+impl Excess {
+    /// [`Ease::less`] with which the limit is just kept, about: without the ramp at the higher speed, and as if the mean speed were
+    /// that of both ends. With jerk j and time t, a t − a²/(2j) = dv.
+    fn guess(&self, limits: &Limits, side: usize) -> u8 {
+        let (a, j) = if side == 0 { (limits.a_up, limits.jerk(0)) } else { (limits.a_down, limits.jerk(3)) };
+        let t = 2.0 * self.dv / self.a;
+        let needed = j * (t - sqrt_f32(max(t * t - 2.0 * self.dv / j, 0.0)));
+        let part = min(max(needed / a, 0.0), 1.0);
+        (256.0 * (1.0 - part)) as u8 + 1
     }
 }
 
@@ -198,7 +229,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 }
                 Step::Gather => self.gather(pass),
                 Step::Compare => self.compare(pass, dip),
-                Step::Search(side, between) => self.search(pass, side, between),
+                Step::Search(side, between, first) => self.search(pass, side, between, first),
                 Step::Dip(step) => self.dip(pass, dip, step),
             }
         }
@@ -320,23 +351,38 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         if to > pass.last || to - pass.from > self.depth / PART {
             return self.keep_anchor(pass);
         }
-        let [mut first, mut second] = pass.spans;
-        first.limits.ease(self.ease(pass.from));
-        second.limits.ease(self.ease(pass.at));
-        let before = Law::new(&first, speeds[0], speeds[1], true);
-        let behind = Law::new(&second, speeds[1], speeds[2], true);
+        let [first, second] = pass.spans;
+        let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
+        let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
         // Unless it could be faster than planned, for what lies before a dip.
         let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_dip() && at.cap() > v);
-        if before.peak() > v && behind.peak() > v && !slow {
+        if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
         }
         let [first, second] = &mut pass.spans;
         first.append(second);
         pass.speeds = speeds;
-        pass.time = (before.time() + behind.time()) * GAIN;
+        pass.time = (time + time_behind) * GAIN;
         (pass.ease, pass.rounds) = (Ease::NONE, ROUNDS);
         self.try_law(pass);
+    }
+
+    /// Highest speed and time of the span that begins with the block `from`, as it is planned.
+    pub(super) fn law_of(
+        &self,
+        pass: &mut Trial,
+        from: usize,
+        mut span: Span,
+        [v_in, v_out]: [Speed; 2],
+    ) -> (f32, f32) {
+        let known = &mut pass.known[from % KNOWN];
+        if known.0 != from {
+            span.limits.ease(self.ease(from));
+            let law = Law::new(&span, v_in, v_out, true);
+            *known = (from, law.peak(), law.time());
+        }
+        (known.1, known.2)
     }
 
     /// The law with the acceleration at hand, if it gains anything, against all blocks.
@@ -363,7 +409,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 if pass.law.keeps(v, places[0], places[1]) {
                     continue;
                 }
-                let Some((side, excess)) = Excess::new(&pass.law, v, places, length) else {
+                let Some((side, excess)) = Excess::new(&mut pass.law, v, places, length) else {
                     return self.slow_peak(pass, v);
                 };
                 if let Some(worst) = pass.worst.get_mut(side)
@@ -398,11 +444,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         }
         pass.rounds -= 1;
         let side = usize::from(up.is_none());
-        pass.step = Step::Search(side, [pass.ease.less[side], MOST]);
+        let less = pass.ease.less[side];
+        let (Some(worst), false) = (up.or(down), less >= MOST) else { return self.keep_anchor(pass) };
+        pass.point = [f32::from(less), worst.margin];
+        pass.step = Step::Search(side, [less, MOST], Some(worst.guess(&pass.spans[0].limits, side)));
     }
 
     /// Some steps of the search.
-    fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2]) {
+    fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2], mut first: Option<u8>) {
         let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
             return self.keep_anchor(pass);
         };
@@ -413,14 +462,31 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 pass.ease.less[side & 1] = slow;
                 return self.try_law(pass);
             }
-            let middle = fast + (slow - fast) / 2;
+            let less = first.take().unwrap_or(fast + (slow - fast) / 2).max(fast + 1).min(slow - 1);
             let mut ease = pass.ease;
-            ease.less[side & 1] = middle;
+            ease.less[side & 1] = less;
             // Where it does not get as fast as planned, it keeps the limit.
-            let keeps = pass.law(ease).is_none_or(|mut law| law.keeps(v, at, at));
-            if keeps { slow = middle } else { fast = middle }
+            let margin = pass.law(ease).map_or(f32::MAX, |mut law| law.margin(v, at));
+            if margin == f32::MAX {
+                slow = less;
+                continue;
+            }
+            let [x, before] = core::mem::replace(&mut pass.point, [f32::from(less), margin]);
+            let per_step = (margin - before) / (f32::from(less) - x);
+            if margin >= 0.0 {
+                slow = less;
+                if margin < per_step {
+                    // With one step less it would be too fast.
+                    fast = less - 1;
+                }
+            } else {
+                fast = less;
+            }
+            // Where the secant is zero, from above.
+            let root = f32::from(less) - margin / per_step;
+            first = (root > 0.0 && root < f32::from(MOST)).then(|| root as u8 + 1);
         }
-        pass.step = Step::Search(side, [fast, slow]);
+        pass.step = Step::Search(side, [fast, slow], first);
     }
 
     /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`: what that
@@ -438,6 +504,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
     /// The law keeps all limits, and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
+        pass.forget();
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();

@@ -182,13 +182,31 @@ impl Law {
         if v >= self.peak {
             return true;
         }
+        let near = DISTANCE * self.length;
+        let [reached, left] = self.passes(v);
+        to + near <= reached || (self.firm && from - near >= left)
+    }
+
+    /// So far before it reaches the speed `v`, or behind where it leaves it, is the distance `at` from its start; negative where it
+    /// is faster.
+    pub fn margin(&mut self, v: f32, at: f32) -> f32 {
+        if v >= self.peak {
+            return f32::MAX;
+        }
+        let near = DISTANCE * self.length;
+        let [reached, left] = self.passes(v);
+        let before = reached - (at + near);
+        if self.firm { max(before, (at - near) - left) } else { before }
+    }
+
+    /// Where it reaches a speed below its peak, and where it leaves it.
+    fn passes(&mut self, v: f32) -> [f32; 2] {
         if self.asked[0] != v {
             let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
             let left = self.length - self.down.passes(self.v_out, self.peak - self.v_out, v - self.v_out);
             self.asked = [v, reached, left];
         }
-        let near = DISTANCE * self.length;
-        to + near <= self.asked[1] || (self.firm && from - near >= self.asked[2])
+        [self.asked[1], self.asked[2]]
     }
 }
 

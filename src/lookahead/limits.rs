@@ -128,6 +128,14 @@ impl Limits {
         matches!(self.law, Law::Bowed { dips: true, .. })
     }
 
+    /// Of a ramp; of STEP none.
+    pub(super) fn jerk(&self, ramp: usize) -> f32 {
+        match self.law {
+            Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
+            Law::Stepped { .. } => f32::MAX,
+        }
+    }
+
     /// Uses less than permitted.
     pub(super) fn ease(&mut self, ease: Ease) {
         let ([up, down], v) = ease.parts();

@@ -23,7 +23,7 @@ mod shift;
 use super::block::{Joint, Marks, UNPLANNED};
 use super::ease::{self, Ease, GAIN, Trial};
 use super::law::{Law, RISE, Span, length_mm};
-use super::limits::{self, Limits, max, min};
+use super::limits::{max, min};
 use super::ring::Ring;
 use crate::math::float::to_bits;
 use crate::math::root::sqrt_f32;
@@ -269,16 +269,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let [v0, v1, v2, v3] = dip.speeds;
         let [first, middle, last] = dip.spans;
         let spans = [(a, b, first, v0, v1), (b, c, middle, v1, v2), (c, d, last, v2, v3)];
-        for (k, (from, to, mut span, v_in, v_out)) in spans.into_iter().enumerate() {
+        for (k, (from, to, span, v_in, v_out)) in spans.into_iter().enumerate() {
             if from == to {
                 continue;
             }
-            span.limits.ease(self.ease(from));
-            let law = Law::new(&span, v_in, v_out, true);
-            dip.before += law.time();
+            let (peak, time) = self.law_of(pass, from, span, [v_in, v_out]);
+            dip.before += time;
             match k {
-                0 => dip.peaks[0] = law.peak(),
-                2 => dip.peaks[1] = law.peak(),
+                0 => dip.peaks[0] = peak,
+                2 => dip.peaks[1] = peak,
                 _ => {}
             }
         }
@@ -293,7 +292,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         };
         let (first, last) = (*first, *last);
         let lengths = [&first, &last].map(length_mm);
-        let [j_in, j_out] = [jerk(&first.limits, 3), jerk(&last.limits, 0)];
+        let [j_in, j_out] = [first.limits.jerk(3), last.limits.jerk(0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
         if let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
             dip.tried += 1;
@@ -551,6 +550,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let [a, b, mut c, d] = plan.edges;
         let mut at = b;
         let mut cuts = 0;
+        pass.forget();
         pass.step = ease::Step::Dip(Step::Do);
         if plan.enters() {
             self.cut(b, plan.cuts[0]);
@@ -612,13 +612,5 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         {
             second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
         }
-    }
-}
-
-/// Of a ramp.
-fn jerk(limits: &Limits, ramp: usize) -> f32 {
-    match limits.law {
-        limits::Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
-        limits::Law::Stepped { .. } => f32::MAX,
     }
 }

@@ -151,6 +151,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
 
     pub(super) fn do_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let plan = *dip;
+        pass.forget();
         let [a, b, _, _] = plan.edges;
         let mut was = plan.was;
         let at = if plan.cuts[0] == 0 {
