@@ -169,7 +169,7 @@ impl Trial {
         let [v_in, _, v_end] = self.speeds;
         let mut span = self.spans[0];
         span.limits.ease(ease);
-        (span.leave(v_in, v_end)? == v_end).then(|| Law::new(&span, v_in, v_end, true))
+        span.joins(v_in, v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
     /// The plan has changed.
@@ -451,7 +451,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
     }
 
     /// Some steps of the search.
-    fn search(&mut self, pass: &mut Trial, side: usize, [mut fast, mut slow]: [u8; 2], mut first: Option<u8>) {
+    fn search(
+        &mut self,
+        pass: &mut Trial,
+        side: usize,
+        [mut fast, mut slow]: [u8; 2],
+        mut first: Option<u8>,
+    ) {
         let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
             return self.keep_anchor(pass);
         };
@@ -504,7 +510,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
     /// The law keeps all limits, and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
-        pass.forget();
+        pass.known[pass.at % KNOWN] = UNKNOWN;
+        pass.known[pass.from % KNOWN] = (pass.from, pass.law.peak(), pass.law.time());
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();

@@ -38,6 +38,9 @@ const LEAVE_STEPS: usize = 24;
 /// Less is no rise of speed.
 pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
+/// A change of speed is rounded by less: see [`Ramp::reach`].
+const GAINED: f32 = 1.0 + 1.0 / 1_048_576.0;
+
 /// A distance in a span is good to this part of its length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
 
@@ -106,15 +109,13 @@ impl Span {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
 
-    /// Whether it permits both speeds and is long enough from one to the other.
+    /// Whether it permits the higher one of both speeds, and is long enough from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
-        if v_in.max(v_out).to_bits() > speed_bits(self.limits.v) {
-            false
-        } else if v_out < v_in {
-            loses(&self.limits.brake(), self.millimetres(), v_in, v_out)
-        } else {
-            self.faster(&self.limits.speed_up(), v_in, self.limits.v) >= v_out
-        }
+        let (low, high) = (v_in.min(v_out), v_in.max(v_out));
+        let ramp = if v_out < v_in { self.limits.brake() } else { self.limits.speed_up() };
+        let [low_f32, dv] = [low.to_bits(), high.to_bits() - low.to_bits()].map(speed_f32);
+        high.to_bits() <= speed_bits(self.limits.v)
+            && ramp.distance(low_f32, dv * GAINED)[0] <= self.millimetres()
     }
 }
 

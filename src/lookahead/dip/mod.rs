@@ -115,9 +115,9 @@ pub(super) struct Dip {
     speeds: [Speed; 4],
     /// Highest speeds on both sides.
     peaks: [f32; 2],
-    /// Time as it is, and of what is decided.
+    /// Time as it is, and of the laws: before, behind, between.
     before: f32,
-    time: f32,
+    times: [f32; 3],
     /// Where the slow block is cut, from its start and from its end; speeds there; only one dip from end to end.
     cuts: [i64; 2],
     v: [f32; 2],
@@ -142,7 +142,7 @@ impl Dip {
         speeds: [Speed::ZERO; 4],
         peaks: [0.0; 2],
         before: 0.0,
-        time: 0.0,
+        times: [0.0; 3],
         cuts: [0; 2],
         v: [0.0; 2],
         meet: false,
@@ -154,6 +154,11 @@ impl Dip {
         between: [0; 2],
         best: None,
     };
+
+    /// Of all laws.
+    fn time(&self) -> f32 {
+        self.times.iter().sum()
+    }
 
     fn enters(&self) -> bool {
         self.edges[0] < self.edges[1]
@@ -360,7 +365,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let [mut v_in, mut v_out] = [dip.speeds[1], dip.speeds[2]];
         dip.meet = meet;
         dip.v = [enter.v, leave.v];
-        dip.time = 0.0;
+        dip.times = [0.0; 3];
         dip.eases = [self.ease(a), self.ease(c), self.ease(b)];
         if a < b {
             if dip.cuts[0] <= 0 {
@@ -373,7 +378,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             if !fast.joins(dip.speeds[0], v_in) {
                 return None;
             }
-            dip.time += Law::new(&fast, dip.speeds[0], v_in, true).time();
+            dip.times[0] = Law::new(&fast, dip.speeds[0], v_in, true).time();
             slow.shorten(dip.cuts[0]);
         }
         if c < d {
@@ -387,7 +392,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             if !fast.joins(v_out, dip.speeds[3]) {
                 return None;
             }
-            dip.time += Law::new(&fast, v_out, dip.speeds[3], true).time();
+            dip.times[1] = Law::new(&fast, v_out, dip.speeds[3], true).time();
             slow.shorten(dip.cuts[1]);
         }
         if !meet {
@@ -398,9 +403,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             if !slow.joins(v_in, v_out) {
                 return None;
             }
-            dip.time += Law::new(&slow, v_in, v_out, true).time();
+            dip.times[2] = Law::new(&slow, v_in, v_out, true).time();
         }
-        if dip.time >= dip.before * GAIN {
+        if dip.time() >= dip.before * GAIN {
             return None;
         }
         pass.step = ease::Step::Dip(Step::Fit(1));
@@ -461,12 +466,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         }
         pass.spans[0] = span;
         pass.ease = ease;
-        let mut eased = span;
-        eased.limits.ease(pass.ease);
-        let time = Law::new(&eased, pass.speeds[0], pass.speeds[2], true).time();
         // What is left for it.
-        dip.time -= time;
-        pass.time = dip.before * GAIN - dip.time;
+        if let Some(time) = dip.times.get_mut(usize::from(which) - 1) {
+            *time = 0.0;
+        }
+        pass.time = dip.before * GAIN - dip.time();
         (pass.from, pass.to) = (from, to);
         pass.rounds = ease::ROUNDS;
         self.try_law(pass);
@@ -474,7 +478,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
 
     /// The law keeps the limits of the blocks.
     pub(super) fn fitted(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        dip.time += pass.law.time();
+        if let Some(time) = dip.times.get_mut(usize::from(dip.fitting) - 1) {
+            *time = pass.law.time();
+        }
         let [first, behind, middle] = &mut dip.eases;
         *match dip.fitting {
             1 => first,

@@ -141,8 +141,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         if !other.joins(from, to) {
             return None;
         }
-        dip.time = time + Law::new(&other, from, to, true).time();
-        if dip.time >= dip.before * WORTH {
+        let other = Law::new(&other, from, to, true).time();
+        dip.times = if early { [other, time, 0.0] } else { [time, other, 0.0] };
+        if dip.time() >= dip.before * WORTH {
             return None;
         }
         pass.step = ease::Step::Dip(Step::Fit(1));
