@@ -23,8 +23,9 @@ use crate::slope::profile::speed_bits;
 pub(super) struct Backward {
     /// Blocks still to pass.
     left: usize,
-    /// What of the span at hand was passed, and the speed at its end.
+    /// What of the span at hand was passed, where it ends, and the speed there.
     span: Span,
+    to: usize,
     v_out: Speed,
     /// Anchors behind this block are planned in any case, the others as long as something changes.
     until: usize,
@@ -70,11 +71,11 @@ const COMPARE: usize = 8;
 
 impl Backward {
     pub const NONE: Self =
-        Self { left: 0, span: Span::NONE, v_out: Speed::ZERO, until: 0, changed: true, again: false };
+        Self { left: 0, span: Span::NONE, to: 0, v_out: Speed::ZERO, until: 0, changed: true, again: false };
 
     /// Over so many blocks, from the speed at their end; anchors up to `until` in any case.
     pub fn new(left: usize, until: usize, v_out: Speed) -> Self {
-        Self { left, until, v_out, ..Self::NONE }
+        Self { left, to: left, until, v_out, ..Self::NONE }
     }
 }
 
@@ -119,20 +120,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             if pass.changed {
                 block.marks.set(Marks::CHECKED, false);
             }
-            let ease = self.ease(left);
-            pass.span.limits.ease(ease);
-            let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
+            let mut span = pass.span;
+            span.limits.ease(self.ease(left));
             // The first block's start is already decided.
             if left == 0 {
-                self.raise_first_span(pass);
+                self.raise_first_span(&span, pass.v_out);
                 return self.start_forward(plan);
             }
+            let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
             // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way.
             // A flat span goes on as the plan before had it: faster, the anchors that gave way would be needed again.
             let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
                 block.v_old
             } else {
-                pass.span.enter(pass.v_out, block.cap()).max(block.v_old)
+                span.enter(pass.v_out, block.cap()).max(block.v_old)
             };
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
@@ -141,16 +142,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             }
             block.v_in = v;
             pass.v_out = v;
-            pass.span = Span::NONE;
+            (pass.span, pass.to) = (Span::NONE, left);
         }
     }
 
     /// The first block's start may rise to what the end of its span permits; again where it gets other ends.
-    fn raise_first_span(&mut self, pass: &Backward) {
+    fn raise_first_span(&mut self, span: &Span, v_out: Speed) {
         let Some(block) = self.blocks.front_mut() else { return };
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.free else { return };
-        let v = pass.span.enter(pass.v_out, block.cap()).min(reach);
+        let v = span.enter(v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
         block.v_in = v;
     }
@@ -180,15 +181,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 }
                 None => return plan.complete(self),
             };
-            if let Some(block) = self.blocks.get(pass.next)
+            if checked {
+                pass.next = self.anchor_behind(pass.from);
+                spend(work, (pass.next - pass.from) / 4);
+            } else if pass.next == pass.from && pass.from == plan.backward.left {
+                // It was the last one on the way back.
+                pass.next = plan.backward.to;
+                pass.span = Span { kept: true, ..plan.backward.span };
+            } else if let Some(block) = self.blocks.get(pass.next)
                 && (pass.next == pass.from || !block.is(Marks::ANCHOR))
             {
-                if !checked {
-                    spend(work, ADD);
-                    let last = self.open && pass.next + 1 == self.blocks.len();
-                    let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
-                    pass.span.add(block, share);
-                }
+                spend(work, ADD);
+                let last = self.open && pass.next + 1 == self.blocks.len();
+                let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                pass.span.add(block, share);
                 pass.next += 1;
                 continue;
             }
