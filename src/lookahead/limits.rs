@@ -1,4 +1,5 @@
 //! Permitted path speed, acceleration and jerk of one element, and how those of several become one.
+use super::block::ROUNDED;
 use super::dynamics::Set;
 use super::ease::Ease;
 use super::pace::Headroom;
@@ -28,6 +29,17 @@ const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
 pub type Ramps = [f32; 4];
 
+/// Blocks that may follow each other without acceleration zero between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Joins {
+    /// With the same limits: TRAPEZ, SIN2.
+    Alike,
+    /// All: HSC.
+    Any,
+    /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
+    Dips,
+}
+
 /// What a slope permits beside speed and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
@@ -35,8 +47,8 @@ pub enum Law {
     Bowed {
         /// Shape of the ramps.
         bend: Bend,
-        /// Slow blocks may be entered and left with acceleration: NO_OPT=0.
-        dips: bool,
+        /// What may follow without acceleration zero between.
+        joins: Joins,
         /// Mean jerk of each ramp.
         j: Ramps,
     },
@@ -79,7 +91,7 @@ impl Limits {
         v: f32::MAX,
         a_up: f32::MAX,
         a_down: f32::MAX,
-        law: Law::Bowed { bend: Bend::Linear, dips: false, j: [f32::MAX; 4] },
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
     };
 
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
@@ -125,7 +137,26 @@ impl Limits {
 
     /// NO_OPT=0.
     pub(super) fn may_dip(&self) -> bool {
-        matches!(self.law, Law::Bowed { dips: true, .. })
+        matches!(self.law, Law::Bowed { joins: Joins::Dips, .. })
+    }
+
+    /// Whether blocks with other speeds may be in one span with it: HSC.
+    pub fn varies(&self) -> bool {
+        matches!(self.law, Law::Bowed { joins: Joins::Any | Joins::Dips, .. })
+    }
+
+    /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the jerks the cube. A
+    /// little more, for rounding: far less than `part` leaves.
+    pub fn stretched(&self, part: f32) -> Self {
+        let mut limits = *self;
+        let square = min(part * part * (2.0 - ROUNDED), 1.0);
+        limits.v *= part;
+        limits.a_up *= square;
+        limits.a_down *= square;
+        if let Law::Bowed { j, .. } = &mut limits.law {
+            *j = j.map(|j| j * (square * part));
+        }
+        limits
     }
 
     /// Of a ramp; of STEP none.

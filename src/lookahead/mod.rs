@@ -30,7 +30,7 @@ mod weights;
 
 pub use block::Block;
 pub use dynamics::{Curving, Dynamics, Permitted};
-pub use limits::{Law, Limits, Share};
+pub use limits::{Joins, Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub(crate) use pace::SLOWEST;
 pub use pace::{Headroom, Pace};

@@ -15,14 +15,22 @@
 //! possible. Arcs and curves know their limits for the level of the moment at which they are taken in, and exceed that
 //! speed only when new blocks come.
 //!
+//! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an override below the level it is
+//! that law at a part of its speed, s(t · part): all accelerations are smaller then, and no block is faster than its part. That
+//! needs the span to be entered at the same part of its planned speed, so spans of HSC are left so. Entered at another speed, in what is
+//! left of a span when the override changes, and while the speed is reduced, its slowest block is the limit.
+//!
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks that are known may be. So there
 //! is always time to get as slow as the next one needs.
 //!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
+use super::block::ROUNDED;
 use super::{Release, max, min};
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::math::float::to_f32;
+use crate::quantity::Speed;
+use crate::slope::profile::speed_f32;
 
 /// How the speed of a block follows the override, in two numbers of 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +81,11 @@ impl Headroom {
         self.over = self.over.max(other.over);
     }
 
+    /// What is at most as fast as both.
+    pub(super) fn join_slower(&mut self, other: Self) {
+        self.over = self.over.min(other.over);
+    }
+
     /// Speed of a block while the speed is reduced, planned with `v` for a level.
     fn reduced(self, v: f32, level: f32) -> Option<f32> {
         let part = f32::from(self.reduced) * (0.5 / ONE);
@@ -114,6 +127,9 @@ impl Slowest {
         }
     }
 }
+
+/// A law runs at its planned speed times a part, or at this part of that at least.
+const SLOWER: f32 = 0.75;
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
@@ -160,8 +176,28 @@ impl Pace {
     }
 
     fn slowed(&self, span: &Release) -> f32 {
-        let slowest = min(span.limits.v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST));
-        self.reduce(span, max(span.limits.v * self.factor(span.headroom, span.level), slowest))
+        let (v, headroom) = span.slowest();
+        let slowest = min(v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST));
+        self.reduce(span, max(v * self.factor(headroom, span.level), slowest))
+    }
+
+    /// The part of its planned speed at which a span with several feeds runs now from end to end, entered at the speed `v_in`; `None`
+    /// where the slowest of them is the limit instead: entered at another speed, the law is not the one that keeps all of them.
+    pub fn stretch(&self, span: &Release, v_in: Speed) -> Option<f32> {
+        if !span.is_uneven() || !span.checked || span.ceiling < f32::MAX || self.reduced {
+            return None;
+        }
+        let most = self.leaving(span);
+        let begins = if span.v_in == Speed::ZERO { most } else { speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits()) };
+        let (least, most) = (most * SLOWER, most * (2.0 - ROUNDED));
+        (v_in <= span.v_in && least <= begins && begins <= most).then(|| min(begins, 1.0))
+    }
+
+    /// The part of its planned speed at which a span with HSC is left now, so that the next one can be entered as planned.
+    pub fn leaving(&self, span: &Release) -> f32 {
+        let (_, headroom) = span.slowest();
+        let part = self.factor(headroom, span.level);
+        if span.v_next > 0.0 { min(part, self.factor(span.next, span.level)) } else { part }
     }
 
     /// Highest speed of the block behind a span now.

@@ -41,7 +41,7 @@ pub(super) struct Plan {
 /// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
 const STEPS: usize = 16;
 /// What one call does with spans, LSB about 32 instructions: a call costs 1,000.
-const WORK: usize = 600;
+const WORK: usize = 520;
 
 /// Some of the work of a call is done.
 pub(super) fn spend(work: &mut usize, part: usize) {

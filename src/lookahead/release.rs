@@ -6,6 +6,7 @@ use super::limits::{Limits, max, min};
 use super::pace::Headroom;
 use super::ring::Ring;
 use crate::quantity::{Distance, Speed};
+use crate::slope::profile::speed_f32;
 
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +21,8 @@ pub struct Release {
     pub a_down: f32,
     /// The lowest of their speeds.
     pub v_least: f32,
+    /// The same, with those of slow blocks that are in part in this span: only of several blocks.
+    pub v_slow: f32,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -31,6 +34,8 @@ pub struct Release {
     pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
     pub headroom: Headroom,
+    /// Of its blocks the slowest.
+    pub slow: Headroom,
     /// The speed of the block behind it.
     pub v_next: f32,
     /// How that follows the override.
@@ -49,11 +54,13 @@ impl Release {
         limits: Limits::WIDEST,
         a_down: f32::MAX,
         v_least: 0.0,
+        v_slow: 0.0,
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
         ceiling: f32::MAX,
         headroom: Headroom::NONE,
+        slow: Headroom::NONE,
         v_next: 0.0,
         next: Headroom::NONE,
         v_reduced: f32::MAX,
@@ -66,6 +73,16 @@ impl Release {
         self.limits.v = risen(self.limits.v, self.headroom);
         self.v_next = risen(self.v_next, self.next);
         self.level = level;
+    }
+
+    /// Whether blocks with other speeds may be in it.
+    pub fn is_uneven(&self) -> bool {
+        self.blocks > 1 && self.limits.varies()
+    }
+
+    /// The highest of its speeds for which no block inside has to be looked at, and how it follows the override.
+    pub fn slowest(&self) -> (f32, Headroom) {
+        if self.is_uneven() { (self.v_slow, self.slow) } else { (self.limits.v, self.headroom) }
     }
 
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.
@@ -125,7 +142,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
         let mut v_least = first.limits.v;
-        let mut headroom = first.headroom;
+        let (mut headroom, mut slow) = (first.headroom, first.headroom);
         let mut limits = first.limits;
         let next = loop {
             match ring.next() {
@@ -136,6 +153,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                     v_least = min(v_least, min(block.cap, block.limits.v));
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
+                    slow.join_slower(block.headroom);
                     length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
@@ -145,6 +163,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         release.a_down = limits.a_down;
         if blocks > 1 {
             limits.ease(ease);
+            // A piece of a slow block beside it is as slow as their ends.
+            release.v_slow = v_least;
+            release.slow = slow;
+            if first.continued {
+                release.v_slow = min(release.v_slow, speed_f32(first.v_in.to_bits()));
+            }
+            if let Some(next) = next.filter(|next| next.continued) {
+                release.v_slow = min(release.v_slow, speed_f32(next.v_in.to_bits()));
+            }
         }
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;

@@ -72,6 +72,16 @@ impl Mode {
     }
 }
 
+/// What a law reaches of the one planned.
+enum Fit {
+    /// Its end speed, or that of now.
+    Whole,
+    /// A lower one.
+    Part,
+    /// All of it, at a part of its speed.
+    Stretched(f32),
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
     #[inline(always)]
@@ -360,26 +370,30 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let span = &flight.span;
         let as_planned = v_in == span.v_in && span.checked && self.pace.is_full(span.level);
         (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
-        let mut reached = true;
+        let mut fit = Fit::Whole;
         if !as_planned || self.mode.stopping || self.mode.uneven {
             match self.suit(k) {
-                Some(all) => reached = all,
+                Some(how) => fit = how,
                 None => return Ok(()),
             }
             let Some(same) = self.flights.get_mut(k) else { return Ok(()) };
             flight = same;
         }
         let span = &mut flight.span;
-        let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
-        let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);
-        span.limits.v = permitted;
-        planned?;
+        if let Fit::Stretched(part) = fit {
+            self.profile.plan(span.length, v_in, flight.leaves, &span.limits.stretched(part))?;
+        } else {
+            let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
+            let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);
+            span.limits.v = permitted;
+            planned?;
+        }
         self.emitter.begin(&self.profile, flight.start, span.length);
         self.laid = k + 1;
         self.owed = flight.rest;
         self.speed = flight.leaves;
         self.stops = self.speed == Speed::ZERO;
-        if !reached {
+        if matches!(fit, Fit::Part) {
             self.lower();
         }
         Ok(())
@@ -388,12 +402,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and whether that is as
     /// high as it may be. `None` where it slows down instead, which is done.
     #[inline(never)]
-    fn suit(&mut self, k: usize) -> Option<bool> {
+    fn suit(&mut self, k: usize) -> Option<Fit> {
         let flight = self.flights.get_mut(k)?;
         let (end, v_in) = (flight.end(), flight.enters);
         let span = &mut flight.span;
         let full = self.pace.is_full(span.level);
         let mut v = self.pace.limit(span);
+        if !full
+            && !self.mode.stopping
+            && let Some(part) = self.pace.stretch(span, v_in)
+        {
+            flight.limit = v;
+            flight.leaves = span.v_out.min(Speed::from_bits(speed_bits(speed_f32(span.v_out.to_bits()) * part)));
+            return Some(Fit::Stretched(part));
+        }
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
         if lowered && span.blocks > 1 {
@@ -426,7 +448,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             reached = v_out == span.v_out;
         }
         if !full || self.mode.uneven {
-            let v_next = Speed::from_bits(speed_bits(min(v, self.pace.next(span))));
+            let mut v_next = min(v, self.pace.next(span));
+            if span.limits.varies() {
+                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.pace.leaving(span));
+            }
+            let v_next = Speed::from_bits(speed_bits(v_next));
             let slower = v_out.min(v_next);
             reached |= slower == v_next;
             if slower >= v_in || span.can_leave(v_in, slower) {
@@ -439,7 +465,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         (flight.limit, flight.leaves) = (v, v_out);
-        Some(reached)
+        Some(if reached { Fit::Whole } else { Fit::Part })
     }
 
     /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.

@@ -24,7 +24,7 @@ mod transition;
 pub(super) use axis::Set;
 pub use polynomial::Curving;
 
-use super::limits::{Law, Limits, Share, magnitude, min};
+use super::limits::{Joins, Law, Limits, Share, magnitude, min};
 use super::pace::Headroom;
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
@@ -70,7 +70,7 @@ pub struct Dynamics<const AXES: usize> {
     feed_unit: f32,
     slope: SlopeType,
     /// HSC with NO_OPT=0.
-    dips: bool,
+    joins: Joins,
     /// Elements are to be good for so many times their feed.
     level: f32,
     /// An axis has a reduced speed.
@@ -93,7 +93,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
-            dips: false,
+            joins: Joins::Alike,
             level: 1.0,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
         }
@@ -109,7 +109,11 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// `optimised`: NO_OPT=0, which only HSC knows.
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
-        self.dips = optimised && slope == SlopeType::Hsc;
+        self.joins = match slope {
+            SlopeType::Hsc if optimised => Joins::Dips,
+            SlopeType::Hsc => Joins::Any,
+            _ => Joins::Alike,
+        };
         if slope != self.slope {
             self.slope = slope;
             self.change();
@@ -144,9 +148,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     fn law(&self, change_over: f32) -> Law {
         match self.slope {
             SlopeType::Step => Law::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
-            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, dips: false, j: [f32::MAX; 4] },
+            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] },
             SlopeType::Trapez | SlopeType::Hsc => {
-                Law::Bowed { bend: Bend::Linear, dips: self.dips, j: [f32::MAX; 4] }
+                Law::Bowed { bend: Bend::Linear, joins: self.joins, j: [f32::MAX; 4] }
             }
         }
     }
