@@ -5,7 +5,7 @@ use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, edges, machines, named, set_point};
 use host_tests::check;
-use host_tests::operate::operate_text;
+use host_tests::operate::{Act, Operated, operate, operate_text};
 use host_tests::properties::{Verdict, permitted, verify};
 use host_tests::reference::optimum::TOLERANCE;
 use host_tests::trace::{run, run_text};
@@ -274,6 +274,61 @@ fn random_corners_can_be_planned() {
             let run = operate_text::<3, 120>(&text, start, &machine, &[], 1000).unwrap();
             check::limits(&run.trace, &limits)
                 .unwrap_or_else(|fault| panic!("{seed}, {mode}, NO_OPT={no_opt}: {fault}"));
+        }
+    }
+}
+
+/// Faster than `part` of the feeds of the blocks under way, from a tick on: first tick.
+fn above_the_feed(path: &Feeds, run: &Operated, part: f64, from: usize) -> Option<usize> {
+    let ends: Vec<f64> = path
+        .blocks
+        .iter()
+        .scan(0.0, |end, block| {
+            *end += block.length;
+            Some(*end)
+        })
+        .collect();
+    let start = run.distances[0];
+    let at = |tick: usize| run.distances[tick].wrapping_sub(start) as f64 / 2f64.powi(44);
+    (from.max(1)..run.distances.len()).find(|&tick| {
+        let (before, now) = (at(tick - 1), at(tick));
+        let first = ends.partition_point(|end| *end < before - 1e-6).min(ends.len() - 1);
+        let last = ends.partition_point(|end| *end < now).min(ends.len() - 1);
+        let feed = path.feeds[first..=last].iter().copied().fold(0.0, f64::max);
+        let v = (now - before) / run.trace.cycle * 60.0;
+        v > feed * part * (1.0 + 1e-5) + 1e-3
+    })
+}
+
+/// A span has one law for blocks of several feeds: no block is faster than its part of the feed, and all of it takes no longer than
+/// the override makes it.
+#[test]
+fn an_override_is_kept_in_every_block() {
+    // Slowing down from the highest feed, with the reaction before.
+    const SETTLED: usize = 500;
+    for number in 0..30 {
+        let path = Feeds::new(number);
+        let machine = feeds_machine(&path);
+        for optimised in [false, true] {
+            let program = Program { optimised, ..path.program(format!("feeds {number}"), 1) };
+            let operated = |acts: &[(usize, Act)]| operate::<1, 120>(&program, &machine, acts, 1000).unwrap();
+            let whole = operated(&[]).trace.len();
+            for over in [50, 300, 900] {
+                let part = f64::from(over) / 1000.0;
+                let run = operated(&[(0, Act::Override(over))]);
+                assert_eq!(above_the_feed(&path, &run, part, 0), None, "path {number}, {over}");
+                let ticks = run.trace.len() as f64 * part;
+                assert!(
+                    ticks <= whole as f64 * 1.02 + 10.0,
+                    "path {number}, {over}: {ticks} of {whole} ticks"
+                );
+                // In the middle, and back.
+                let (down, up) = (whole / 3, whole / 3 + 2 * SETTLED);
+                let run = operated(&[(down, Act::Override(over)), (up, Act::Override(1000))]);
+                let above = above_the_feed(&path, &run, part, down + SETTLED);
+                assert!(above.is_none_or(|tick| tick >= up), "path {number}, {over} at {down}: {above:?}");
+                assert_eq!(above_the_feed(&path, &run, 1.0, 0), None, "path {number}, {over} at {down}");
+            }
         }
     }
 }

@@ -38,9 +38,6 @@ const LEAVE_STEPS: usize = 24;
 /// Less is no rise of speed.
 pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
-/// A change of speed is rounded by less: see [`Ramp::reach`].
-const GAINED: f32 = 1.0 + 1.0 / 1_048_576.0;
-
 /// A distance in a span is good to this part of its length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
 
@@ -114,8 +111,7 @@ impl Span {
         let (low, high) = (v_in.min(v_out), v_in.max(v_out));
         let ramp = if v_out < v_in { self.limits.brake() } else { self.limits.speed_up() };
         let [low_f32, dv] = [low.to_bits(), high.to_bits() - low.to_bits()].map(speed_f32);
-        high.to_bits() <= speed_bits(self.limits.v)
-            && ramp.distance(low_f32, dv * GAINED)[0] <= self.millimetres()
+        high.to_bits() <= speed_bits(self.limits.v) && ramp.distance(low_f32, dv)[0] <= self.millimetres()
     }
 }
 

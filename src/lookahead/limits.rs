@@ -4,6 +4,7 @@ use super::dynamics::Set;
 use super::ease::Ease;
 use super::pace::Headroom;
 use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::SlopeType;
 use crate::quantity::Speed;
 use crate::slope::bend::Bend;
 use crate::slope::profile::speed_f32;
@@ -38,6 +39,17 @@ pub enum Joins {
     Any,
     /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
     Dips,
+}
+
+impl Joins {
+    /// `optimised`: NO_OPT=0, which only HSC knows.
+    pub fn of(slope: SlopeType, optimised: bool) -> Self {
+        match slope {
+            SlopeType::Hsc if optimised => Self::Dips,
+            SlopeType::Hsc => Self::Any,
+            SlopeType::Step | SlopeType::Trapez | SlopeType::Sin2 => Self::Alike,
+        }
+    }
 }
 
 /// What a slope permits beside speed and acceleration.

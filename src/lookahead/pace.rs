@@ -188,7 +188,11 @@ impl Pace {
             return None;
         }
         let most = self.leaving(span);
-        let begins = if span.v_in == Speed::ZERO { most } else { speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits()) };
+        let begins = if span.v_in == Speed::ZERO {
+            most
+        } else {
+            speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
+        };
         let (least, most) = (most * SLOWER, most * (2.0 - ROUNDED));
         (v_in <= span.v_in && least <= begins && begins <= most).then(|| min(begins, 1.0))
     }

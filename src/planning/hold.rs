@@ -413,7 +413,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && let Some(part) = self.pace.stretch(span, v_in)
         {
             flight.limit = v;
-            flight.leaves = span.v_out.min(Speed::from_bits(speed_bits(speed_f32(span.v_out.to_bits()) * part)));
+            flight.leaves =
+                span.v_out.min(Speed::from_bits(speed_bits(speed_f32(span.v_out.to_bits()) * part)));
             return Some(Fit::Stretched(part));
         }
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };

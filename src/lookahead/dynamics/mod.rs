@@ -69,7 +69,6 @@ pub struct Dynamics<const AXES: usize> {
     /// mm/tick of 1 mm/min.
     feed_unit: f32,
     slope: SlopeType,
-    /// HSC with NO_OPT=0.
     joins: Joins,
     /// Elements are to be good for so many times their feed.
     level: f32,
@@ -93,7 +92,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
-            joins: Joins::Alike,
+            joins: Joins::of(slope, false),
             level: 1.0,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
         }
@@ -109,11 +108,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// `optimised`: NO_OPT=0, which only HSC knows.
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
-        self.joins = match slope {
-            SlopeType::Hsc if optimised => Joins::Dips,
-            SlopeType::Hsc => Joins::Any,
-            _ => Joins::Alike,
-        };
+        self.joins = Joins::of(slope, optimised);
         if slope != self.slope {
             self.slope = slope;
             self.change();
