@@ -54,7 +54,7 @@ struct Input {
     #[arg(long, value_name = "FILE.toml")]
     machine: Option<PathBuf>,
     /// Slope at program start, in place of P-CHAN-00071.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, ignore_case = true)]
     slope: Option<Slope>,
     /// Blocks of look-ahead, in place of P-STUP-00071 (P-CHAN-00653).
     #[arg(long, value_name = "N")]
