@@ -55,9 +55,17 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
+    /// `end`: where it ends, if that is known.
     #[inline(never)]
-    pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
-        self.push_here(&element.piece(), limits, pass, due, false);
+    pub fn push(
+        &mut self,
+        element: &Element<AXES>,
+        limits: &Permitted,
+        pass: &Pass,
+        due: u32,
+        end: Option<&[Position; AXES]>,
+    ) {
+        self.push_here(&element.piece(), limits, pass, (due, false), end);
     }
 
     /// The same, inline: of a line only what lines have is made.
@@ -67,14 +75,17 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         element: &Piece<'_, AXES>,
         limits: &Permitted,
         pass: &Pass,
-        due: u32,
-        long: bool,
+        (due, long): (u32, bool),
+        end: Option<&[Position; AXES]>,
     ) {
         let gate = self.functions.before(due, self.segments.end(), self.events);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
-        element.shape.end(&base, self.entered);
+        match end {
+            Some(end) => *self.entered = *end,
+            None => element.shape.end(&base, self.entered),
+        }
         self.lookahead.before(gate);
         self.lookahead.push(element, limits, pass.feed.is_none(), self.dynamics, long);
         self.dynamics.settle();
@@ -141,7 +152,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 Self::in_time(&limits, element.shape.length)?;
                 if self.contouring.is_idle() {
                     self.functions.settle(true, false);
-                    self.pass_arc(&element, &limits, pass);
+                    self.pass_arc(&element, &limits, pass, &motion.target);
                 } else {
                     self.round(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
                 }
@@ -257,7 +268,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = *data;
-        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due);
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
