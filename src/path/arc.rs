@@ -125,14 +125,15 @@ pub fn arc<const AXES: usize>(
     } else {
         path_length(measure.resolved(travelled, &travel) + 1, &travel)?
     });
-    let reciprocal = Halves::of(shape.reciprocal());
+    let whole = shape.reciprocal();
+    let reciprocal = Halves::of(whole);
     // Of a length of the block, as a part of it: 60 fraction bits.
     let shift = shape.shift;
     let part = |length: i64| part(length, shift, reciprocal);
 
     let mut linear = [0; AXES];
     if !flat {
-        shape.set_gains(&outside);
+        shape.set_gains_by(&outside, whole);
         linear = shape.linear_tangent();
     }
     let mut circle = Arc {

@@ -5,7 +5,7 @@ use super::held::Held;
 use crate::lookahead::{Dynamics, Lookahead, Permitted, SLOWEST};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
@@ -140,25 +140,40 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 }
             }
             MotionKind::Arc { plane, clockwise, by } => {
-                let centre = match by {
-                    ArcBy::Centre(centre) => centre,
-                    ArcBy::Radius(radius) => {
-                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
-                    }
-                };
-                let element = path::arc(from, to, centre, plane, clockwise, &self.measure)?;
-                let pass = self.pass(motion, feed)?;
-                let limits = self.dynamics.element(&element, feed);
-                Self::in_time(&limits, element.shape.length)?;
-                if self.contouring.is_idle() {
-                    self.functions.settle(true, false);
-                    self.pass_arc(&element, &limits, pass, &motion.target);
-                } else {
-                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
-                }
-                self.advance(motion);
+                self.take_arc(motion, feed, (plane, clockwise, by))?
             }
         }
+        Ok(())
+    }
+
+    /// Not inlined: lines would pay for its registers.
+    #[inline(never)]
+    fn take_arc(
+        &mut self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> Result<(), MotionError> {
+        let (from, to) = (&self.programmed, &motion.target);
+        let centre = match by {
+            ArcBy::Centre(centre) => centre,
+            ArcBy::Radius(radius) => {
+                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
+            }
+        };
+        // By reference: an element is large.
+        let arc = path::arc(from, to, centre, plane, clockwise, &self.measure);
+        let element = arc.as_ref().map_err(|error| MotionError::Path(*error))?;
+        let pass = self.pass(motion, feed)?;
+        let limits = self.dynamics.element(element, feed);
+        Self::in_time(&limits, element.shape.length)?;
+        if self.contouring.is_idle() {
+            self.functions.settle(true, false);
+            self.pass_arc(element, &limits, pass, &motion.target);
+        } else {
+            self.round(element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+        }
+        self.advance(motion);
         Ok(())
     }
 
