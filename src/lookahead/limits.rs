@@ -19,6 +19,8 @@ pub(super) const ARC_PART: f32 = 0.5;
 /// Speeds tried for an arc, and the step from one to the next.
 pub(super) const ARC_SPEEDS: usize = 5;
 pub(super) const ARC_SPEED_STEP: f32 = 0.8;
+/// What is below that part of another value is below it for any rounding.
+const SURELY: f32 = 0.999;
 /// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
 const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
@@ -310,23 +312,40 @@ impl Limits {
     /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
     /// So an arc does not become slower where it is cut.
     pub(super) fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
-        self.v = min(self.v, sqrt_f32(normal / curvature));
         let twist = curvature * curvature / share;
-        self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
+        // Roots only where they may be lower.
+        if self.v * self.v * curvature >= SURELY * normal {
+            self.v = min(self.v, sqrt_f32(normal / curvature));
+        }
+        if self.v * self.v * self.v * twist >= SURELY * ARC_PART * budget {
+            self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
+        }
         if let Law::Bowed { bend, j, .. } = &mut self.law {
             lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
         }
+        let most = min(self.a_up, self.a_down);
+        let mut v = self.v;
+        let across = v * v * curvature;
+        let left = SURELY * (a_max * a_max - across * across);
+        let jerk = SURELY * ((1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v);
+        if left > most * share * most * share && jerk > most * (3.0 * v * curvature) {
+            // The first speed leaves all of it.
+            return self.lower_accelerations(most);
+        }
         let length = TAU / curvature;
         let mut best = (f32::MAX, 0.0, 0.0);
-        let mut v = self.v;
         for _ in 0..ARC_SPEEDS {
             let across = v * v * curvature;
             let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
             let jerk = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
-            let a = min(min(self.a_up, self.a_down), min(along, jerk / (3.0 * v * curvature)));
+            let a = min(most, min(along, jerk / (3.0 * v * curvature)));
             let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
             if time < best.0 {
                 best = (time, v, a);
+            }
+            // Slower there is no more acceleration, and no time to gain.
+            if a >= most {
+                break;
             }
             v *= ARC_SPEED_STEP;
         }

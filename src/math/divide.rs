@@ -107,21 +107,6 @@ pub const fn div_shift(a: u64, shift: u32, b: u64) -> u64 {
     div_wide(hi, lo, b)
 }
 
-/// a·2^shift / b rounded to nearest, ties away from zero: a mirrored numerator gives the mirrored quotient.
-///
-/// ±`i64::MAX` where it does not fit or b is zero, 0 for 0 / 0. Shift as in [`div_shift`].
-pub const fn div_shift_signed(a: i64, shift: u32, b: u64) -> i64 {
-    if a == 0 {
-        return 0;
-    }
-    let (hi, lo) = widen(a.unsigned_abs(), shift);
-    // floor((n + floor(b/2)) / b): for odd b there are no ties. hi ≤ 2^63 cannot overflow.
-    let (lo, carry) = lo.overflowing_add(b >> 1);
-    let quotient = div_wide(hi.wrapping_add(carry as u64), lo, b);
-    let magnitude = if quotient > i64::MAX as u64 { i64::MAX } else { quotient as i64 };
-    if a < 0 { magnitude.wrapping_neg() } else { magnitude }
-}
-
 /// 2^126 / d for d ≥ 2^63, at most 32 below: for products that need not be exact in their last bits.
 ///
 /// The upper word by `f32` (2^-22), then y ← y + y·(1 − x·y) twice, x = d/2^64: 2^-30, 2^-59. Below 2^63.

@@ -3,21 +3,25 @@
 //! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
 //! then changes linearly with the angle from the one to the other.
 use super::{
-    Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, hypot, path_length,
+    Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,
 };
 use crate::math::angle::atan2_turns;
-use crate::math::divide::{div_shift_signed, div_wide};
-use crate::math::float::to_f32;
-use crate::math::root::sqrt_f32;
-use crate::math::wide::{Halves, mul_shift, mul_wide};
+use crate::math::divide::{div_wide, reciprocal_near};
+use crate::math::float::{size_f32, to_f32};
+use crate::math::root::{sqrt_f32, sqrt_wide};
+use crate::math::wide::{Halves, mul_hi, mul_shift, mul_wide, square_wide};
 use crate::nc::Plane;
-use crate::quantity::Position;
+use crate::quantity::{Distance, Position};
 
 /// 2π, LSB 2^-60.
 const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
 
 /// Start and end closer than this in both axes of the plane are the same point: 2^-20 mm, about a nanometre.
 const SAME_POINT: i64 = 1 << 12;
+
+/// Start and end less than this apart, 2^-54 revolutions (LSB 2^-64), are in the same direction: at the largest radius a tenth of
+/// a picometre.
+const SAME_DIRECTION: u64 = 1 << 10;
 
 /// Radii may always differ by 2 µm (coordinates of three decimals) …
 const DIFFERENCE: i64 = 8_589_935 << FINER;
@@ -41,89 +45,139 @@ pub fn arc<const AXES: usize>(
     measure: &Measure,
 ) -> Result<Element<AXES>, PathError> {
     let axes = plane_axes(plane, &measure.main)?;
-    if !axes.iter().all(|k| measure.feeds(*k)) {
+    if !measure.is_space() && !axes.iter().all(|k| measure.feeds(*k)) {
         return Err(PathError::NoFeedPlane(plane));
     }
     let mut travel = [0; AXES];
+    let (mut bits, mut over) = (0i64, false);
     for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
-        *travel = to.to_bits().saturating_sub(from.to_bits());
-        if travel.saturating_abs() >= LONGEST >> FINER {
-            return Err(PathError::TooLong);
-        }
+        let wide;
+        (*travel, wide) = to.to_bits().overflowing_sub(from.to_bits());
+        over |= wide;
+        bits |= *travel ^ *travel >> 63;
     }
-    let [r0, r1] = [radius_vector(start, axes, centre)?, radius_vector(target, axes, centre)?];
-    let [len0, len1] = [hypot(r0), hypot(r1)];
+    let at = |k: usize| (start.get(k).map_or(0, |x| x.to_bits()), travel.get(k).copied().unwrap_or(0));
+    let [(p, dp), (q, dq)] = [at(axes[0]), at(axes[1])];
+    let ((p0, wide_p), (q0, wide_q)) =
+        (p.overflowing_sub(centre[0].to_bits()), q.overflowing_sub(centre[1].to_bits()));
+    let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
+    over |= wide_p | wide_q | wider_p | wider_q;
+    for x in [p0, q0, p1, q1] {
+        // Half as far.
+        bits |= x << 1 ^ x >> 63;
+    }
+    let [r0, r1] = [[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]];
+    if over || bits as u64 >= (LONGEST >> FINER) as u64 {
+        return Err(PathError::TooLong);
+    }
+    let [len0, len1] = [plane_hypot(r0), plane_hypot(r1)];
     if len0 == 0 || len1 == 0 {
         return Err(PathError::NoRadius);
     }
     let difference = len1 - len0;
-    let allowed = DIFFERENCE.max(LARGEST_DIFFERENCE.min(len0 / 1024));
-    if difference.abs() > allowed {
+    if difference.abs() > DIFFERENCE && difference.abs() > LARGEST_DIFFERENCE.min(len0 >> 10) {
         return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
     }
+    let [first, last] = [Radius::new(r0, len0), Radius::new(r1, len1)];
 
-    // Angle travelled, 2^-60 revolutions, positive counter-clockwise.
-    let [from, to] = [atan2_turns(r0[1], r0[0]), atan2_turns(r1[1], r1[0])];
-    let apart = axes.iter().any(|k| travel.get(*k).is_some_and(|x: &i64| x.abs() > SAME_POINT));
-    let swept = if clockwise { from.wrapping_sub(to) } else { to.wrapping_sub(from) };
-    let swept = if apart && swept != 0 { (swept >> 4) as i64 } else { 1 << 60 };
+    // Angle travelled, 2^-60 revolutions, positive counter-clockwise, and its size in 2^-60 radians.
+    let turned = first.angle_to(&last);
+    let turned = if clockwise { turned.wrapping_neg() } else { turned };
+    let apart = dp.abs() > SAME_POINT || dq.abs() > SAME_POINT;
+    let swept = if apart && turned >= SAME_DIRECTION { (turned >> 4) as i64 } else { 1 << 60 };
     let sweep = if clockwise { -swept } else { swept };
+    let angle = mul_shift(swept, TWO_PI, 60);
 
-    let plane_length = mul_shift(mul_shift(len0.max(len1), swept, 60), TWO_PI, 60);
-    if plane_length >= LONGEST {
+    if mul_hi(len0.max(len1), angle) >= LONGEST >> 4 {
         return Err(PathError::TooLong);
     }
-    let others = travel.iter().enumerate().filter(|(k, _)| measure.feeds(*k) && !axes.contains(k));
-    let travelled = hypot([plane_length, difference].into_iter().chain(others.map(|(_, x)| x << FINER)));
-    let travelled = measure.resolved(travelled, &travel);
+    let plane0 = mul_shift(len0, angle, 60);
+    let plane1 = if difference == 0 { plane0 } else { mul_shift(len1, angle, 60) };
+    let plane_length = plane0.max(plane1);
+    let mut outside = travel;
+    for k in axes {
+        if let Some(travel) = outside.get_mut(k) {
+            *travel = 0;
+        }
+    }
+    let flat = reach(&outside) == 0;
+    let small = difference.unsigned_abs() as u32;
+    let mut travelled = plane_length;
+    // Otherwise its square is below that of one LSB more.
+    if !flat
+        || u64::from(small) != difference.unsigned_abs()
+        || u64::from(small) * u64::from(small) > plane_length as u64
+    {
+        let mut square = with_square(square_wide(plane_length as u64), difference);
+        for (k, x) in outside.iter().enumerate() {
+            if *x != 0 && measure.feeds(k) {
+                square = with_square(square, x << FINER);
+            }
+        }
+        travelled = i64::try_from(sqrt_wide(square.0, square.1)).unwrap_or(i64::MAX - 1);
+    }
     // One LSB up: a chord is never longer than the path under it.
-    let mut shape = Shape::resting(path_length(travelled + 1, &travel)?);
-    let length = shape.length.to_bits();
-    let end_w = shape.end_w().unsigned_abs();
+    let mut shape = Shape::resting(if flat && measure.is_space() {
+        if travelled + 1 >= LONGEST {
+            return Err(PathError::TooLong);
+        }
+        Distance::from_bits(travelled + 1)
+    } else {
+        path_length(measure.resolved(travelled, &travel) + 1, &travel)?
+    });
+    let whole = shape.reciprocal();
+    let reciprocal = Halves::of(whole);
+    // Of a length of the block, as a part of it: 60 fraction bits.
+    let shift = shape.shift;
+    let part = |length: i64| part(length, shift, reciprocal);
+
+    let mut linear = [0; AXES];
+    if !flat {
+        shape.set_gains_by(&outside, whole);
+        linear = shape.linear_tangent();
+    }
     let mut circle = Arc {
         a: r0,
-        turn: div_shift_signed(sweep >> 1, 64, end_w),
+        turn: Halves::of(sweep << 2).times(reciprocal) << 1,
         grow: [0; 2],
         miss: [0; 2],
         plane: [axes[0] as u8, axes[1] as u8],
     };
     if difference != 0 {
-        let ratio = div_shift_signed(difference, 62, len0.unsigned_abs());
-        circle.grow = r0.map(|a| div_shift_signed(mul_shift(a, ratio, 62), 51, end_w) as i32);
+        // Below 2^40: 2^-44 mm per 2^-18 units of `w`.
+        let growth = Halves::of(difference << 22).times(reciprocal);
+        let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
+        circle.grow = [grow(first.unit[0]), grow(first.unit[1])];
     }
-    for k in axes {
-        if let Some(travel) = travel.get_mut(k) {
-            *travel = 0;
-        }
-    }
-    shape.set_gains(&travel);
-    // Quotient and product are off by at most one LSB each: hidden by the guard bits.
+    // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard bits.
     let end = circle.circle(Halves::of(shape.end_w()), 0);
-    circle.miss = [0, 1].map(|i| {
+    let missed = |i: usize| {
         let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
-        (div_shift_signed(missed, 62, end_w) << 2) as i32
-    });
+        ((Halves::of(missed << 12).times(reciprocal) + (1 << 7)) >> 8) as i32
+    };
+    circle.miss = [missed(0), missed(1)];
     shape.curve = Curve::Arc(circle);
 
-    let linear = shape.linear_tangent();
-    let end = |r: [i64; 2], len: i64| {
-        let unit = r.map(|x| div_shift_signed(x, 40, len.unsigned_abs()));
-        let along = mul_shift(mul_shift(len, sweep, 60), TWO_PI, 60);
-        let along = div_shift_signed(along, 40, length.unsigned_abs());
-        let outward = div_shift_signed(difference, 40, length.unsigned_abs());
+    let outward = Halves::of(part(difference));
+    let end = |radius: &Radius, plane: i64, len: i64| {
+        let along = part(plane);
+        let share = size_f32(along as u64) * LSB_60;
+        let along = Halves::of(if clockwise { -along } else { along });
+        let [p, q] = [Halves::of(radius.unit[0]), Halves::of(radius.unit[1])];
+        // 56 fraction bits.
+        let tangent = [p.turn(outward, q.negated(), along), q.turn(outward, p, along)];
+        let bend = -(share * share) / (to_f32(len) * LSB_44) * LSB_28;
         let mut ends = End { tangent: linear, curvature: [0.0; AXES] };
-        let tangent = [-mul_shift(unit[1], along, 40), mul_shift(unit[0], along, 40)];
-        let share = to_f32(along) * LSB_40;
         for i in 0..2 {
             if let (Some(t), Some(c)) = (ends.tangent.get_mut(axes[i]), ends.curvature.get_mut(axes[i])) {
-                *t = tangent[i].wrapping_add(mul_shift(unit[i], outward, 40));
-                *c = -(to_f32(unit[i]) * LSB_40) * share * share / (to_f32(len) * LSB_44);
+                *t = (tangent[i] + (1 << 15)) >> 16;
+                *c = (radius.unit[i] >> 32) as i32 as f32 * bend;
             }
         }
-        (ends, if share < 0.0 { -share } else { share })
+        (ends, share)
     };
-    let (entry, share0) = end(r0, len0);
-    let (exit, share1) = end(r1, len1);
+    let (entry, share0) = end(&first, plane0, len0);
+    let (exit, share1) = end(&last, plane1, len1);
     let circle = Circle {
         plane: axes,
         radius: to_f32(len0.min(len1)) * LSB_44,
@@ -132,8 +186,55 @@ pub fn arc<const AXES: usize>(
     Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
 }
 
-/// 2^-40 and 2^-44.
-const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+#[inline(always)]
+fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
+    Halves::of(length << (shift & 63)).times(reciprocal)
+}
+
+/// A radius vector, at the start or the end of an arc.
+struct Radius {
+    /// Its direction: length in 2^61..2^62.
+    direction: [Halves; 2],
+    /// The same of length 1, LSB 2^-60: off by 2^-56 at most.
+    unit: [i64; 2],
+}
+
+impl Radius {
+    /// From the vector and its length, which is above 0 and below 2^62.
+    #[inline(always)]
+    fn new(vector: [i64; 2], length: i64) -> Self {
+        let shift = (length.leading_zeros().saturating_sub(2)) & 63;
+        let reciprocal = Halves::of(reciprocal_near((length as u64) << shift << 2) as i64);
+        let [p, q] = [Halves::of(vector[0] << shift), Halves::of(vector[1] << shift)];
+        Self { direction: [p, q], unit: [p.times(reciprocal), q.times(reciprocal)] }
+    }
+
+    /// The angle from this one to the other one counter-clockwise, 2^-64 revolutions, off by 2^-58 revolutions at most.
+    #[inline(always)]
+    fn angle_to(&self, other: &Self) -> u64 {
+        let ([p0, q0], [p1, q1]) = (self.direction, other.direction);
+        atan2_turns(p0.turn(q1, q0.negated(), p1), p0.turn(p1, q0, q1))
+    }
+}
+
+/// Length of a vector in the plane, each part of it within ±2^62; rounded down.
+#[inline(always)]
+fn plane_hypot([p, q]: [i64; 2]) -> i64 {
+    let (high, low) = with_square(square_wide(p.unsigned_abs()), q);
+    sqrt_wide(high, low) as i64
+}
+
+/// A sum of squares and one more.
+#[inline(always)]
+fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
+    let (more, lower) = square_wide(x.unsigned_abs());
+    let (low, carry) = low.overflowing_add(lower);
+    (high.saturating_add(more + u64::from(carry)), low)
+}
+
+/// 2^-28, 2^-44 and 2^-60.
+const LSB_28: f32 = 1.0 / (1u64 << 28) as f32;
+const LSB_60: f32 = 1.0 / (1u64 << 60) as f32;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 fn plane_axes(plane: Plane, main: &[Option<usize>; 3]) -> Result<[usize; 2], PathError> {
@@ -142,23 +243,6 @@ fn plane_axes(plane: Plane, main: &[Option<usize>; 3]) -> Result<[usize; 2], Pat
         (Some(p), Some(q)) => Ok([p, q]),
         _ => Err(PathError::NoPlane(plane)),
     }
-}
-
-/// Vector from the centre, LSB 2^-44 mm.
-fn radius_vector<const AXES: usize>(
-    point: &[Position; AXES],
-    axes: [usize; 2],
-    centre: [Position; 2],
-) -> Result<[i64; 2], PathError> {
-    let mut vector = [0; 2];
-    for ((r, k), c) in vector.iter_mut().zip(axes).zip(centre) {
-        let x = point.get(k).map_or(0, |x| x.to_bits()).saturating_sub(c.to_bits());
-        if x.saturating_abs() >= LONGEST >> (FINER + 1) {
-            return Err(PathError::TooLong);
-        }
-        *r = x << FINER;
-    }
-    Ok(vector)
 }
 
 /// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, for a negative radius
@@ -190,7 +274,7 @@ pub fn centre_of_radius<const AXES: usize>(
         return Err(PathError::RadiusWithoutEnd);
     }
     // All below in 2^-44 mm: half the chord and the distance of the centre from it.
-    let length = hypot(chord.map(|x| x << FINER));
+    let length = plane_hypot(chord.map(|x| x << FINER));
     let half = length >> 1;
     let size44 = size << FINER;
     if half - size44 > CHORD_EXCESS << FINER {
@@ -198,7 +282,7 @@ pub fn centre_of_radius<const AXES: usize>(
     }
     let (sum, difference) = (size44 + half, (size44 - half).max(0));
     let (hi, lo) = mul_wide(sum.unsigned_abs(), difference.unsigned_abs());
-    let height = crate::math::root::sqrt_wide(hi, lo);
+    let height = sqrt_wide(hi, lo);
     // The centre lies left of the chord for the short counter-clockwise arc.
     let left = clockwise == (radius < Position::ZERO);
     let offset = |x: i64| {

@@ -96,7 +96,12 @@ impl<const AXES: usize> Shape<AXES> {
     /// guard bits hide that.
     #[inline(always)]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
-        let reciprocal = self.reciprocal();
+        self.set_gains_by(travel, self.reciprocal());
+    }
+
+    /// The same with [`Self::reciprocal`].
+    #[inline(always)]
+    pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
             // Without a branch, which would keep the halves of the reciprocal apart.
             *gain = mul_near(travel << (GUARD + 3), reciprocal) << 1;

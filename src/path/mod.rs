@@ -351,20 +351,7 @@ fn add(base: Position, offset: i64) -> Position {
     Position::from_bits(base.to_bits().wrapping_add(rounded))
 }
 
-/// Square root of a sum of squares, rounded down; each term within ±2^62.
-#[inline(always)]
-fn hypot(terms: impl IntoIterator<Item = i64>) -> i64 {
-    let (mut high, mut low) = (0u64, 0u64);
-    for term in terms.into_iter().filter(|term| *term != 0) {
-        let (hi, lo) = square_wide(term.unsigned_abs());
-        let (sum, carry) = low.overflowing_add(lo);
-        low = sum;
-        high = high.saturating_add(hi + u64::from(carry));
-    }
-    i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
-}
-
-/// The same of what axes travel (LSB of a position, below 2^50), as a distance.
+/// Square root of the sum of squares of what axes travel (LSB of a position, below 2^50), as a distance, rounded down.
 #[inline(always)]
 fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);

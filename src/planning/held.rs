@@ -71,13 +71,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// An arc goes on behind what was held back.
-    pub(super) fn pass_arc(&mut self, element: &Element<AXES>, limits: &Permitted, pass: Pass) {
+    pub(super) fn pass_arc(
+        &mut self,
+        element: &Element<AXES>,
+        limits: &Permitted,
+        pass: Pass,
+        target: &[Position; AXES],
+    ) {
         self.let_go();
         if self.lookahead.ring.is_full() {
             self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
-            self.entrance().0.push(element, limits, &pass, pass.number);
+            self.entrance().0.push(element, limits, &pass, pass.number, Some(target));
         }
     }
 
@@ -134,9 +140,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             Curve::Line(stretch) => {
                 let (shape, ends) = &stretch.line().parts();
                 let piece = Piece { shape, entry: ends, exit: ends, timed: false };
-                entrance.push_here(&piece, limits, pass, pass.number, *long);
+                entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
             }
-            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number),
+            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, None),
         }
         self.held.clear();
     }

@@ -5,7 +5,7 @@ use super::held::Held;
 use crate::lookahead::{Dynamics, Permitted, Ring, SLOWEST};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
@@ -55,9 +55,17 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
+    /// `end`: where it ends, if that is known.
     #[inline(never)]
-    pub fn push(&mut self, element: &Element<AXES>, limits: &Permitted, pass: &Pass, due: u32) {
-        self.push_here(&element.piece(), limits, pass, due, false);
+    pub fn push(
+        &mut self,
+        element: &Element<AXES>,
+        limits: &Permitted,
+        pass: &Pass,
+        due: u32,
+        end: Option<&[Position; AXES]>,
+    ) {
+        self.push_here(&element.piece(), limits, pass, (due, false), end);
     }
 
     /// The same, inline: of a line only what lines have is made.
@@ -67,14 +75,17 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         element: &Piece<'_, AXES>,
         limits: &Permitted,
         pass: &Pass,
-        due: u32,
-        long: bool,
+        (due, long): (u32, bool),
+        end: Option<&[Position; AXES]>,
     ) {
         let gate = self.functions.before(due, self.segments.end(), self.events);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
-        element.shape.end(&base, self.entered);
+        match end {
+            Some(end) => *self.entered = *end,
+            None => element.shape.end(&base, self.entered),
+        }
         self.ring.before(gate);
         self.ring.push(element, limits, pass.feed.is_none(), self.dynamics, long);
         self.dynamics.settle();
@@ -129,25 +140,40 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 }
             }
             MotionKind::Arc { plane, clockwise, by } => {
-                let centre = match by {
-                    ArcBy::Centre(centre) => centre,
-                    ArcBy::Radius(radius) => {
-                        path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
-                    }
-                };
-                let element = path::arc(from, to, centre, plane, clockwise, &self.measure)?;
-                let pass = self.pass(motion, feed)?;
-                let limits = self.dynamics.element(&element, feed);
-                Self::in_time(&limits, element.shape.length)?;
-                if self.contouring.is_idle() {
-                    self.functions.settle(true, false);
-                    self.pass_arc(&element, &limits, pass);
-                } else {
-                    self.round(&element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
-                }
-                self.advance(motion);
+                self.take_arc(motion, feed, (plane, clockwise, by))?
             }
         }
+        Ok(())
+    }
+
+    /// Not inlined: lines would pay for its registers.
+    #[inline(never)]
+    fn take_arc(
+        &mut self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> Result<(), MotionError> {
+        let (from, to) = (&self.programmed, &motion.target);
+        let centre = match by {
+            ArcBy::Centre(centre) => centre,
+            ArcBy::Radius(radius) => {
+                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
+            }
+        };
+        // By reference: an element is large.
+        let arc = path::arc(from, to, centre, plane, clockwise, &self.measure);
+        let element = arc.as_ref().map_err(|error| MotionError::Path(*error))?;
+        let pass = self.pass(motion, feed)?;
+        let limits = self.dynamics.element(element, feed);
+        Self::in_time(&limits, element.shape.length)?;
+        if self.contouring.is_idle() {
+            self.functions.settle(true, false);
+            self.pass_arc(element, &limits, pass, &motion.target);
+        } else {
+            self.round(element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+        }
+        self.advance(motion);
         Ok(())
     }
 
@@ -257,7 +283,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = *data;
-        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due);
+        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
