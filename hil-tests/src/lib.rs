@@ -6,5 +6,5 @@ mod record;
 mod report;
 
 pub use counter::{Counter, UNIT};
-pub use record::record;
+pub use record::record_all;
 pub use report::{Report, exit};

@@ -1,5 +1,5 @@
 //! Runs a case and reports every set point of every tick, and what tick and planner cost.
-use crate::{Counter, Report};
+use crate::{Counter, Report, UNIT, exit};
 use core::fmt::Write;
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
@@ -51,8 +51,25 @@ impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
     }
 }
 
+/// Runs all cases and ends; whether all of them ended as they should is the exit code.
+pub fn record_all<const AXES: usize, const BLOCKS: usize>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    cases: &[Case],
+) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let mut good = true;
+    for case in cases {
+        good &= record(channel, machine, case, &counter, &mut report);
+    }
+    report.flush();
+    exit(good)
+}
+
 /// Runs a case; whether it ended as it should.
-pub fn record<const AXES: usize, const BLOCKS: usize>(
+fn record<const AXES: usize, const BLOCKS: usize>(
     channel: &mut Channel<AXES, BLOCKS>,
     machine: &MachineData<AXES>,
     case: &Case,

@@ -458,3 +458,48 @@ fn called_rarely_it_is_not_late() {
         assert_eq!((track.differs(&run), run.late.len()), (None, 0), "{}", track.name);
     }
 }
+
+/// Lines and arcs so long that the interrupt does not know all of the queue and the look-ahead at once: the way to a standstill is in
+/// what it knows. Stalled before every tick in which that way is moved on, at the end of each block.
+#[test]
+fn a_way_through_blocks_of_60_metres_is_known() {
+    let (line, radius) = (60_000.0, 45_000.0);
+    let mut text = String::from("%far\n#SLOPE [TYPE=TRAPEZ]\nG01 F900000\n");
+    let mut at = [-40_000.0, -80_000.0];
+    let start = [Position::from_bits(-40_000 << 32), Position::from_bits(-80_000 << 32), Position::ZERO];
+    let directions = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    for [[x, y], [to_x, to_y]] in [0, 1, 2].map(|k| [directions[k], directions[k + 1]]) {
+        at = [at[0] + line * x, at[1] + line * y];
+        text += &format!("G01 X{} Y{}\n", at[0], at[1]);
+        at = [at[0] + radius * (x + to_x), at[1] + radius * (y + to_y)];
+        text += &format!("G03 X{} Y{} I{} J{}\n", at[0], at[1], radius * to_x, radius * to_y);
+    }
+    text += "M30\n";
+    let mut machine = machines::with_slope(machines::mill::<3>(1000), 1);
+    for axis in &mut machine.axes {
+        (axis.vb_max, axis.vb_eilgang, axis.tr_geom) = (16_000_000, 16_000_000, 1000);
+        (axis.a_beschl, axis.a_brems, axis.a_max) = (2000, 2000, 6000);
+    }
+    let go = |acts: &[(usize, Act)]| {
+        operate_text::<3, 120>(&text, start, &machine, acts, KEEPS_UP).expect("it goes on")
+    };
+    let (plain, scan) = (go(&[]), go(&[(0, Act::Override(500))]));
+    let limits = machine.axes.iter().map(|axis| permitted(axis, 1, false, true, true)).collect();
+    let (name, text) = ("long blocks".to_owned(), text.clone());
+    let track = Track { name, text, machine, limits, program: None, plain, scan };
+    track.verify(&track.plain).expect("undisturbed");
+    let mut faults = Faults::default();
+    let mut tried = 0;
+    let quarter = radius * std::f64::consts::FRAC_PI_2;
+    for (end, stall) in [(line, 30_000), (line + quarter, 26_000), (2.0 * line + quarter, 20_000)] {
+        let reached = |s: &i64| *s as f64 / 2.0_f64.powi(44) >= end;
+        let tick = track.plain.distances.iter().position(reached).expect("on the way");
+        for at in tick - 28..=tick {
+            if let Err(fault) = track.verify(&go(&[(at, Act::Stall(stall))])) {
+                faults.add(&track, at, stall, &fault);
+            }
+            tried += 1;
+        }
+    }
+    faults.none(tried);
+}

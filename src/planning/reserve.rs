@@ -266,6 +266,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 if !self.lookahead.ring.planned(self.reserve.next, &mut flight.span) {
                     return false;
                 }
+                // The interrupt would leave the path where it does not know it.
+                if !self.queue.segments.is_known(self.reserve.distance) {
+                    return false;
+                }
                 flight.begin(self.reserve.distance);
                 self.reserve.next += flight.span.blocks;
                 self.reserve.distance = Distance::from_bits(flight.end());
@@ -295,6 +299,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(flight) = self.flights.get(k) else { return };
         let stands = if self.mode.halting { flight.start.to_bits() } else { flight.end() };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
+        if !self.queue.segments.is_known(rest.distance) {
+            self.fail();
+            return;
+        }
         if !self.put_aside(rest) || !self.put_aside(Phase::BLANK) {
             return;
         }

@@ -36,6 +36,10 @@ const STARTS: usize = SEGMENTS + WINDOW + BEHIND;
 /// the last one and this together.
 const OUT_OF_REACH: i64 = 1 << 61;
 
+/// Path that is shown ahead of what is handed on, from the end of the curve at hand, with which the next start is compared alone: with
+/// what is out of reach behind it, below 2^63.
+const SHOWN: i64 = 5 << 60;
+
 /// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near it.
 const LONG: i64 = OUT_OF_REACH / 64;
 
@@ -247,16 +251,29 @@ impl<const AXES: usize> Layer<'_, AXES> {
 
     /// Whether there is more path than distances are compared over from the curve that the interrupt is on to the one with this
     /// number.
-    #[inline(never)]
     fn is_far(&self, number: u32) -> bool {
-        let taken = self.taken();
-        if (number.wrapping_sub(taken) as i32) <= 1 {
+        let here = self.recent(self.taken()).map_or(0, |segment| segment.shape.length.to_bits());
+        self.is_behind(number, OUT_OF_REACH - here)
+    }
+
+    /// Whether the curve with this number ends too far ahead to be shown before it is handed on.
+    fn is_too_far(&self, number: u32) -> bool {
+        let length = self.recent(number).map_or(0, |segment| segment.shape.length.to_bits());
+        self.is_far(number) && self.is_behind(number, SHOWN - length)
+    }
+
+    /// Whether there is more path than that from the end of the curve the interrupt is on to the start of the one with this number.
+    /// From there: the way of both, and the curve behind, may be more than can be compared.
+    #[inline(never)]
+    fn is_behind(&self, number: u32, path: i64) -> bool {
+        let next = self.taken().wrapping_add(1);
+        if (number.wrapping_sub(next) as i32) <= 0 {
             return false;
         }
-        let (Some(first), Some(last)) = (self.recent(taken), self.recent(number.wrapping_sub(1))) else {
+        let (Some(next), Some(last)) = (self.recent(next), self.recent(number.wrapping_sub(1))) else {
             return false;
         };
-        last.end().wrapping_sub(first.start.to_bits()) > OUT_OF_REACH
+        last.end().wrapping_sub(next.start.to_bits()) > path
     }
 
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block; `false` if there is no
@@ -306,7 +323,7 @@ impl<const AXES: usize> Layer<'_, AXES> {
         let (mut end, mut cleared) = (0, from.wrapping_add(BEHIND as u32));
         for _ in 0..self.slots.len() {
             let due = (self.handed.wrapping_sub(self.shown) as i32) > 0;
-            if self.shown == self.count || (!due && self.is_far(self.shown)) {
+            if self.shown == self.count || (!due && self.is_too_far(self.shown)) {
                 break;
             }
             let Some(segment) = self.recent(self.shown) else { break };
@@ -388,6 +405,12 @@ impl<const AXES: usize> Layer<'_, AXES> {
     pub fn known(&self) -> Distance {
         let last = self.recent(self.shown.wrapping_sub(1));
         Distance::from_bits(last.map_or(self.end, Segment::end))
+    }
+
+    /// Whether it finds its way as far as that, with no further word of the planner.
+    #[inline(always)]
+    pub fn is_known(&self, distance: Distance) -> bool {
+        !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
     /// The curve that was put in as the one with this number, if it is one of the last.

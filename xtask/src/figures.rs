@@ -18,11 +18,15 @@ const LIMITS: [(&str, u64); 12] = [
     ("case.six_corners.tick_max", 1000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
-    ("size.bytes_per_block_3_axes", 216),
+    ("total.block_mean_hsc", 8000),
 ];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-const GOALS: [(&str, u64); 2] = [("case.hsc_opt.block_mean", 8000), ("case.short_arcs.block_mean", 8000)];
+const GOALS: [(&str, u64); 3] = [
+    ("case.hsc_opt.block_mean", 8000),
+    ("case.short_arcs.block_mean", 8000),
+    ("size.bytes_per_block_3_axes", 160),
+];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
@@ -32,6 +36,9 @@ const SHORT_ARCS: [&str; 1] = ["short_arcs"];
 
 /// Programs with other slopes than TRAPEZ: their plans have figures of their own.
 const SLOPES: [&str; 5] = ["step", "sin2", "hsc", "hsc_opt", "micro"];
+
+/// Programs that run with HSC, without curves in corners: their plans together have a figure too.
+const HSC: [&str; 4] = ["hsc", "hsc_opt", "micro", "short_arcs"];
 
 /// Figures that say what was measured, not how good it is.
 const DESCRIPTIVE: [&str; 2] = ["ticks", "blocks"];
@@ -66,16 +73,15 @@ impl Figures {
             let own = |name: &str| SLOPES.contains(&name) || SHORT_ARCS.contains(&name);
             let plans = || ticks().filter(|run| !own(&run.name));
             let sum = |of: fn(&TargetRun) -> u64| ticks().map(of).sum::<u64>();
-            let per_block = |of: fn(&TargetRun) -> u64| {
-                plans().map(of).sum::<u64>().div_ceil(plans().map(|run| run.blocks).sum::<u64>().max(1))
-            };
             let mut set = |key: &str, value: u64| values.insert(format!("total.{key}_{axes}_axes"), value);
             set("tick_max", ticks().map(|run| run.tick.max).max().unwrap_or(0));
             set("tick_mean", sum(|run| run.tick.sum).div_ceil(sum(|run| run.tick.calls).max(1)));
-            set("block_mean", per_block(planning));
-            set("decode_mean", per_block(|run| run.decode.sum));
+            set("block_mean", per_block(plans(), planning));
+            set("decode_mean", per_block(plans(), |run| run.decode.sum));
             set("poll_max", runs().map(|run| run.plan.max).max().unwrap_or(0));
         }
+        let hsc = runs.iter().filter(|run| HSC.contains(&run.name.as_str()));
+        values.insert("total.block_mean_hsc".into(), per_block(hsc, planning));
         add_sizes(&mut values, sizes)?;
         Ok(Self { compiler: compiler.into(), values })
     }
@@ -187,6 +193,7 @@ impl Figures {
                 total("poll_max")
             );
         }
+        let _ = writeln!(text, "| **{}** | | | | | {} | | | |", HSC.join(", "), get("total.block_mean_hsc"));
         text += "\n## RAM\n\nBytes of static memory; everything a channel needs is in these three.\n\n\
                  | axes | blocks | `Channel` | `Planner` | `Interpolator` | total |\n|---:|---:|---:|---:|---:|---:|\n";
         for (axes, blocks) in [(3, 30), (3, 120), (3, 190), (6, 30), (6, 120), (6, 190)] {
@@ -208,6 +215,13 @@ impl Figures {
         );
         text
     }
+}
+
+/// The mean over all blocks of these programs.
+fn per_block<'a>(runs: impl Iterator<Item = &'a TargetRun>, of: fn(&TargetRun) -> u64) -> u64 {
+    let add = |(sum, blocks), run: &TargetRun| (sum + of(run), blocks + run.blocks);
+    let (sum, blocks): (u64, u64) = runs.fold((0, 0), add);
+    sum.div_ceil(blocks.max(1))
 }
 
 /// What the planner needs without the decoder's share.
