@@ -332,3 +332,29 @@ fn an_override_is_kept_in_every_block() {
         }
     }
 }
+
+/// Many metres of tangential lines and quarter circles: the way is long enough for more speed than numbers hold. A line beside an arc
+/// has the acceleration of both in one span, which costs some per cent.
+#[test]
+fn a_long_way_is_hardly_slower_than_with_trapez() {
+    for (line, radius, feed) in [(3000.0, 100.0, 60_000.0), (6000.0, 1500.0, 900_000.0)] {
+        let machine = machines::machine::<3>(1000, |_, axis| {
+            (axis.vb_max, axis.vb_eilgang, axis.a_max) = (16_000_000, 16_000_000, 60_000);
+            machines::accelerations(axis, 20_000, 20_000);
+            machines::ramps(axis, 150_000);
+        });
+        let mut program = Program::new(format!("lines of {line} mm"), 3);
+        let mut at = [0.0, 0.0];
+        for k in 0..14 {
+            let [(dx, dy), (nx, ny)] =
+                [k, k + 1].map(|k| [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][k % 4]);
+            at = [at[0] + line * dx, at[1] + line * dy];
+            program = program.line(&at, feed);
+            at = [at[0] + radius * (dx + nx), at[1] + radius * (dy + ny)];
+            program = program.arc(&at, [radius * nx, radius * ny], false, feed);
+        }
+        let ticks = |machine| verify::<3, 120>(&program, &machine).unwrap().run.trace.ticks();
+        let (hsc, trapez) = (ticks(hsc(machine)), ticks(machine));
+        assert!(hsc * 20 <= trapez * 21, "{line} mm: {hsc} ticks, TRAPEZ {trapez}");
+    }
+}

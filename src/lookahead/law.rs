@@ -47,6 +47,7 @@ impl Span {
     /// No block.
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
+    #[inline(always)]
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
@@ -253,7 +254,7 @@ pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed)
 
 fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
     let gain = ramp_gain(brake, v_out, length);
-    v_out.to_bits().saturating_add(gain + (gain >> 21)) >= v_in.to_bits()
+    v_out.to_bits().saturating_add(gain).saturating_add(gain >> 21) >= v_in.to_bits()
 }
 
 /// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.

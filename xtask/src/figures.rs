@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-const LIMITS: [(&str, u64); 12] = [
+const LIMITS: [(&str, u64); 13] = [
     ("total.block_mean_3_axes", 6000),
     ("total.tick_max_3_axes", 400),
     ("total.tick_max_6_axes", 650),
@@ -18,15 +18,12 @@ const LIMITS: [(&str, u64); 12] = [
     ("case.six_corners.tick_max", 1000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
+    ("case.short_arcs.block_mean", 8000),
     ("total.block_mean_hsc", 8000),
 ];
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-const GOALS: [(&str, u64); 3] = [
-    ("case.hsc_opt.block_mean", 8000),
-    ("case.short_arcs.block_mean", 8000),
-    ("size.bytes_per_block_3_axes", 160),
-];
+const GOALS: [(&str, u64); 3] = [("case.hsc_opt.block_mean", 8000), ("size.bytes_per_block_3_axes", 160)];
 
 /// Programs with curves in corners: their ticks and plans have figures of their own.
 const CURVES: [&str; 3] = ["contour", "corners", "six_corners"];
