@@ -72,7 +72,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         }
     }
 
-    /// The level of all speeds, see [`Pace`].
+    /// The level of all speeds, see [`super::Pace`].
     pub fn level(&self) -> f32 {
         self.level
     }
