@@ -193,6 +193,36 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         self.blocks.front()
     }
 
+    /// Puts a block in as number `at`, from the end of the ring that is nearer; `false` if there is no room.
+    pub(super) fn insert(&mut self, at: usize, block: Block) -> bool {
+        let early = at < self.blocks.len() / 2;
+        let pushed = if early { self.blocks.push_front(block) } else { self.blocks.push_back(block) };
+        if pushed.is_err() {
+            return false;
+        }
+        let (front, back) = self.blocks.as_mut_slices();
+        let here = front.len();
+        // It goes from slice to slice where it meets their border.
+        if early {
+            turn(front.get_mut(..here.min(at + 1)), Turn::Left);
+            if at >= here
+                && let (Some(last), Some(next)) = (front.last_mut(), back.first_mut())
+            {
+                core::mem::swap(last, next);
+                turn(back.get_mut(..at + 1 - here), Turn::Left);
+            }
+        } else {
+            turn(back.get_mut(at.saturating_sub(here)..), Turn::Right);
+            if at < here {
+                if let (Some(last), Some(next)) = (front.last_mut(), back.first_mut()) {
+                    core::mem::swap(last, next);
+                }
+                turn(front.get_mut(at..), Turn::Right);
+            }
+        }
+        true
+    }
+
     /// The first block leaves the ring.
     pub fn drop_first(&mut self) {
         if let Some(block) = self.blocks.pop_front() {
@@ -208,6 +238,25 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         if self.blocks.is_empty() {
             // What follows starts from rest.
             self.last = None;
+        }
+    }
+}
+
+/// Which way blocks make room.
+enum Turn {
+    /// The first one becomes the last.
+    Left,
+    /// The last one becomes the first.
+    Right,
+}
+
+fn turn(blocks: Option<&mut [Block]>, turn: Turn) {
+    if let Some(blocks) = blocks
+        && !blocks.is_empty()
+    {
+        match turn {
+            Turn::Left => blocks.rotate_left(1),
+            Turn::Right => blocks.rotate_right(1),
         }
     }
 }

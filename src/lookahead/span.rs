@@ -57,10 +57,21 @@ pub(super) struct Inside {
     /// Block to look at, and its distance from the start of the span.
     block: usize,
     at: i64,
-    /// The slowest blocks that the law is too fast for: first, behind the last, their limit.
-    worst: Option<(usize, usize, f32)>,
+    /// The slowest blocks that the law is too fast for.
+    worst: Option<Worst>,
     /// Where to cut the span.
     cut: usize,
+}
+
+/// Blocks in a row with one limit that a law exceeds.
+#[derive(Clone, Copy)]
+struct Worst {
+    /// The first one, and the one behind the last; of a transition both are the block behind it.
+    first: usize,
+    behind: usize,
+    v: f32,
+    /// Distances of both from the start of the span.
+    at: [i64; 2],
 }
 
 /// What it is to take in a block, to find a speed, to make a law, and to compare a block with it: see [`spend`].
@@ -329,13 +340,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 return self.inside_done(plan);
             }
             let Some(block) = self.blocks.get(pass.block) else { return plan.complete(self) };
-            let start = to_f32(pass.at) * LSB_44;
+            let before = pass.at;
             pass.at += block.length;
-            let end = to_f32(pass.at) * LSB_44;
-            let slowest = pass.worst.map_or(f32::MAX, |(.., v)| v);
+            let [start, end] = [before, pass.at].map(|at| to_f32(at) * LSB_44);
+            let slowest = pass.worst.map_or(f32::MAX, |worst| worst.v);
             if pass.block > from {
                 if block.cap < slowest && !pass.law.keeps(block.cap, start, start) {
-                    pass.worst = Some((pass.block, pass.block, block.cap));
+                    pass.worst =
+                        Some(Worst { first: pass.block, behind: pass.block, v: block.cap, at: [before; 2] });
                 }
                 if pass.block >= batch && (pass.cut == 0 || start <= pass.brakes_at) {
                     pass.cut = pass.block;
@@ -344,10 +356,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             let v = block.limits.v;
             match &mut pass.worst {
                 // The limit goes on.
-                Some((_, behind, slowest)) if *slowest == v && *behind == pass.block => *behind += 1,
+                Some(worst) if worst.v == v && worst.behind == pass.block => {
+                    worst.behind += 1;
+                    worst.at[1] = pass.at;
+                }
                 worst => {
-                    if v < worst.map_or(f32::MAX, |(.., v)| v) && !pass.law.keeps(v, start, end) {
-                        *worst = Some((pass.block, pass.block + 1, v));
+                    if v < worst.map_or(f32::MAX, |worst| worst.v) && !pass.law.keeps(v, start, end) {
+                        let (first, behind) = (pass.block, pass.block + 1);
+                        *worst = Some(Worst { first, behind, v, at: [before, pass.at] });
                     }
                 }
             }
@@ -359,11 +375,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let Forward { from, next: to, firm: [_, firm], .. } = plan.forward;
         let Inside { worst, cut, .. } = plan.inside;
         let flat = self.blocks.get(from).is_some_and(|block| block.is(Marks::FLAT));
-        if let Some((first, behind, v)) = worst {
+        if let Some(worst) = worst {
+            let Worst { first, behind, v, .. } = worst;
             if flat {
                 return self.slow_down(plan);
             }
-            let [enters, leaves] = self.too_fast(plan, first, behind, v);
+            let [enters, leaves] = self.too_fast(plan, &worst);
             if !enters
                 && !leaves
                 && firm
@@ -398,19 +415,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
 
     /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside. Where it is at
     /// both, and blocks may be cut, it begins with the one that the law comes to with acceleration.
-    fn too_fast(&self, plan: &mut Plan, first: usize, behind: usize, v: f32) -> [bool; 2] {
+    fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
-        let mut at = 0;
-        let mut places = [0; 2];
-        for (k, block) in self.blocks.iter().enumerate().take(behind).skip(from) {
-            at += block.length;
-            if k + 1 == first {
-                places[0] = at;
-            }
-        }
-        places[1] = at;
+        let &Worst { first, behind, v, at } = worst;
         let Inside { law, brakes_at, .. } = &mut plan.inside;
-        let [enter, leave] = places.map(|at| to_f32(at) * LSB_44);
+        let [enter, leave] = at.map(|at| to_f32(at) * LSB_44);
         let enters = first > from && !law.keeps(v, enter, enter);
         let leaves = behind < to && !law.keeps(v, leave, leave);
         let may_dip = || self.blocks.get(first).is_some_and(|block| block.limits.may_dip());

@@ -502,20 +502,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         piece.marks.set(Marks::CHECKED, true);
         block.marks.set(Marks::LONG, false);
         piece.give_way();
-        // From the front: every block takes the place before it.
-        if self.blocks.push_front(piece).is_err() {
-            return;
+        if self.insert(k + 1, piece) {
+            self.through += 1;
         }
-        let (front, back) = self.blocks.as_mut_slices();
-        let mut ring = front.iter_mut().chain(back);
-        if let Some(mut place) = ring.next() {
-            for next in ring.take(k + 1) {
-                *place = *next;
-                place = next;
-            }
-            *place = piece;
-        }
-        self.through += 1;
     }
 
     /// Acceleration is zero where the block `k` begins, at that speed, for good.
