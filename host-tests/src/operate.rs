@@ -249,6 +249,22 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     (program, machine, random)
 }
 
+/// Whether a block may take more than the 2^26 ticks that one can have: the reduced speed is a limit, however slow, and an
+/// override makes it slower still. Such a run may end with an error.
+pub fn crawls(machine: &MachineData<3>, acts: &[(usize, Act)]) -> bool {
+    /// Longer than any block of a random program, mm.
+    const LENGTH: f64 = 1000.0;
+    let slowest = machine.axes.iter().map(|axis| axis.vb_max_red).filter(|v| *v > 0).min();
+    let over = acts.iter().fold(1000, |least, (_, act)| match act {
+        Act::Override(over) if *over > 0 => least.min(*over),
+        _ => least,
+    });
+    let reduced = acts.iter().any(|(_, act)| *act == Act::Reduced(true));
+    // µm/s, and 0.1 %.
+    let part = f64::from(over) * f64::from(machine.channel.cycle_us) * 1e-12;
+    reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < LENGTH)
+}
+
 /// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.
 pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;

@@ -25,7 +25,6 @@
 //!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
-use super::block::ROUNDED;
 use super::{Release, max, min};
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::math::float::to_f32;
@@ -130,6 +129,8 @@ impl Slowest {
 
 /// A law runs at its planned speed times a part, or at this part of that at least.
 const SLOWER: f32 = 0.75;
+/// Roundings add up from span to span: two parts that differ by less are one.
+const SAME: f32 = 1.0 + 1.0 / 262_144.0;
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
@@ -193,7 +194,7 @@ impl Pace {
         } else {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
-        let (least, most) = (most * SLOWER, most * (2.0 - ROUNDED));
+        let (least, most) = (most * SLOWER, most * SAME);
         (v_in <= span.v_in && least <= begins && begins <= most).then(|| min(begins, 1.0))
     }
 

@@ -318,8 +318,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
 
     /// The first anchor behind a block, or the end of the ring.
     pub(super) fn anchor_behind(&self, block: usize) -> usize {
-        let anchor = self.blocks.iter().skip(block + 1).position(|block| block.is(Marks::ANCHOR));
-        anchor.map_or(self.blocks.len(), |k| block + 1 + k)
+        (block + 1..self.blocks.len())
+            .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
+            .unwrap_or(self.blocks.len())
     }
 
     fn span_done(&mut self, pass: &mut Forward) {

@@ -79,7 +79,7 @@ enum Fit {
     /// A lower one.
     Part,
     /// All of it, at a part of its speed.
-    Stretched(f32),
+    Stretched,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -372,17 +372,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.mode.stopping || self.mode.uneven {
-            match self.suit(k) {
-                Some(how) => fit = how,
-                None => return Ok(()),
+            if self.stretch(k) {
+                fit = Fit::Stretched;
+            } else {
+                match self.suit(k) {
+                    Some(how) => fit = how,
+                    None => return Ok(()),
+                }
             }
             let Some(same) = self.flights.get_mut(k) else { return Ok(()) };
             flight = same;
         }
         let span = &mut flight.span;
-        if let Fit::Stretched(part) = fit {
-            self.profile.plan(span.length, v_in, flight.leaves, &span.limits.stretched(part))?;
-        } else {
+        if !matches!(fit, Fit::Stretched) {
             let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
             let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);
             span.limits.v = permitted;
@@ -399,6 +401,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
+    /// Makes the law of the span `k` the one planned, at a part of its speed, if that is the one of now.
+    #[inline(never)]
+    fn stretch(&mut self, k: usize) -> bool {
+        let Some(flight) = self.flights.get_mut(k) else { return false };
+        let (span, v_in) = (&flight.span, flight.enters);
+        if self.mode.stopping || self.pace.is_full(span.level) {
+            return false;
+        }
+        let Some(part) = self.pace.stretch(span, v_in) else { return false };
+        // The change is what has to fit: of the end speed alone it would be rounded by far more.
+        let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
+        let change = speed_bits(speed_f32((to - from).abs()) * part);
+        let leaves = v_in.to_bits() + if to < from { -change } else { change };
+        flight.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
+        flight.limit = self.pace.limit(span);
+        self.profile.plan(span.length, v_in, flight.leaves, &span.limits.stretched(part)).is_ok()
+    }
+
     /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and whether that is as
     /// high as it may be. `None` where it slows down instead, which is done.
     #[inline(never)]
@@ -408,15 +428,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let span = &mut flight.span;
         let full = self.pace.is_full(span.level);
         let mut v = self.pace.limit(span);
-        if !full
-            && !self.mode.stopping
-            && let Some(part) = self.pace.stretch(span, v_in)
-        {
-            flight.limit = v;
-            flight.leaves =
-                span.v_out.min(Speed::from_bits(speed_bits(speed_f32(span.v_out.to_bits()) * part)));
-            return Some(Fit::Stretched(part));
-        }
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
         if lowered && span.blocks > 1 {
@@ -524,6 +535,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         if self.laid < self.flights.len() {
+            // Many laws may be to be made: meanwhile the queue ends early.
+            if self.secure(self.reserve.near) {
+                return Ok(Some(Work::Working));
+            }
             if let Err(error) = self.lay() {
                 self.give_up();
                 return Err(error);
