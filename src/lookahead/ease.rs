@@ -211,7 +211,7 @@ impl Excess {
         let t = 2.0 * self.dv / self.a;
         let needed = j * (t - sqrt_f32(max(t * t - 2.0 * self.dv / j, 0.0)));
         let part = min(max(needed / a, 0.0), 1.0);
-        (256.0 * (1.0 - part)) as u8 + 1
+        ((256.0 * (1.0 - part)) as u8).saturating_add(1)
     }
 }
 

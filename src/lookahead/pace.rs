@@ -17,8 +17,9 @@
 //!
 //! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an override below the level it is
 //! that law at a part of its speed, s(t · part): all accelerations are smaller then, and no block is faster than its part. That
-//! needs the span to be entered at the same part of its planned speed, so spans of HSC are left so. Entered at another speed, in what is
-//! left of a span when the override changes, and while the speed is reduced, its slowest block is the limit.
+//! needs the span to be entered at the same part of its planned speed, so spans of HSC are left so, whatever P-CHAN-00066 says. In what is
+//! left of a span when the override changes, or after a hold, it is the law from where it cruises on. Entered at another speed,
+//! before and behind its cruise, and while the speed is reduced, its slowest block is the limit.
 //!
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks that are known may be. So there
 //! is always time to get as slow as the next one needs.
@@ -78,11 +79,6 @@ impl Headroom {
     /// What is at least as fast as both.
     pub(super) fn join(&mut self, other: Self) {
         self.over = self.over.max(other.over);
-    }
-
-    /// What is at most as fast as both.
-    pub(super) fn join_slower(&mut self, other: Self) {
-        self.over = self.over.min(other.over);
     }
 
     /// Speed of a block while the speed is reduced, planned with `v` for a level.
@@ -177,32 +173,35 @@ impl Pace {
     }
 
     fn slowed(&self, span: &Release) -> f32 {
-        let (v, headroom) = span.slowest();
+        let v = if span.is_uneven() { max(span.v_slow, span.cruise) } else { span.limits.v };
         let slowest = min(v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST));
-        self.reduce(span, max(v * self.factor(headroom, span.level), slowest))
+        let part =
+            if span.is_uneven() { self.part(span.level) } else { self.factor(span.headroom, span.level) };
+        self.reduce(span, max(v * part, slowest))
     }
 
-    /// The part of its planned speed at which a span with several feeds runs now from end to end, entered at the speed `v_in`; `None`
+    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`; `None`
     /// where the slowest of them is the limit instead: entered at another speed, the law is not the one that keeps all of them.
     pub fn stretch(&self, span: &Release, v_in: Speed) -> Option<f32> {
-        if !span.is_uneven() || !span.checked || span.ceiling < f32::MAX || self.reduced {
+        if !span.is_uneven() || span.ceiling < f32::MAX || self.reduced {
             return None;
         }
-        let most = self.leaving(span);
+        let most = self.part(span.level);
+        if span.cruise > 0.0 {
+            return (speed_f32(v_in.to_bits()) <= span.cruise * most * SAME).then_some(most);
+        }
         let begins = if span.v_in == Speed::ZERO {
             most
         } else {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
-        let (least, most) = (most * SLOWER, most * SAME);
-        (v_in <= span.v_in && least <= begins && begins <= most).then(|| min(begins, 1.0))
+        let as_planned = span.checked && v_in <= span.v_in;
+        (as_planned && most * SLOWER <= begins && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
-    /// The part of its planned speed at which a span with HSC is left now, so that the next one can be entered as planned.
-    pub fn leaving(&self, span: &Release) -> f32 {
-        let (_, headroom) = span.slowest();
-        let part = self.factor(headroom, span.level);
-        if span.v_next > 0.0 { min(part, self.factor(span.next, span.level)) } else { part }
+    /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next one is entered as planned.
+    pub fn part(&self, level: f32) -> f32 {
+        min(self.over / level, 1.0)
     }
 
     /// Highest speed of the block behind a span now.

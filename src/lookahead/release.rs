@@ -5,6 +5,7 @@ use super::law;
 use super::limits::{Limits, max, min};
 use super::pace::Headroom;
 use super::ring::Ring;
+use crate::math::float::to_f32;
 use crate::quantity::{Distance, Speed};
 use crate::slope::profile::speed_f32;
 
@@ -23,6 +24,8 @@ pub struct Release {
     pub v_least: f32,
     /// The same, with those of slow blocks that are in part in this span: only of several blocks.
     pub v_slow: f32,
+    /// What is left of it may be as fast as that: see [`Self::cruises`]. 0: not known.
+    pub cruise: f32,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -34,8 +37,6 @@ pub struct Release {
     pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
     pub headroom: Headroom,
-    /// Of its blocks the slowest.
-    pub slow: Headroom,
     /// The speed of the block behind it.
     pub v_next: f32,
     /// How that follows the override.
@@ -55,12 +56,12 @@ impl Release {
         a_down: f32::MAX,
         v_least: 0.0,
         v_slow: 0.0,
+        cruise: 0.0,
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
         ceiling: f32::MAX,
         headroom: Headroom::NONE,
-        slow: Headroom::NONE,
         v_next: 0.0,
         next: Headroom::NONE,
         v_reduced: f32::MAX,
@@ -75,14 +76,18 @@ impl Release {
         self.level = level;
     }
 
-    /// Whether blocks with other speeds may be in it.
+    /// Whether blocks with other speeds are in it.
     pub fn is_uneven(&self) -> bool {
-        self.blocks > 1 && self.limits.varies()
+        self.blocks > 1 && self.limits.varies() && self.v_slow < self.limits.v
     }
 
-    /// The highest of its speeds for which no block inside has to be looked at, and how it follows the override.
-    pub fn slowest(&self) -> (f32, Headroom) {
-        if self.is_uneven() { (self.v_slow, self.slow) } else { (self.limits.v, self.headroom) }
+    /// Its highest speed, if the law planned for it, over `length` from the speed `v_in` on, has reached that at the distance `at`
+    /// and does not slow down yet: all blocks from there up to its slowing down permit it. Otherwise 0.
+    pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
+        let span = law::Span { length, limits: self.limits, kept: true };
+        let law = law::Law::new(&span, v_in, self.v_out, true);
+        let at = to_f32(at) * law::LSB_44;
+        if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.
@@ -142,7 +147,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
         let mut v_least = first.limits.v;
-        let (mut headroom, mut slow) = (first.headroom, first.headroom);
+        let mut headroom = first.headroom;
         let mut limits = first.limits;
         let next = loop {
             match ring.next() {
@@ -153,7 +158,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                     v_least = min(v_least, min(block.cap, block.limits.v));
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
-                    slow.join_slower(block.headroom);
                     length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
@@ -165,7 +169,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.
             release.v_slow = v_least;
-            release.slow = slow;
             if first.continued {
                 release.v_slow = min(release.v_slow, speed_f32(first.v_in.to_bits()));
             }
@@ -184,7 +187,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         if first.is(Marks::FLAT) {
             limits.flatten(v_in, v_out);
         }
-        release.blocks = blocks;
+        (release.blocks, release.cruise) = (blocks, 0.0);
         release.length = Distance::from_bits(length);
         release.limits = limits;
         (release.headroom, release.ceiling) = (headroom, f32::MAX);

@@ -14,7 +14,8 @@
 //! complete. An abort ends a dwell.
 use super::flight::Flight;
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Unplannable, Work,
+    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Time, Unplannable,
+    Work,
 };
 use super::{clock, max, min, speed_f32};
 use crate::queue::{Event, PHASES};
@@ -71,6 +72,9 @@ impl Mode {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
 }
+
+/// No law at a part of its speed is longer: 2^26 ticks.
+const LONGEST: Time = Time::from_bits(1 << (26 + 36));
 
 /// What a law reaches of the one planned.
 enum Fit {
@@ -401,22 +405,38 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Makes the law of the span `k` the one planned, at a part of its speed, if that is the one of now.
+    /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if that is the one of now.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> bool {
         let Some(flight) = self.flights.get_mut(k) else { return false };
-        let (span, v_in) = (&flight.span, flight.enters);
+        if flight.span.blocks == 1 {
+            return false;
+        }
+        flight.look(flight.start.to_bits());
+        let (span, v_in) = (&mut flight.span, flight.enters);
         if self.mode.stopping || self.pace.is_full(span.level) {
             return false;
         }
-        let Some(part) = self.pace.stretch(span, v_in) else { return false };
-        // The change is what has to fit: of the end speed alone it would be rounded by far more.
-        let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
-        let change = speed_bits(speed_f32((to - from).abs()) * part);
-        let leaves = v_in.to_bits() + if to < from { -change } else { change };
-        flight.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
-        flight.limit = self.pace.limit(span);
-        self.profile.plan(span.length, v_in, flight.leaves, &span.limits.stretched(part)).is_ok()
+        if let Some(part) = self.pace.stretch(span, v_in) {
+            let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
+            let mut limits = span.limits.stretched(part);
+            let mut leaves = speed_bits(speed_f32(to) * part);
+            if span.cruise > 0.0 {
+                limits.v = min(limits.v, span.cruise * part);
+            } else {
+                // The change is what has to fit: of the end speed alone it would be rounded by far more.
+                let change = speed_bits(speed_f32((to - from).abs()) * part);
+                leaves = v_in.to_bits() + if to < from { -change } else { change };
+            }
+            flight.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
+            flight.limit = limits.v;
+            let planned = self.profile.plan(span.length, v_in, flight.leaves, &limits);
+            if planned.is_ok() && self.profile.time() <= LONGEST {
+                return true;
+            }
+        }
+        span.cruise = 0.0;
+        false
     }
 
     /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and whether that is as
@@ -431,7 +451,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
         if lowered && span.blocks > 1 {
-            span.ceiling = min(span.ceiling, max(span.v_least, speed_f32(v_in.to_bits())));
+            let known = max(span.v_least, speed_f32(v_in.to_bits()));
+            span.ceiling = min(span.ceiling, max(known, span.cruise));
             v = min(v, span.ceiling);
         }
         flight.limit = v;
@@ -462,7 +483,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !full || self.mode.uneven {
             let mut v_next = min(v, self.pace.next(span));
             if span.limits.varies() {
-                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.pace.leaving(span));
+                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.pace.part(span.level));
             }
             let v_next = Speed::from_bits(speed_bits(v_next));
             let slower = v_out.min(v_next);

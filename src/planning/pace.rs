@@ -46,6 +46,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             } else if self.differs(&flight) && at != self.end {
                 left = true;
                 if let Some(motion) = self.motion_at(at) {
+                    let flight = self.flights.get_mut(k)?;
+                    flight.look(motion.distance);
+                    let flight = *flight;
                     let target = speed_bits(self.pace.limit(&flight.span));
                     // It slows down as it is.
                     let slows = motion.accel < 0 && motion.speed <= target;
