@@ -358,3 +358,54 @@ fn a_long_way_is_hardly_slower_than_with_trapez() {
         assert!(hsc * 20 <= trapez * 21, "{line} mm: {hsc} ticks, TRAPEZ {trapez}");
     }
 }
+
+/// A long block, and a short slow one behind it in the same span.
+fn approach() -> Program {
+    Program::new("approach", 3).line(&[1000.0], 12_000.0).line(&[1001.0], 2400.0)
+}
+
+/// Highest path speed from a tick on, mm/s.
+fn fastest(run: &Operated, from: usize) -> f64 {
+    let ticks = run.distances[from..].windows(2).map(|w| w[1].wrapping_sub(w[0]));
+    ticks.max().unwrap_or(0) as f64 / 2f64.powi(44) / run.trace.cycle
+}
+
+#[test]
+fn a_long_block_goes_on_after_a_change() {
+    let machine = hsc(machines::examples::<3>(1000));
+    let ticks =
+        |acts: &[(usize, Act)]| operate::<3, 120>(&approach(), &machine, acts, 40).unwrap().trace.len();
+    let whole = ticks(&[]);
+    let slower = ticks(&[(1000, Act::Override(900))]);
+    assert!(slower * 9 <= whole * 10, "{slower} ticks at 90 %, {whole} without");
+    let half = ticks(&[(0, Act::Override(500))]);
+    let less = ticks(&[(0, Act::Override(500)), (1000, Act::Override(510))]);
+    assert!(less <= half, "{less} ticks at 51 %, {half} at 50 %");
+    let held = ticks(&[(1500, Act::Hold), (2000, Act::Resume)]);
+    assert!(held <= whole + 1200, "{held} ticks with a hold of 500, {whole} without");
+}
+
+#[test]
+fn reduced_speed_counts_beside_an_override() {
+    let mut machine = hsc(machines::examples::<3>(1000));
+    machine.axes[0].vb_max_red = 50_000;
+    for over in [300, 500, 900] {
+        let acts = [(0, Act::Override(over)), (600, Act::Reduced(true))];
+        let run = operate::<3, 120>(&approach(), &machine, &acts, 40).unwrap();
+        let (v, permitted) = (fastest(&run, 1600), f64::from(over) * 0.05);
+        assert!(v <= permitted * 1.000_001, "{over}: {v} mm/s, permitted {permitted}");
+    }
+}
+
+#[test]
+fn the_lowest_override_ends_no_program() {
+    let mut machine = hsc(machines::examples::<3>(1000));
+    machine.channel.cycle_us = 100;
+    let mut program = Program::new("half circles", 3);
+    for (y, j) in [(4.0, 2.0), (0.0, -2.0), (4.0, 2.0)] {
+        program = program.arc(&[0.0, y], [0.0, j], false, 60.0);
+    }
+    let acts = [(0, Act::Override(1)), (20_000, Act::Override(1000))];
+    let run = operate::<3, 120>(&program, &machine, &acts, 40).unwrap();
+    assert!(run.trace.len() < 220_000, "{} ticks", run.trace.len());
+}
