@@ -221,6 +221,23 @@ fn acknowledged_in_time_nothing_slows_down() {
     }
 }
 
+/// At a lower override too, with blocks of one feed before it that are one span with HSC.
+#[test]
+fn acknowledged_in_time_nothing_stops_at_a_lower_override() {
+    let text = "N10 G01 X10 F6000\nN20 X60\nN30 X110 M25\nN40 X190\nM30\n";
+    for slope in [1, 3] {
+        let machine = machine(slope);
+        for delay in [1, 100, 300] {
+            let acts = [(0, Act::Override(500))];
+            let run = run(text, &Case { machine: &machine, delay: Some(delay), acts: &acts, polls: 1000 });
+            keeps_limits(&run, &machine, text);
+            assert!(run.waits.is_empty(), "slope {slope}, {delay}: {:?}", run.waits);
+            let still = run.distances.windows(2).skip(100).take(2000).filter(|w| w[0] == w[1]).count();
+            assert_eq!(still, 0, "slope {slope}, {delay}");
+        }
+    }
+}
+
 #[test]
 fn the_law_that_goes_on_is_that_without_the_wait() {
     let mut same = 0;
