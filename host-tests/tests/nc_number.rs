@@ -28,6 +28,7 @@ fn x_bits(program: &str) -> i64 {
     motions(program)[0].target[0].to_bits()
 }
 
+/// D3-010.
 #[test]
 fn coordinates_are_rounded_once() {
     let mut random = Random(3);
@@ -100,6 +101,7 @@ fn ties_go_away_from_zero() {
     assert_eq!(x_bits("G0 X=2**-34"), 0);
 }
 
+/// NC-006.
 #[test]
 fn feed_follows_p_chan_00108() {
     use glidepath::nc::Command;
@@ -153,6 +155,7 @@ fn f64_results_round_to_nearest() {
     }
 }
 
+/// D3-010.
 #[test]
 fn many_digits() {
     let long = format!("G0 X1.{}", "3".repeat(400));

@@ -24,6 +24,7 @@ fn ends(machine: &MachineData<2>, text: &str) -> Vec<[f64; 2]> {
     out.into_iter().filter_map(motion).collect()
 }
 
+/// NC-004.
 #[test]
 fn machine_data_fill_g54_to_g59() {
     let ends = |text| ends(&machine(), text);
@@ -33,9 +34,13 @@ fn machine_data_fill_g54_to_g59() {
     assert_eq!(ends("G59 G00 X-1"), [[99_999.0, 0.0]]);
     let tenth = (-0.0001 * 4_294_967_296.0_f64).round() / 4_294_967_296.0;
     assert_eq!(ends("G56 G00 X0"), [[tenth, 0.0]], "0.1 µm, to nearest");
-    assert_eq!(ends("G54 G70 G00 X1 C1"), [[10.0 + (25.4 * 4_294_967_296.0_f64).round() / 4_294_967_296.0, 2.0]]);
+    assert_eq!(
+        ends("G54 G70 G00 X1 C1"),
+        [[10.0 + (25.4 * 4_294_967_296.0_f64).round() / 4_294_967_296.0, 2.0]]
+    );
 }
 
+/// NC-004.
 #[test]
 fn an_offset_moves_nothing_by_itself_and_counts_for_absolute_positions() {
     let ends = |text| ends(&machine(), text);
@@ -44,11 +49,16 @@ fn an_offset_moves_nothing_by_itself_and_counts_for_absolute_positions() {
     assert_eq!(ends("G54 G92 X5\nG00 X1\nG53 X1"), [[16.0, 0.0], [6.0, 0.0]], "G53 leaves G92 alone");
 }
 
+/// NC-004.
 #[test]
 fn g53_is_modal() {
-    assert_eq!(ends(&machine(), "G54 G00 X1\nG53 X1\nX2\nG54 X2"), [[11.0, 0.0], [1.0, 0.0], [2.0, 0.0], [12.0, 0.0]]);
+    assert_eq!(
+        ends(&machine(), "G54 G00 X1\nG53 X1\nX2\nG54 X2"),
+        [[11.0, 0.0], [1.0, 0.0], [2.0, 0.0], [12.0, 0.0]]
+    );
 }
 
+/// NC-004.
 #[test]
 fn p_zero_00002_is_in_force_at_program_start() {
     let mut machine = machine();
@@ -100,6 +110,7 @@ fn finish<'a>(
     panic!("no end");
 }
 
+/// NC-004.
 #[test]
 fn an_offset_is_set_at_rest_and_not_on_the_way() {
     let mut machine = machine();

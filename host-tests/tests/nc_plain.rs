@@ -51,6 +51,7 @@ fn line(random: &mut Random) -> String {
     text
 }
 
+/// NC-004.
 #[test]
 fn a_plain_block_is_what_its_words_are() {
     let states = [
@@ -91,7 +92,16 @@ fn axes_of_longer_names_are_no_plain_words() {
 
 #[test]
 fn what_follows_a_number_belongs_to_it() {
-    for line in ["X1 F10 Y2 MOD 2", "F10 X5-3", "F10 X5 -3", "F10 X2*3", "F10 X5E3", "F10 X1.2.3", "N5: X1 F3", "F10 X3 XOR 2"] {
+    for line in [
+        "X1 F10 Y2 MOD 2",
+        "F10 X5-3",
+        "F10 X5 -3",
+        "F10 X2*3",
+        "F10 X5E3",
+        "F10 X1.2.3",
+        "N5: X1 F3",
+        "F10 X3 XOR 2",
+    ] {
         both_ways(setup(), "", line, " G94");
     }
     assert_eq!(motions("F10 X5 -3")[0].target[0], 2);
