@@ -288,7 +288,9 @@ impl core::fmt::Display for ZeroOffsetError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::NotAtRest => "a zero offset is set at rest, when all blocks read are executed",
-            Self::Range => "no such zero offset; expected set 0…5, an axis of the machine, at most 100 000 mm or degrees",
+            Self::Range => {
+                "no such zero offset; expected set 0…5, an axis of the machine, at most 100 000 mm or degrees"
+            }
         })
     }
 }
@@ -384,7 +386,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// # Errors
     /// The axes do not stand with all blocks executed that were read: before the first call of [`Self::poll`] they do, at the end of
     /// the program, and where the program text is late. Or there is no such zero offset.
-    pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> Result<(), ZeroOffsetError> {
+    pub fn set_zero_offset(
+        &mut self,
+        set: usize,
+        axis: usize,
+        offset: Position,
+    ) -> Result<(), ZeroOffsetError> {
         if self.held.is_some() || !self.decoder.is_between_lines() || !self.planning.is_at_rest() {
             return Err(ZeroOffsetError::NotAtRest);
         }

@@ -73,8 +73,7 @@ impl<const AXES: usize> Setup<AXES> {
 
 /// 0.1 µm or 0.0001°, to nearest.
 fn of_tenths(tenths: i32) -> Position {
-    let number =
-        Number::Decimal { negative: tenths < 0, mantissa: tenths.unsigned_abs().into(), scale: 4 };
+    let number = Number::Decimal { negative: tenths < 0, mantissa: tenths.unsigned_abs().into(), scale: 4 };
     number.fixed(Factor::ONE).unwrap_or(Position::ZERO)
 }
 
