@@ -4,7 +4,7 @@ use super::choice::Candidate;
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
-use super::held::{Held, travel};
+use super::held::{Held, Stray, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::lookahead::{Curving, Dynamics, max, min};
@@ -27,6 +27,8 @@ const HALVED: i64 = 64;
 
 /// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
+/// See [`UNSEEN`].
+const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
@@ -134,8 +136,7 @@ impl<const AXES: usize> Joining<AXES> {
             }
         } else {
             let turn = turn(setting.measure, before, behind)?;
-            let position = rule.method == ContourMethod::Pos;
-            if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            if !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
                 return None;
             }
             match rule.method {
@@ -167,13 +168,14 @@ impl<const AXES: usize> Joining<AXES> {
     ) -> Option<Stage<AXES>> {
         let corner = corner(held, next, setting.measure);
         let mut tolerance = rule.tolerance();
+        // What straight lines that stand for several blocks have already taken.
+        let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
+        let [unseen, unseen_track] = if corner.gap.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
-            // What straight lines that stand for several blocks have already taken.
-            let left_out = held.skipped.map_or(0.0, |skipped| skipped.stray);
-            *path -= max(max(held.stray, next.stray), left_out);
-            if corner.gap.is_some() {
-                *path *= 1.0 - UNSEEN;
-            }
+            *path = (*path - stray.path) * (1.0 - unseen);
+        }
+        if tolerance.track > 0.0 {
+            tolerance.track = max((tolerance.track - stray.track) * (1.0 - unseen_track), f32::MIN_POSITIVE);
         }
         let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
         if let Some(Candidate { way, limits: None }) = candidate {
