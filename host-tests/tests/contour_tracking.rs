@@ -42,7 +42,8 @@ fn a_block_that_is_short_in_space_alone_is_kept() {
 /// With unequal distances a curve swings out: so does a tracking axis, elsewhere than in the middle.
 #[test]
 fn unequal_distances_keep_the_tracking_tolerance_all_along_the_curve() {
-    let text = "#CONTOUR MODE ON [DIST PRE_DIST=10 POST_DIST=2 TRACK_DEV=0.1]\nG01 X100 A20 F6000\nY100 A-40\nM30\n";
+    let text =
+        "#CONTOUR MODE ON [DIST PRE_DIST=10 POST_DIST=2 TRACK_DEV=0.1]\nG01 X100 A20 F6000\nY100 A-40\nM30\n";
     let run = run_from::<4>(text, [Position::ZERO; 4], &quick(1000));
     let most = (0..run.trace.len()).map(|i| run.trace.mm(i)[3]).fold(0.0, f64::max);
     assert!((20.0..=20.1).contains(&most), "{most}");
@@ -73,7 +74,11 @@ fn unequal_distances_keep_the_tracking_tolerance_all_along_the_curve() {
         assert!(fits(1.0 + 1e-5), "{seed}: {pre} {post} {tolerance}");
         // The distances of this corner without the tolerance.
         let free = round(&blocks, &machine, &Contour { track_dev: mm(0.0), ..contour });
-        assert!(pieces.len() > 2 || free.len() == 2, "{seed}: {angle} {g1} {g2} {pre} {post} {tolerance}: {}", free.len());
+        assert!(
+            pieces.len() > 2 || free.len() == 2,
+            "{seed}: {angle} {g1} {g2} {pre} {post} {tolerance}: {}",
+            free.len()
+        );
         if free[0].length() + 1e-6 < pieces[0].length() {
             shorter += 1;
         }

@@ -79,7 +79,8 @@ pub(super) struct Standing {
     pub stray: Stray,
 }
 
-/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began; before a corner it is joined to the block
+/// behind it.
 const SYSTEM_LEAST: f32 = 0.016;
 
 /// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much the direction may
@@ -156,14 +157,17 @@ impl<const AXES: usize> Held<AXES> {
             let Block { element, from, to, .. } = &held.block;
             Self::in_space(element, held.length, measure) <= path && aside(main, &travel(from, to)) <= track
         };
-        let lines = next.is_line() && self.is_line();
-        let whole = lines && rule.method != ContourMethod::Pos && is_short(self, path);
+        // A curve that ends in this block goes on in its direction.
+        let entered = self.block.element.shape.length.to_bits() < self.length;
+        let lines = next.is_line() && self.is_line() && !entered;
+        // RELEVANT_PATH is for both neighbours of a corner with DEV alone.
+        let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
+        let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
         let standing = match &self.skipped {
             _ if whole => {
                 let over = travel(&self.block.from, to);
                 let off = |point: &[Position; AXES]| Stray::of(main, &over, &travel(&self.block.from, point));
-                let behind =
-                    self.skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
+                let behind = self.skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
                 Standing { whole, stray: self.stray.or(behind).and(off(&self.block.to)) }
             }
             Some(skipped) if is_short(next, SYSTEM_LEAST) => {
@@ -209,7 +213,12 @@ impl<const AXES: usize> Held<AXES> {
         // No longer than what one block may take.
         let in_time = to_f32(both) * LSB_44 < dynamics.element(&element, data.feed).0.v * LONGEST_TICKS;
         let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
-        if !on_it || turns > TURN || both <= first.max(next.length) || !in_time || max(stray.path, stray.track) > MERGED_STRAY {
+        if !on_it
+            || turns > TURN
+            || both <= first.max(next.length)
+            || !in_time
+            || max(stray.path, stray.track) > MERGED_STRAY
+        {
             return None;
         }
         let block = Block { element, from: self.block.from, ..*block };

@@ -7,14 +7,23 @@
 //! behind the corner is made anew from where the corner's curve ends.
 //!
 //! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
-//! to the first one that ends beyond the limit. A short block to begin with is joined to the line behind it. Where no
+//! to the first one that ends beyond the limit. A short line to begin with is joined to the line behind it: with DEV where it is short by
+//! RELEVANT_PATH, with the others below 16 µm. Where no
 //! curve comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources leave out; so
 //! RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a given corner distance.
 //!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
 //! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
 //! corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and POST_ACTION count as they stood when the
-//! block before the corner came.
+//! block before the corner came. A keyword that the method in force does not have counts as if it had never been given.
+//!
+//! A dwell, or whatever else demands a standstill between two blocks, is at the programmed corner: the motion cannot rest in
+//! a curve that stands for it. So there is no curve there, and a warning says so for a dwell. (The sources print a program with a dwell
+//! behind G61 and do not say what becomes of the corner.)
+//!
+//! A row of blocks left out ends where contouring is switched off or gets other parameters, at a standstill, and at the program end: the
+//! corner before them is rounded, with the line over them as the block behind it, whose end is passed exactly. What changes
+//! nothing, as a second G261, ends nothing.
 mod choice;
 mod corner;
 mod course;
