@@ -22,7 +22,7 @@ mod polynomial;
 mod transition;
 
 pub(super) use axis::Set;
-pub use polynomial::Curving;
+pub use polynomial::{Curving, Steady};
 
 use super::limits::{Joins, Law, Limits, Share, magnitude, max, min};
 use super::pace::Headroom;

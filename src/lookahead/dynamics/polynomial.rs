@@ -21,10 +21,24 @@ pub struct Curving {
     /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
     pub jerk: u8,
     /// CONST_VEL: its speed does not change.
-    pub constant: bool,
+    pub constant: Option<Steady>,
 }
 
-/// Largest change of the speed's square inside an element where the speed is to stay, relative.
+/// One speed for all of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steady {
+    /// The largest that every element permits, mm/tick.
+    pub v: f32,
+    /// Path length of all elements, mm.
+    pub length: f32,
+}
+
+impl Steady {
+    /// Any speed, for an element by itself.
+    pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
+}
+
+/// Largest change of the speed's square over a curve where the speed is to stay, relative.
 const CONSTANT: f32 = 1.0 / 8192.0;
 
 impl<const AXES: usize> Dynamics<AXES> {
@@ -85,7 +99,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
-        for _ in 0..ARC_SPEEDS {
+        // At one speed the highest is the quickest.
+        for _ in 0..if curving.constant.is_some() { 1 } else { ARC_SPEEDS } {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
@@ -104,9 +119,10 @@ impl<const AXES: usize> Dynamics<AXES> {
             v *= ARC_SPEED_STEP;
         }
         limits.v = best.1;
-        if curving.constant {
+        if let Some(Steady { v, length }) = curving.constant {
+            limits.v = min(limits.v, v);
             // Over its length the square of the speed changes by 2·a·length.
-            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+            best.2 = min(best.2, 0.5 * CONSTANT * limits.v * limits.v / length);
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);

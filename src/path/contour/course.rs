@@ -190,6 +190,27 @@ impl<const AXES: usize> Course<AXES> {
 }
 
 impl<const AXES: usize> Course<AXES> {
+    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None` behind the last one, or
+    /// where it cannot be made.
+    pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
+        if i >= 2 * self.parts {
+            return None;
+        }
+        let ([a, b], length) = self.part(i);
+        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
+        let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
+        let (mut element, mut draft) = Draft::new(&from, &to, length, Self::fastest(above))?;
+        while !draft.is_done() {
+            draft.go_on(&mut element)?;
+        }
+        Some((i < self.parts, element))
+    }
+
+    /// Speed along an element per path speed at most, from what is seen of it at some places.
+    fn fastest(above: f32) -> f32 {
+        1.0 + 1.25 * above + 1e-6
+    }
+
     /// The next element, with its axes to be made.
     pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         if self.is_done() {
@@ -200,7 +221,7 @@ impl<const AXES: usize> Course<AXES> {
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
-        Draft::new(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
+        Draft::new(&from, &to, length, Self::fastest(above))
     }
 }
 

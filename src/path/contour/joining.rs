@@ -7,7 +7,7 @@ use super::curve::Side;
 use super::held::{Held, Stray, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
-use crate::lookahead::{Curving, Dynamics, max, min};
+use crate::lookahead::{Curving, Dynamics, Steady, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
@@ -79,8 +79,10 @@ enum Stage<const AXES: usize> {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
+    Timing { cut: Cut, course: Course<AXES>, element: u32, steady: Steady },
     /// They are: both blocks become what is left of them.
-    Joining { cut: Cut, course: Course<AXES> },
+    Joining { cut: Cut, course: Course<AXES>, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// There is no curve.
@@ -228,13 +230,32 @@ impl<const AXES: usize> Joining<AXES> {
                 match course.fit(even, *slack) {
                     Fit::Working => return None,
                     Fit::Failed => Some(cut.smaller(*slack, *smaller)),
-                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course }),
+                    Fit::Ready if setting.parameters.const_vel => {
+                        let steady = Steady { length: 0.0, ..Steady::FREE };
+                        Some(Stage::Timing { cut: *cut, course: *course, element: 0, steady })
+                    }
+                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course, steady: None }),
                 }
             }
-            Stage::Joining { cut, course } => {
-                let (cut, course) = (*cut, *course);
+            Stage::Timing { cut, course, element: i, steady } => {
+                let Some((is_before, element)) = course.rehearse(*i) else {
+                    *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+                    return None;
+                };
+                let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
+                let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
+                if let Some(bounds) = &element.bounds {
+                    let (limits, ..) = setting.dynamics.polynomial(&element, bounds, feed, curving);
+                    steady.v = min(steady.v, limits.v);
+                    steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
+                }
+                *i += 1;
+                return None;
+            }
+            Stage::Joining { cut, course, steady } => {
+                let (cut, course, steady) = (*cut, *course, *steady);
                 let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
+                return Some(Some(ends.join(held, next, Curve::Even(course), steady, setting)));
             }
             Stage::Overlapping(overlap) => {
                 let mut overlap = *overlap;
@@ -257,7 +278,7 @@ impl<const AXES: usize> Joining<AXES> {
                     return Some(None);
                 }
                 let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
-                return Some(Some(ends.join(held, next, course, setting)));
+                return Some(Some(ends.join(held, next, course, None, setting)));
             }
             Stage::Sharp => return Some(None),
         };
@@ -394,6 +415,7 @@ impl<const AXES: usize> Ends<AXES> {
         held: &mut Held<AXES>,
         next: &mut Held<AXES>,
         course: Curve<AXES>,
+        steady: Option<Steady>,
         setting: &Setting<'_, AXES>,
     ) -> Turning<AXES> {
         let [first, second] = [held.block.data, next.block.data];
@@ -408,8 +430,7 @@ impl<const AXES: usize> Ends<AXES> {
         if self.rest > 0 {
             held.block.element.exit = self.from.end;
         }
-        let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
-        let curving = Curving { jerk: check_jerk, constant: const_vel };
+        let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
         Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
     }
 }
