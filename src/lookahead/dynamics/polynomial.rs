@@ -38,8 +38,9 @@ impl Steady {
     pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
 }
 
-/// Largest change of the speed's square over a curve where the speed is to stay, relative.
-const CONSTANT: f32 = 1.0 / 8192.0;
+/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their arc length
+/// adds to that.
+const CONSTANT: f32 = 3e-4;
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
@@ -99,8 +100,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
-        // At one speed the highest is the quickest.
-        for _ in 0..if curving.constant.is_some() { 1 } else { ARC_SPEEDS } {
+        for _ in 0..ARC_SPEEDS {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
@@ -120,9 +120,10 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.v = best.1;
         if let Some(Steady { v, length }) = curving.constant {
+            // No faster than the element that is slowest.
             limits.v = min(limits.v, v);
             // Over its length the square of the speed changes by 2·a·length.
-            best.2 = min(best.2, 0.5 * CONSTANT * limits.v * limits.v / length);
+            best.2 = min(best.2, CONSTANT * limits.v * limits.v / length);
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);
