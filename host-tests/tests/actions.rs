@@ -361,6 +361,24 @@ fn functions_of_blocks_left_out_come_at_the_corner_that_stands_for_them() {
     assert!(run.stands(0).1 >= row + 41);
 }
 
+/// MVS_SNS comes out before the motion of its block and waits behind it: without one, at the same place.
+#[test]
+fn a_function_of_a_block_without_path_waits_where_it_comes_out() {
+    for (mode, motion) in
+        [("", "N20 X10 M25"), ("", "N20 M25"), ("#CONTOUR MODE ON [DEV PATH_DEV=0.5]\n", "N20 X10 M25")]
+    {
+        for slope in 0..4 {
+            let text = format!("N5 G01 X0 F6000\n{mode}N10 X10\n{motion}\nN30 X20\nN40 X30\nM30\n");
+            let run = acknowledged(&text, &machine(slope), Some(80));
+            let [(row, output)] = run.outputs[..] else { panic!("{:?}", run.outputs) };
+            let (from, to) = run.stands(0);
+            assert_eq!((output.function, output.waits), (Function::M(25), true), "{text}");
+            assert!(from == row && (from + 81..from + 86).contains(&to), "{from} … {to}\n{text}");
+            assert_eq!(run.row(row), mm([10, 0, 0]), "{text}");
+        }
+    }
+}
+
 #[test]
 fn dwell_and_program_end_wait() {
     let text = "N10 G01 X10 F6000 M27\nN20 G04 X0.3\nN30 X20 M27\nM30\n";

@@ -39,6 +39,36 @@ fn a_block_that_is_short_in_space_alone_is_kept() {
     }
 }
 
+/// Up to RELEVANT_TRACK, of each tracking axis by itself, a block is short, and not beyond it: behind a corner, and before one.
+#[test]
+fn the_relevant_track_is_a_limit_of_each_axis() {
+    for mode in ["DEV PATH_DEV=2 RELEVANT_PATH=1", "DIST PRE_DIST=2 POST_DIST=2 RELEVANT_PATH=1"] {
+        for (a, b, short) in [
+            (0.098, 0.0, true),
+            (0.102, 0.0, false),
+            (-0.15, 0.0, false),
+            (0.09, -0.09, true),
+            (0.09, 0.102, false),
+        ] {
+            let text = format!(
+                "#CONTOUR MODE ON [{mode} RELEVANT_TRACK=0.1]\nN10 G01 X20 F4000\nN20 X20.5 A{a} B{b}\nN30 Y30\nM30\n"
+            );
+            let run = run_from::<5>(&text, [Position::ZERO; 5], &quick(1000));
+            assert_eq!(run.lengths(20).is_empty(), short, "{text}");
+        }
+    }
+    for (a, short) in [(0.098, true), (0.102, false)] {
+        let text = format!(
+            "#CONTOUR MODE ON [DEV PATH_DEV=2 RELEVANT_PATH=1 RELEVANT_TRACK=0.1]\nN10 G01 X0.5 A{a} F4000\nN20 X20 Y9\nN30 Y30\nM30\n"
+        );
+        let run = run_from::<4>(&text, [Position::ZERO; 4], &quick(1000));
+        assert_eq!(run.lengths(10).is_empty(), short, "{text}");
+    }
+    // No more than the tolerance, whatever is relevant.
+    let text = "#CONTOUR MODE ON [DEV PATH_DEV=2 TRACK_DEV=0.05 RELEVANT_PATH=1 RELEVANT_TRACK=1]\nN10 G01 X20 F4000\nN20 X20.5 A0.2\nN30 Y30\nM30\n";
+    assert!(!run_from::<4>(text, [Position::ZERO; 4], &quick(1000)).lengths(20).is_empty());
+}
+
 /// With unequal distances a curve swings out: so does a tracking axis, elsewhere than in the middle.
 #[test]
 fn unequal_distances_keep_the_tracking_tolerance_all_along_the_curve() {
