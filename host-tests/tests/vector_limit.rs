@@ -99,6 +99,8 @@ fn values_of_the_channel_and_units() {
     assert_eq!(digest(&machine, "#VECTOR LIMIT ON ALL"), explicit);
     assert_eq!(digest(&machine, "#VECTOR LIMIT ON [ACC=100]\n#VECTOR LIMIT ON [ACC DEC VEL]"), explicit);
     assert_ne!(digest(&machine, ""), explicit);
+    // Not by themselves: only where the program switches them on.
+    assert_eq!(digest(&machine, ""), digest(&self::machine(), ""));
     // 1 mm/s² is 3600 mm/min²; the unit of ISG's default.
     machine.channel.vector_unit = AccelerationUnit::MmMin2;
     machine.channel.vector_acceleration_milli = 1_800_000_000;
