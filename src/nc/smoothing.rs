@@ -110,12 +110,10 @@ impl Keywords for Contour {
             "PTP" => return choose(&mut self.method, ContourMethod::Ptp),
             _ => {}
         }
-        match (keyword, self.method) {
-            (
-                "PRE_ACTION" | "INTER_ACTION" | "POST_ACTION",
-                Some(method @ (ContourMethod::DistSoft | ContourMethod::DistMaster)),
-            ) => return Slot::Mismatch(contour_list(method).0),
-            _ => {}
+        if let ("PRE_ACTION" | "INTER_ACTION" | "POST_ACTION", Some(method)) = (keyword, self.method)
+            && matches!(method, ContourMethod::DistSoft | ContourMethod::DistMaster)
+        {
+            return Slot::Mismatch(contour_list(method).0);
         }
         match keyword {
             "PRE_ACTION" => return choose(&mut self.action, ContourAction::Pre),

@@ -60,52 +60,56 @@ pub struct Course<const AXES: usize> {
 /// Where a curve through a given point is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cuts {
-    /// In steps over both halves: an element begins at each but the last.
-    at: [u16; MOST_CUTS + 1],
+    /// Steps of each element, less one.
+    steps: [u8; MOST_CUTS],
     /// How many elements there are, and steps of the one that is tried behind them.
-    count: u32,
+    count: u8,
     step: u16,
 }
 
 impl Cuts {
-    const NONE: Self = Self { at: [0; MOST_CUTS + 1], count: 0, step: STEPS };
+    /// Both halves are tried whole.
+    const NEW: Self = Self { steps: [0; MOST_CUTS], count: 0, step: STEPS };
 
     /// Evenly, as often as any other curve.
-    fn even() -> Self {
-        let mut cuts = Self { count: 2 * MOST_PARTS, ..Self::NONE };
-        for (i, at) in (0..=2 * MOST_PARTS).zip(&mut cuts.at) {
-            *at = (i * u32::from(STEPS) / MOST_PARTS) as u16;
-        }
-        cuts
-    }
+    const EVEN: Self = Self {
+        steps: [(STEPS / MOST_PARTS as u16 - 1) as u8; MOST_CUTS],
+        count: 2 * MOST_PARTS as u8,
+        step: 0,
+    };
 
-    /// Both ends of element `i`.
+    /// Both ends of element `i`, in steps over both halves.
     fn ends(&self, i: u32) -> [u16; 2] {
-        [i, i + 1].map(|i| self.at.get(i as usize).copied().unwrap_or(2 * STEPS))
+        let whole = self.steps.iter().take(i.min(u32::from(self.count)) as usize);
+        let from = whole.fold(0, |sum, steps| sum + u16::from(*steps) + 1);
+        let steps = if i < u32::from(self.count) {
+            self.steps.get(i as usize).map_or(0, |steps| u16::from(*steps) + 1)
+        } else {
+            self.step
+        };
+        [from, from + steps]
     }
 
-    /// Lays the element that is tried, behind those that there are.
-    fn lay(&mut self) {
-        let [from, _] = self.ends(self.count);
-        if let Some(to) = self.at.get_mut(self.count as usize + 1) {
-            *to = from + self.step;
-        }
-    }
-
-    /// It is fine: the next one may be twice as long, as far as its half goes. Whether there is no next one.
+    /// What is tried is fine: the next one may be twice as long, as far as its half goes. Whether there is no next one.
     fn accept(&mut self) -> bool {
-        let [_, to] = self.ends(self.count);
-        self.count += 1;
+        let [_, to] = self.ends(u32::from(self.count));
+        if let Some(steps) = self.steps.get_mut(usize::from(self.count)) {
+            *steps = (self.step - 1) as u8;
+            self.count += 1;
+        }
         self.step = (2 * self.step).min(STEPS - to % STEPS);
-        self.lay();
         to >= 2 * STEPS
     }
 
     /// It is not: half as long. Whether it can be tried.
     fn shorten(&mut self) -> bool {
         self.step /= 2;
-        self.lay();
-        self.step > 0 && (self.count as usize) < MOST_CUTS
+        self.step > 0
+    }
+
+    /// Whether there is no room for another element.
+    fn is_full(&self) -> bool {
+        usize::from(self.count) >= MOST_CUTS
     }
 }
 
@@ -156,11 +160,7 @@ impl<const AXES: usize> Course<AXES> {
             ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
         };
         let (at, last) = (*from, *to);
-        let given = interim.map(|_| {
-            let mut cuts = Cuts::NONE;
-            cuts.lay();
-            cuts
-        });
+        let given = interim.map(|_| Cuts::NEW);
         let path = (!measure.is_space()).then_some(path);
         let (parts, done, any) = (1, 0, false);
         let (measure, origin) = (*measure, *origin);
@@ -191,21 +191,18 @@ impl<const AXES: usize> Course<AXES> {
 
     /// The same through a given point. What no number of elements makes even is as even as it can be.
     fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
-        let fit = if self.is_fine(cuts.count, even, f32::MAX) {
-            if cuts.accept() { Fit::Ready } else { Fit::Working }
-        } else {
-            if !cuts.shorten() {
-                (self.any, cuts) = (true, Cuts::even());
-            }
-            Fit::Working
-        };
+        let fits = !cuts.is_full() && self.is_fine(u32::from(cuts.count), even, f32::MAX);
+        let fit = if fits && cuts.accept() { Fit::Ready } else { Fit::Working };
+        if !fits && (cuts.is_full() || !cuts.shorten()) {
+            (self.any, cuts) = (true, Cuts::EVEN);
+        }
         self.given = Some(cuts);
         fit
     }
 
     /// Elements of both halves.
     fn count(&self) -> u32 {
-        self.given.map_or(2 * self.parts, |cuts| cuts.count)
+        self.given.map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
     /// The curve of element `i`, and its parameter at the share `t` of the element.
