@@ -1,5 +1,6 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod acknowledge;
+mod descent;
 mod flight;
 mod functions;
 mod held;

@@ -149,6 +149,39 @@ impl Limits {
         }
     }
 
+    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain of speed stays.
+    pub fn go_on_braking(&mut self, other: &Self) {
+        self.a_down = min(self.a_down, other.a_down);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                (*rise, *fall) = (min(*rise, *other_rise), min(*fall, *other_fall));
+            }
+            (
+                Law::Stepped { change_over, a_down, .. },
+                Law::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
+            ) => {
+                *a_down = min(*a_down, *other_a_down);
+                if change_over != other_change_over {
+                    // Between both of them one has the deceleration of the lower stage.
+                    *change_over = min(*change_over, *other_change_over);
+                    *a_down = min(*a_down, self.a_down);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether a slowing down with these limits is at least as hard as with the others.
+    pub fn brakes_like(&self, other: &Self) -> bool {
+        let ramps = match (&self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                rise >= other_rise && fall >= other_fall
+            }
+            _ => false,
+        };
+        ramps && self.a_down >= other.a_down
+    }
+
     /// NO_OPT=0.
     pub(super) fn may_dip(&self) -> bool {
         matches!(self.law, Law::Bowed { joins: Joins::Dips, .. })

@@ -33,6 +33,8 @@ pub struct Release {
     /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
     /// one of `v_least` and `v_in`.
     pub checked: bool,
+    /// A deceleration may pass its start.
+    pub smooth: bool,
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
     pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
@@ -60,6 +62,7 @@ impl Release {
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
+        smooth: false,
         ceiling: f32::MAX,
         headroom: Headroom::NONE,
         v_next: 0.0,
@@ -192,6 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         release.limits = limits;
         (release.headroom, release.ceiling) = (headroom, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
+        release.smooth = first.is(Marks::SMOOTH);
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

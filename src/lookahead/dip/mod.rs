@@ -499,7 +499,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         block.length = distance;
         piece.marks = Marks::default();
         piece.marks.set(Marks::LONG, block.is(Marks::LONG));
-        piece.marks.set(Marks::CHECKED, true);
+        piece.marks.set(Marks::CHECKED | Marks::SMOOTH, true);
         block.marks.set(Marks::LONG, false);
         piece.give_way();
         if self.insert(k + 1, piece) {
