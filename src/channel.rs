@@ -23,25 +23,30 @@ use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Spline,
-    Step, Text,
+    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning, Place,
+    Setup, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
-use crate::planning::{MotionError, Planning, Work};
+use crate::planning::{MotionError, Planning, PlanningMemory, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Rings};
 use crate::slope::profile::Unplannable;
 use crate::tick::Interpolator;
 
-/// The memory that planner and interrupt share, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+/// All memory of planner and interrupt, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+///
+/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes both halves in it: what they are beside that are
+/// some hundred bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize> {
     rings: Rings<AXES, BLOCKS>,
+    decoder: DecoderMemory<AXES>,
+    planning: PlanningMemory<AXES, BLOCKS>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     /// An empty channel.
     pub const fn new() -> Self {
-        Self { rings: Rings::new() }
+        Self { rings: Rings::new(), decoder: DecoderMemory::new(), planning: PlanningMemory::new() }
     }
 
     /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
@@ -55,10 +60,11 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         text: T,
     ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError> {
         check::<AXES, BLOCKS>(machine)?;
-        let (sender, receiver) = self.rings.split();
+        let Self { rings, decoder, planning } = self;
+        let (sender, receiver) = rings.split();
         let planner = Planner {
-            decoder: Decoder::new(Setup::new(machine, start), text),
-            planning: Planning::new(machine, start, sender),
+            decoder: Decoder::new(decoder, Setup::new(machine, start), text),
+            planning: Planning::new(planning, machine, start, sender),
             cycle_us: machine.channel.cycle_us,
             ptp: machine.channel.ptp,
             source: Source::Open,
@@ -66,6 +72,16 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             released: 0,
         };
         Ok((planner, Interpolator::new(receiver, start)))
+    }
+
+    /// A decoder alone, in the memory of this channel: to look through `text` before it is run.
+    pub fn decode<'a, T: Text>(
+        &'a mut self,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        text: T,
+    ) -> Decoder<'a, T, AXES> {
+        Decoder::new(&mut self.decoder, Setup::new(machine, start), text)
     }
 }
 
@@ -297,9 +313,9 @@ impl Held {
     }
 }
 
-/// The half of a channel that works ahead: text to time law, a bounded piece per call.
+/// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
-    decoder: Decoder<T, AXES>,
+    decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
     /// FCT_PTP of P-CHAN-00600.

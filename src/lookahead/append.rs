@@ -31,7 +31,7 @@ const LONGEST_SPAN: i64 = 1 << 62;
 /// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
 const STEEP: f32 = 1000.0;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]

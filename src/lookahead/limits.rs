@@ -108,6 +108,14 @@ impl Limits {
         law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
     };
 
+    /// Nothing is permitted; all bits zero.
+    pub(super) const NOTHING: Self = Self {
+        v: 0.0,
+        a_up: 0.0,
+        a_down: 0.0,
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [0.0; 4] },
+    };
+
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
     #[inline(always)]
     pub(super) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> Headroom {

@@ -35,7 +35,7 @@ pub(crate) use limits::{max, min};
 pub(crate) use pace::SLOWEST;
 pub use pace::{Headroom, Pace};
 pub use release::Release;
-pub use ring::Ring;
+pub use ring::{Blocks, Ring};
 pub use vector::TooLow;
 pub use weights::Weights;
 
@@ -43,16 +43,16 @@ use crate::quantity::Speed;
 use plan::Plan;
 
 /// The ring and its plan.
-pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
+pub struct Lookahead<'a, const AXES: usize, const BLOCKS: usize> {
     /// The blocks.
-    pub ring: Ring<AXES, BLOCKS>,
+    pub ring: Ring<'a, AXES, BLOCKS>,
     plan: Plan,
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// An empty ring that uses `depth` of its blocks.
-    pub const fn new(depth: usize) -> Self {
-        Self { ring: Ring::new(depth), plan: Plan::NONE }
+impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
+    /// An empty ring in `blocks` that uses `depth` of them.
+    pub fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
+        Self { ring: Ring::new(blocks, depth), plan: Plan::NONE }
     }
 
     /// Throws away what it holds.

@@ -50,12 +50,12 @@ pub struct Release {
 }
 
 impl Release {
-    /// Nothing.
+    /// Nothing; all bits zero.
     pub const BLANK: Self = Self {
         blocks: 0,
         length: Distance::ZERO,
-        limits: Limits::WIDEST,
-        a_down: f32::MAX,
+        limits: Limits::NOTHING,
+        a_down: 0.0,
         v_least: 0.0,
         v_slow: 0.0,
         cruise: 0.0,
@@ -63,12 +63,12 @@ impl Release {
         v_out: Speed::ZERO,
         checked: false,
         smooth: false,
-        ceiling: f32::MAX,
-        headroom: Headroom::NONE,
+        ceiling: 0.0,
+        headroom: Headroom::BLANK,
         v_next: 0.0,
-        next: Headroom::NONE,
-        v_reduced: f32::MAX,
-        level: 1.0,
+        next: Headroom::BLANK,
+        v_reduced: 0.0,
+        level: 0.0,
     };
 
     /// Takes in a higher level.
@@ -119,7 +119,7 @@ impl Release {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block> {

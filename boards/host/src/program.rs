@@ -8,7 +8,8 @@ use glidepath::channel::Error;
 use glidepath::lookahead::Weights;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, SlopeType, Step,
+    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup,
+    SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -133,7 +134,8 @@ fn decode_axes<const AXES: usize>(
         .ok_or_else(|| Undecoded::Refused(vec![Diagnostic::error("wrong number of axes")]))?;
     let start = [Position::ZERO; AXES];
     let main = data.main_axes();
-    let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
+    let mut memory = Box::new(DecoderMemory::new());
+    let mut decoder = Decoder::new(&mut memory, Setup::new(&data, start), files);
     let mut at = start;
     let mut program = Program::empty(machine);
     let mut weights = Weights::new();

@@ -169,7 +169,7 @@ impl Dip {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// One step.
     pub(super) fn dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
         match step {
