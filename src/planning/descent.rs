@@ -9,7 +9,7 @@
 //! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does.
 use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock, min, speed_f32};
-use crate::lookahead::{Limits, Release};
+use crate::lookahead::{Law, Limits, Release};
 use crate::math::float::to_f32;
 
 /// Most spans of one law. A longer way has several.
@@ -91,6 +91,12 @@ impl Stretch {
         }
     }
 
+    /// Whether the deceleration at hand may go on in it. That of STEP becomes another one at any tick.
+    fn permits(&self, motion: &Instant) -> bool {
+        let decel = speed_f32(motion.accel.wrapping_neg());
+        matches!(self.limits.law, Law::Stepped { .. }) || decel <= self.limits.a_down
+    }
+
     /// Highest speed at which a law with these limits may be in it.
     fn cap(&self, limits: &Limits) -> f32 {
         if self.is_uneven && !limits.brakes_like(&self.limits) { self.v_slow } else { f32::MAX }
@@ -124,10 +130,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
-            let Some(next) = self.ahead(&mut cursor).filter(|next| next.smooth && next.v_in > Speed::ZERO)
-            else {
-                break;
-            };
+            // A deceleration that a span does not permit ends before it.
+            let goes_on = |next: &Stretch| next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
+            let Some(next) = self.ahead(&mut cursor).filter(goes_on) else { break };
             limits.go_on_braking(&next.limits);
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
