@@ -40,6 +40,7 @@ pub const CASES_3: &[Case] = cases!(
     "micro",
     "short_arcs",
     "cam",
+    "cam_dev",
     "rapid_and_feed",
     "dwell",
     "step",
