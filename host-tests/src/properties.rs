@@ -36,6 +36,8 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
         }
         return limits;
     }
+    // 0 is preset with the smallest ramp time.
+    let geometric = if axis.tr_geom == 0 { axis.tr_min } else { axis.tr_geom };
     let shape = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
     let mut limits = Limits { v: 0.0, a: 0.0, jerk: 0.0 };
     let mut allow = |um_s: u32, mm_s2: u32, ramps: &[u32]| {
@@ -45,7 +47,7 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
             let jerk = |us: u32| f64::from(mm_s2) / (f64::from(us) * 1e-6);
             limits.jerk = limits.jerk.max(shape * jerk(ramp));
             if curved {
-                limits.jerk = limits.jerk.max(jerk(ramp.min(axis.tr_geom.max(1))));
+                limits.jerk = limits.jerk.max(jerk(ramp.min(geometric)));
             }
         }
     };

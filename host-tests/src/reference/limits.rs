@@ -170,7 +170,7 @@ impl AxisLimits {
         };
         let over = |shortest: f64| std::array::from_fn(|k| jerk_with(k, ticks(ramps[k]).min(shortest)));
         let j: [f64; 4] = over(f64::INFINITY);
-        let shared: [f64; 4] = over(ticks(axis.tr_geom).max(1e-9 / cycle));
+        let shared: [f64; 4] = over(ticks(if axis.tr_geom == 0 { axis.tr_min } else { axis.tr_geom }).max(1e-9 / cycle));
         let longest = ramps.into_iter().map(ticks).fold(0.0, f64::max);
         let weight =
             if axis.a_trans_weight == 0 { 1.0 / longest } else { f64::from(axis.a_trans_weight) * 1e-3 };
