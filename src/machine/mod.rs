@@ -1,8 +1,10 @@
 //! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under their names.
 
 pub mod parameter;
+mod planned;
 mod synch;
 
+pub use planned::{Adjusted, SHORTEST_RAMP};
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 
 use crate::path::Measure;

@@ -84,7 +84,8 @@ impl Axis {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
         let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
-        let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
+        let data = &data.planned(channel);
+        let ticks = |us: u32| us as f32 * 1e-6 / cycle_s;
         let geometric = ticks(data.tr_geom);
         let a_max = accel(data.a_max);
         let stepped = slope == SlopeType::Step;

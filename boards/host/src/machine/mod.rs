@@ -6,12 +6,12 @@
 mod later;
 mod load;
 
+use crate::diagnose::Diagnostic;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
-#[derive(Debug, PartialEq)]
 pub struct Machine {
     /// The axes, in the order of the file; 1…[`MAX_AXES`].
     pub axes: Vec<AxisData>,
@@ -19,6 +19,8 @@ pub struct Machine {
     pub channel: ChannelData,
     /// What to call it: the file name.
     pub name: String,
+    /// What was remarked about its data.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -45,7 +47,7 @@ impl Machine {
         };
         let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
         let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
-        Self { axes, channel, name: "built-in three-axis machine".into() }
+        Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
     }
 
     /// The same for a known number of axes; `None` where it is another.
