@@ -6,7 +6,8 @@
 //! use glidepath::quantity::Position;
 //!
 //! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
-//! let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+//! // TRAPEZ, with limited jerk at tangential joints of lines and arcs too, which is not the default (P-CHAN-00009).
+//! let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
 //! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
 //! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
 //!
