@@ -10,6 +10,7 @@ mod diagnose;
 mod events;
 mod files;
 mod machine;
+mod monitor;
 mod output;
 mod plot;
 mod program;
@@ -189,7 +190,8 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         warning.print();
     }
     say(&summary.to_text());
-    Ok(())
+    let excess = result.monitor.errors(&machine);
+    if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
 fn check(input: &Input) -> Result<(), Refusal> {

@@ -148,7 +148,7 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
         ([axis.a_beschl, axis.a_brems], axis.a_grenz)
     };
     let fastest = accel.max(brake).max(rapid);
-    let contour = if axis.tr_geom == 0 { 0.0 } else { over(fastest, axis.tr_geom) };
+    let contour = over(fastest, axis.geometric_ramp());
     let ramp_feed = shape * over(accel, up).max(over(brake, down));
     let ramp_rapid = shape * over(rapid, axis.tr_grenz);
     Limits {
