@@ -6,7 +6,8 @@
 //! use glidepath::quantity::Position;
 //!
 //! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
-//! let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+//! // TRAPEZ, with limited jerk at tangential joints of lines and arcs too, which is not the default (P-CHAN-00009).
+//! let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
 //! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
 //! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
 //!
@@ -18,7 +19,7 @@
 //! }
 //! ```
 use crate::control::Control;
-use crate::machine::parameter::{RangeError, check_axis};
+use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
@@ -135,30 +136,17 @@ impl core::error::Error for MachineError {}
 
 fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) -> Result<(), MachineError> {
     let channel = &machine.channel;
-    let range = |id, name, value: u32, min, max, because| {
-        let value = i64::from(value);
-        if value < min || value > max {
-            return Err(MachineError::Channel(RangeError { id, name, value, min, max, because }));
-        }
-        Ok(())
-    };
-    let slope = u32::from(channel.slope_profile);
-    range("P-CHAN-00071", "prog_start.slope.profile", slope, 0, 3, "STEP, TRAPEZ, SIN2, HSC")?;
-    range("", "cycle_us", channel.cycle_us, 100, 10_000, "the range of the tick")?;
-    range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
-    let factor = channel.feedrate_factor_milli;
-    range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
-    range(
-        "P-CHAN-00001",
-        "prog_start.slope.acceleration",
-        channel.acceleration_weight.into(),
-        0,
-        2,
-        "its meaning",
-    )?;
-    range("P-CHAN-00073", "prog_start.slope.ramp_time", channel.ramp_weight.into(), 0, 4, "its meaning")?;
-    let mode = channel.override_weight_prog_feed.into();
-    range("P-CHAN-00066", "override_weight_prog_feed", mode, 0, 2, "its meaning")?;
+    check_all(channel, CHANNEL).map_err(MachineError::Channel)?;
+    if channel.look_ahead as usize > BLOCKS {
+        return Err(MachineError::Channel(RangeError {
+            id: "P-STUP-00071",
+            name: "look_ahead",
+            value: channel.look_ahead.into(),
+            min: 10,
+            max: BLOCKS as i64,
+            because: "the memory compiled in",
+        }));
+    }
     for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
         if table.overflows() {
             return Err(MachineError::TooManySynch(name));
@@ -172,7 +160,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
             if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
                 return Err(MachineError::Reserved(axis.name));
             }
-            check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
+            check_axis(axis).map_err(|e| MachineError::Axis(k, e))?;
         }
         if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
             let (id, name, because) =

@@ -38,4 +38,6 @@ pub mod operate;
 
 pub mod rounded;
 
+pub mod soak;
+
 pub mod refusal;

@@ -20,7 +20,8 @@ mod example {
 
     const MACHINE: MachineData<3> = MachineData {
         axes: [axis("X"), axis("Y"), axis("Z")],
-        channel: ChannelData { slope_profile: 1, ..ChannelData::new() },
+        // TRAPEZ, with limited jerk at tangential joints of lines and arcs too, which is not the default (P-CHAN-00009).
+        channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },
     };
 
     pub fn last_set_point(program: &[u8]) -> Result<[Position; 3], String> {
@@ -221,7 +222,7 @@ fn a_late_planner_stops_the_set_points_and_loses_nothing() {
     use glidepath::tick::State;
 
     let axis = AxisData::new(AxisName::new("X").expect("a letter"), AxisKind::Linear);
-    let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+    let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     let machine = MachineData { axes: [axis], channel };
     // Blocks of one feed would become one.
     let text: String =

@@ -37,7 +37,8 @@ const fn rotary(letter: &str) -> AxisData {
     axis(AxisData { vb_eilgang: 120_000, vb_max: 120_000, a_max: 2_000, ..data }, 2_000, 60_000)
 }
 
-const CHANNEL: ChannelData = ChannelData { slope_profile: 1, ..ChannelData::new() };
+/// Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
+const CHANNEL: ChannelData = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
 
 /// X, Y and Z.
 pub const AXES_3: MachineData<3> =
