@@ -24,8 +24,8 @@ use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning, Place,
-    Setup, Spline, Step, Text,
+    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning,
+    NcWarningKind, Place, Setup, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
 use crate::planning::{MotionError, Planning, PlanningMemory, Work};
@@ -435,11 +435,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                     return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
                 }
             }
-            Command::Dwell(_, DwellTime::Seconds(time)) => {
+            Command::Dwell(head, DwellTime::Seconds(time)) => {
+                let at_corner = self.planning.rounds();
                 // 2^-32 s to µs to ticks, up
                 let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
                 let cycle = u64::from(self.cycle_us);
                 self.planning.rest(div_wide(0, us + cycle - 1, cycle));
+                if at_corner {
+                    let kind = NcWarningKind::DwellAtCorner;
+                    return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
+                }
             }
             Command::Dwell(_, DwellTime::Revolutions(_)) => return refuse("G04 S (revolutions)"),
             Command::M(_, 0) => return refuse("M00"),

@@ -113,7 +113,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     let [a, ramp, v] = [size[0], size[1] * 1e-6, size[2] * 1e-3];
     let reach = |ticks: f64| {
         let time = ticks * f64::from(cycle_us) * 1e-6;
-        let speed = if time > 2.0 * ramp { a * (0.5 * time - 0.5 * ramp) } else { a * time * time / (8.0 * ramp) };
+        let speed =
+            if time > 2.0 * ramp { a * (0.5 * time - 0.5 * ramp) } else { a * time * time / (8.0 * ramp) };
         let speed = speed.min(v);
         ((0.5 * speed * time).clamp(1e-5, 2000.0), speed)
     };

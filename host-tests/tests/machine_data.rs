@@ -222,10 +222,17 @@ fn every_parameter_at_both_ends() {
     let mut runs = 0;
     for parameter in AXIS {
         for slope in 0..4 {
-            for milli in [parameter.min_milli - 1000, parameter.min_milli, parameter.max_milli, parameter.max_milli + 1000] {
+            for milli in [
+                parameter.min_milli - 1000,
+                parameter.min_milli,
+                parameter.max_milli,
+                parameter.max_milli + 1000,
+            ] {
                 let mut machine = machines::with_slope(machines::even::<3>(1000), slope);
                 let beyond = milli < parameter.min_milli || milli > parameter.max_milli;
-                if beyond && (milli < 0 || milli / 1000 > i64::from(u32::MAX)) || parameter.id == "P-CHAN-00011" {
+                if beyond && (milli < 0 || milli / 1000 > i64::from(u32::MAX))
+                    || parameter.id == "P-CHAN-00011"
+                {
                     continue;
                 }
                 machine.axes[0].tr_min = 1;

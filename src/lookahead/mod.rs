@@ -29,7 +29,7 @@ mod vector;
 mod weights;
 
 pub use block::Block;
-pub use dynamics::{Curving, Dynamics, Permitted};
+pub use dynamics::{Curving, Dynamics, Permitted, Steady};
 pub use limits::{Joins, Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub(crate) use pace::SLOWEST;

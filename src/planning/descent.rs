@@ -137,9 +137,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
         }
-        if fits
-            && let Some(brake) = Brake::stop(&mut self.profile, motion, end, (&limits, limits.a_down))
-        {
+        if fits && let Some(brake) = Brake::stop(&mut self.profile, motion, end, (&limits, limits.a_down)) {
             match self.verify(start, motion, &brake, &limits) {
                 Ok(descent) => return Some(descent),
                 Err(whole) => spans = whole,

@@ -203,6 +203,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.measure.master().is_some()
     }
 
+    /// Whether the end of the block taken in last is to be rounded.
+    pub fn rounds(&self) -> bool {
+        self.contouring.rounds()
+    }
+
     /// What is to be said about the curve that the last motion led to.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
         self.contouring.remark()

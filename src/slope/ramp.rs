@@ -33,12 +33,9 @@ impl Ramp {
     /// The same with linear ramps.
     pub fn linear(self) -> Self {
         match self {
-            Self::Bowed(ramp) => Self::Bowed(Bowed::new(
-                Bend::Linear,
-                ramp.a,
-                ramp.a / ramp.rise,
-                ramp.a / ramp.fall,
-            )),
+            Self::Bowed(ramp) => {
+                Self::Bowed(Bowed::new(Bend::Linear, ramp.a, ramp.a / ramp.rise, ramp.a / ramp.fall))
+            }
             Self::Stepped(_) => self,
         }
     }

@@ -22,9 +22,9 @@ mod polynomial;
 mod transition;
 
 pub(super) use axis::Set;
-pub use polynomial::Curving;
+pub use polynomial::{Curving, Steady};
 
-use super::limits::{Joins, Law, Limits, Share, magnitude, min};
+use super::limits::{Joins, Law, Limits, Share, magnitude, max, min};
 use super::pace::Headroom;
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
@@ -254,6 +254,16 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         [a, j]
+    }
+
+    /// The longest ramp time, in ticks, of the axes that move in proportion to `parts`.
+    pub fn longest_ramp(&self, parts: &[f32; AXES], rapid: bool) -> f32 {
+        let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
+        axes.fold(0.0, |longest, (axis, _)| {
+            let set = axis.set(rapid);
+            let [up, up_end, down, down_end] = set.j;
+            max(longest, JERK_MARGIN * max(set.a_up / min(up, up_end), set.a_down / min(down, down_end)))
+        })
     }
 
     /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.

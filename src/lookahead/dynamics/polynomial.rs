@@ -28,11 +28,26 @@ pub struct Curving {
     /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
     pub jerk: u8,
     /// CONST_VEL: its speed does not change.
-    pub constant: bool,
+    pub constant: Option<Steady>,
 }
 
-/// Largest change of the speed's square inside an element where the speed is to stay, relative.
-const CONSTANT: f32 = 1.0 / 8192.0;
+/// One speed for all of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steady {
+    /// The largest that every element permits, mm/tick.
+    pub v: f32,
+    /// Path length of all elements, mm.
+    pub length: f32,
+}
+
+impl Steady {
+    /// Any speed, for an element by itself.
+    pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
+}
+
+/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their arc length
+/// adds to that.
+const CONSTANT: f32 = 3e-4;
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
@@ -111,9 +126,11 @@ impl<const AXES: usize> Dynamics<AXES> {
             v *= ARC_SPEED_STEP;
         }
         limits.v = best.1;
-        if curving.constant {
+        if let Some(Steady { v, length }) = curving.constant {
+            // No faster than the element that is slowest.
+            limits.v = min(limits.v, v);
             // Over its length the square of the speed changes by 2·a·length.
-            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+            best.2 = min(best.2, CONSTANT * limits.v * limits.v / length);
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);

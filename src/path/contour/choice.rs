@@ -60,7 +60,8 @@ impl Candidate {
             if tracks(&setting.measure.main, &change) {
                 distance = min(distance, rule.track_distance());
             }
-            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j])?);
+            let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
+            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
             return way.is_long().then_some(Self { way, limits: None });
         }
         // How far both may be from the corner when they are equally far from it.
@@ -167,10 +168,10 @@ fn even_time([through, c, length]: [f32; 3], way: &Overlap, [v, a, j]: [f32; 3])
 }
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
-/// speed if ACC_MAX is not enough.
-fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3]) -> Option<Rise> {
+/// speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change their speed, ticks.
+fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<Rise> {
     let [least, most] = rule.acc;
-    let ramp = max(rule.ramp_time, 1e-4) * a / j;
+    let ramp = max(rule.ramp_time, 1e-4) * ramp;
     // D = v·T/2 with T = v/a' + ramp, or 2·√(v·ramp/a') if a' is not reached.
     let mut part = v * v * v * ramp / (a * distance * distance);
     let hold = distance - 0.5 * v * ramp;

@@ -16,17 +16,21 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 
-/// Largest relative difference between path speed and speed along the curve; half of it where the speed is to be
+/// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where the speed is to be
 /// constant.
 pub const EVEN: f32 = 9e-4;
 /// See [`EVEN`].
-pub const CONSTANT: f32 = 4e-4;
+pub const CONSTANT: f32 = 3e-4;
 
 /// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
 const HEAVIEST: f32 = 4096.0;
 
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
+
+/// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
+const STEPS: u16 = 256;
+const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
@@ -47,10 +51,62 @@ pub struct Course<const AXES: usize> {
     /// Elements of each half, and those of both that are found fine, later those handed out.
     parts: u32,
     done: u32,
-    /// Through a given point: the curve is what it is, as evenly as it can be.
-    given: bool,
+    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are the shorter.
+    given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
+}
+
+/// Where a curve through a given point is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cuts {
+    /// In steps over both halves: an element begins at each but the last.
+    at: [u16; MOST_CUTS + 1],
+    /// How many elements there are, and steps of the one that is tried behind them.
+    count: u32,
+    step: u16,
+}
+
+impl Cuts {
+    const NONE: Self = Self { at: [0; MOST_CUTS + 1], count: 0, step: STEPS };
+
+    /// Evenly, as often as any other curve.
+    fn even() -> Self {
+        let mut cuts = Self { count: 2 * MOST_PARTS, ..Self::NONE };
+        for (i, at) in (0..=2 * MOST_PARTS).zip(&mut cuts.at) {
+            *at = (i * u32::from(STEPS) / MOST_PARTS) as u16;
+        }
+        cuts
+    }
+
+    /// Both ends of element `i`.
+    fn ends(&self, i: u32) -> [u16; 2] {
+        [i, i + 1].map(|i| self.at.get(i as usize).copied().unwrap_or(2 * STEPS))
+    }
+
+    /// Lays the element that is tried, behind those that there are.
+    fn lay(&mut self) {
+        let [from, _] = self.ends(self.count);
+        if let Some(to) = self.at.get_mut(self.count as usize + 1) {
+            *to = from + self.step;
+        }
+    }
+
+    /// It is fine: the next one may be twice as long, as far as its half goes. Whether there is no next one.
+    fn accept(&mut self) -> bool {
+        let [_, to] = self.ends(self.count);
+        self.count += 1;
+        self.step = (2 * self.step).min(STEPS - to % STEPS);
+        self.lay();
+        to >= 2 * STEPS
+    }
+
+    /// It is not: half as long. Whether it can be tried.
+    fn shorten(&mut self) -> bool {
+        self.step /= 2;
+        self.lay();
+        self.step > 0 && (self.count as usize) < MOST_CUTS
+    }
 }
 
 /// How fitting goes on.
@@ -99,7 +155,12 @@ impl<const AXES: usize> Course<AXES> {
             let u = if lead.is_some() { 0.5 } else { nearest() };
             ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
         };
-        let (at, last, given) = (*from, *to, interim.is_some());
+        let (at, last) = (*from, *to);
+        let given = interim.map(|_| {
+            let mut cuts = Cuts::NONE;
+            cuts.lay();
+            cuts
+        });
         let path = (!measure.is_space()).then_some(path);
         let (parts, done, any) = (1, 0, false);
         let (measure, origin) = (*measure, *origin);
@@ -109,6 +170,9 @@ impl<const AXES: usize> Course<AXES> {
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
     /// `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
+        if let (Some(cuts), false) = (self.given, self.any) {
+            return self.fit_given(cuts, even);
+        }
         if self.is_fine(self.done, even, slack) {
             self.done += 1;
             if !self.is_done() {
@@ -117,30 +181,59 @@ impl<const AXES: usize> Course<AXES> {
             self.done = 0;
             return Fit::Ready;
         }
-        if self.any || (self.parts >= MOST_PARTS && !self.given) {
+        if self.any || self.parts >= MOST_PARTS {
             return Fit::Failed;
         }
         self.done = 0;
-        if self.parts < MOST_PARTS {
-            self.parts *= 2;
-        } else {
-            self.any = true;
-        }
+        self.parts *= 2;
         Fit::Working
+    }
+
+    /// The same through a given point. What no number of elements makes even is as even as it can be.
+    fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
+        let fit = if self.is_fine(cuts.count, even, f32::MAX) {
+            if cuts.accept() { Fit::Ready } else { Fit::Working }
+        } else {
+            if !cuts.shorten() {
+                (self.any, cuts) = (true, Cuts::even());
+            }
+            Fit::Working
+        };
+        self.given = Some(cuts);
+        fit
+    }
+
+    /// Elements of both halves.
+    fn count(&self) -> u32 {
+        self.given.map_or(2 * self.parts, |cuts| cuts.count)
     }
 
     /// The curve of element `i`, and its parameter at the share `t` of the element.
     fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
         let [first, second] = &self.halves;
+        if let Some(cuts) = &self.given {
+            let [from, to] = cuts.ends(i);
+            let ((curve, [u0, u1]), start) = if from < STEPS { (first, 0) } else { (second, STEPS) };
+            let steps = f32::from(from - start) + f32::from(to.saturating_sub(from)) * t;
+            return (curve, u0 + (u1 - u0) * (steps / f32::from(STEPS)));
+        }
         let ((curve, [u0, u1]), within) = if i < self.parts { (first, i) } else { (second, i - self.parts) };
         (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
+    }
+
+    /// Whether element `i` belongs to the first half.
+    fn is_first(&self, i: u32) -> bool {
+        match &self.given {
+            Some(cuts) => cuts.ends(i)[0] < STEPS,
+            None => i < self.parts,
+        }
     }
 
     /// Ends and path length of element `i`.
     fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
         let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
         if let Some([first, second]) = self.path {
-            let path = if i < self.parts { first } else { second };
+            let path = if self.is_first(i) { first } else { second };
             return ([u0, u1].map(|u| curve.site_over(path, u)), path * (u1 - u0));
         }
         let main = &self.measure.main;
@@ -180,16 +273,37 @@ impl<const AXES: usize> Course<AXES> {
 
     /// Whether the next element belongs to the first half.
     pub fn is_before(&self) -> bool {
-        self.done < self.parts
+        self.is_first(self.done)
     }
 
     /// Whether all elements are handed out.
     pub fn is_done(&self) -> bool {
-        self.done >= 2 * self.parts
+        self.done >= self.count()
     }
 }
 
 impl<const AXES: usize> Course<AXES> {
+    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None` behind the last one, or
+    /// where it cannot be made.
+    pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
+        if i >= self.count() {
+            return None;
+        }
+        let ([a, b], length) = self.part(i);
+        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
+        let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
+        let (mut element, mut draft) = Draft::new(&from, &to, length, Self::fastest(above))?;
+        while !draft.is_done() {
+            draft.go_on(&mut element)?;
+        }
+        Some((self.is_first(i), element))
+    }
+
+    /// Speed along an element per path speed at most, from what is seen of it at some places.
+    fn fastest(above: f32) -> f32 {
+        1.0 + 1.25 * above + 1e-6
+    }
+
     /// The next element, with its axes to be made.
     pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         if self.is_done() {
@@ -200,7 +314,7 @@ impl<const AXES: usize> Course<AXES> {
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
-        Draft::new(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
+        Draft::new(&from, &to, length, Self::fastest(above))
     }
 }
 

@@ -4,10 +4,10 @@ use super::choice::Candidate;
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
-use super::held::{Held, travel};
+use super::held::{Held, Stray, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
-use crate::lookahead::{Curving, Dynamics, max, min};
+use crate::lookahead::{Curving, Dynamics, Steady, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
@@ -27,6 +27,8 @@ const HALVED: i64 = 64;
 
 /// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
+/// See [`UNSEEN`].
+const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
@@ -77,8 +79,10 @@ enum Stage<const AXES: usize> {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
+    Timing { cut: Cut, course: Course<AXES>, element: u32, steady: Steady },
     /// They are: both blocks become what is left of them.
-    Joining { cut: Cut, course: Course<AXES> },
+    Joining { cut: Cut, course: Course<AXES>, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// There is no curve.
@@ -134,8 +138,7 @@ impl<const AXES: usize> Joining<AXES> {
             }
         } else {
             let turn = turn(setting.measure, before, behind)?;
-            let position = rule.method == ContourMethod::Pos;
-            if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            if !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
                 return None;
             }
             match rule.method {
@@ -167,13 +170,14 @@ impl<const AXES: usize> Joining<AXES> {
     ) -> Option<Stage<AXES>> {
         let corner = corner(held, next, setting.measure);
         let mut tolerance = rule.tolerance();
+        // What straight lines that stand for several blocks have already taken.
+        let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
+        let [unseen, unseen_track] = if corner.gap.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
-            // What straight lines that stand for several blocks have already taken.
-            let left_out = held.skipped.map_or(0.0, |skipped| skipped.stray);
-            *path -= max(max(held.stray, next.stray), left_out);
-            if corner.gap.is_some() {
-                *path *= 1.0 - UNSEEN;
-            }
+            *path = (*path - stray.path) * (1.0 - unseen);
+        }
+        if tolerance.track > 0.0 {
+            tolerance.track = max((tolerance.track - stray.track) * (1.0 - unseen_track), f32::MIN_POSITIVE);
         }
         let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
         if let Some(Candidate { way, limits: None }) = candidate {
@@ -226,13 +230,32 @@ impl<const AXES: usize> Joining<AXES> {
                 match course.fit(even, *slack) {
                     Fit::Working => return None,
                     Fit::Failed => Some(cut.smaller(*slack, *smaller)),
-                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course }),
+                    Fit::Ready if setting.parameters.const_vel => {
+                        let steady = Steady { length: 0.0, ..Steady::FREE };
+                        Some(Stage::Timing { cut: *cut, course: *course, element: 0, steady })
+                    }
+                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course, steady: None }),
                 }
             }
-            Stage::Joining { cut, course } => {
-                let (cut, course) = (*cut, *course);
+            Stage::Timing { cut, course, element: i, steady } => {
+                let Some((is_before, element)) = course.rehearse(*i) else {
+                    *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+                    return None;
+                };
+                let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
+                let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
+                if let Some(bounds) = &element.bounds {
+                    let (limits, ..) = setting.dynamics.polynomial(&element, bounds, feed, curving);
+                    steady.v = min(steady.v, limits.v);
+                    steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
+                }
+                *i += 1;
+                return None;
+            }
+            Stage::Joining { cut, course, steady } => {
+                let (cut, course, steady) = (*cut, *course, *steady);
                 let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
+                return Some(Some(ends.join(held, next, Curve::Even(course), steady, setting)));
             }
             Stage::Overlapping(overlap) => {
                 let mut overlap = *overlap;
@@ -255,7 +278,7 @@ impl<const AXES: usize> Joining<AXES> {
                     return Some(None);
                 }
                 let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
-                return Some(Some(ends.join(held, next, course, setting)));
+                return Some(Some(ends.join(held, next, course, None, setting)));
             }
             Stage::Sharp => return Some(None),
         };
@@ -392,6 +415,7 @@ impl<const AXES: usize> Ends<AXES> {
         held: &mut Held<AXES>,
         next: &mut Held<AXES>,
         course: Curve<AXES>,
+        steady: Option<Steady>,
         setting: &Setting<'_, AXES>,
     ) -> Turning<AXES> {
         let [first, second] = [held.block.data, next.block.data];
@@ -406,8 +430,7 @@ impl<const AXES: usize> Ends<AXES> {
         if self.rest > 0 {
             held.block.element.exit = self.from.end;
         }
-        let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
-        let curving = Curving { jerk: check_jerk, constant: const_vel };
+        let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
         Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
     }
 }
