@@ -1,23 +1,6 @@
 //! Planner and interpolator: wiring only, all that an application holds.
 //!
-//! ```
-//! use glidepath::channel::{Channel, Progress};
-//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-//! use glidepath::quantity::Position;
-//!
-//! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
-//! // TRAPEZ, with limited jerk at tangential joints of lines and arcs too, which is not the default (P-CHAN-00009).
-//! let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
-//! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
-//! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
-//!
-//! let mut memory = Channel::<3, 120>::new();
-//! let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
-//! while !matches!(planner.poll(), Ok(Progress::Done)) {
-//!     interpolator.tick(); // in reality a timer interrupt
-//!     let _ = interpolator.set_points();
-//! }
-//! ```
+//! The front page of the crate shows how they are used.
 use crate::control::Control;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};

@@ -12,7 +12,7 @@ mod reserve;
 
 use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
-use crate::lookahead::{Blocks, Dynamics, Lookahead, Pace, max, min};
+use crate::lookahead::{Dynamics, Lookahead, LookaheadMemory, Pace, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::path::Measure;
@@ -64,7 +64,7 @@ pub enum Work {
 
 /// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
 pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
-    blocks: Blocks<BLOCKS>,
+    lookahead: LookaheadMemory<BLOCKS>,
     flights: Flights,
     functions: Functions,
     dynamics: MaybeUninit<Dynamics<AXES>>,
@@ -77,7 +77,7 @@ impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
     /// Nothing is in it.
     pub const fn new() -> Self {
         Self {
-            blocks: Blocks::new(),
+            lookahead: LookaheadMemory::new(),
             flights: Flights::new(),
             functions: Functions::new(),
             dynamics: MaybeUninit::uninit(),
@@ -174,7 +174,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
-        let PlanningMemory { blocks, flights, functions, dynamics, contouring, held, reserve } = memory;
+        let PlanningMemory { lookahead, flights, functions, dynamics, contouring, held, reserve } = memory;
         flights.clear();
         functions.forget();
         let measure = machine.measure();
@@ -185,7 +185,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             programmed: start,
             contouring: contouring.write(Contouring::new(measure, machine.channel.check_jerk_on_poly_path)),
             held: held.write(Held::none()),
-            lookahead: Lookahead::new(blocks, depth),
+            lookahead: Lookahead::new(lookahead, depth),
             stage: Stage::Filling,
             flush: false,
             profile: Profile::default(),
@@ -303,11 +303,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
-    #[inline(never)]
     fn round_off(&mut self) -> bool {
-        if self.contouring.go_on(&self.dynamics) {
-            return true;
-        }
+        self.contouring.go_on(self.dynamics) || self.pass_outgoing()
+    }
+
+    #[inline(never)]
+    fn pass_outgoing(&mut self) -> bool {
         let Some(outgoing) = self.contouring.outgoing() else { return false };
         self.push_outgoing(&outgoing);
         true

@@ -8,7 +8,7 @@ use crate::slope::profile::speed_bits;
 use heapless::Deque;
 
 /// Memory of the ring's blocks. All bits zero when new, so that it takes no room in flash.
-pub type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
+pub(super) type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
 
 /// The ring.
 pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
@@ -51,7 +51,7 @@ const LONG_BLOCKS: usize = 2;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
-    pub fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
+    pub(super) fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         Self {
