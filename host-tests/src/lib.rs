@@ -12,6 +12,7 @@
 //! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
+//! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
@@ -31,8 +32,12 @@ pub mod corner;
 
 pub mod deviation;
 
+pub mod every_tick;
+
 pub mod operate;
 
 pub mod rounded;
+
+pub mod soak;
 
 pub mod refusal;

@@ -1,7 +1,7 @@
 //! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every call is
 //! bounded.
 mod nc_decode;
-use glidepath::nc::{Decoder, Step};
+use glidepath::nc::{Decoder, DecoderMemory, Step};
 use nc_decode::{Random, decode_text, decode_with, setup};
 
 const LIMIT: usize = 30_000;
@@ -259,7 +259,8 @@ fn every_step_reads_a_bounded_piece() {
     text.push_str(&"N1 X1 Y2 (not carried out)\n".repeat(5000));
     text.push_str("$ENDIF\nM30\n");
     let count = std::cell::Cell::new(0);
-    let mut decoder: Decoder<_, 5> = Decoder::new(setup(), Counting(text.as_bytes(), &count));
+    let mut memory = DecoderMemory::<5>::new();
+    let mut decoder = Decoder::new(&mut memory, setup(), Counting(text.as_bytes(), &count));
     loop {
         count.set(0);
         let step = decoder.step().unwrap();

@@ -1,6 +1,6 @@
 //! Which keyword goes with which method, and that commands without a function are refused where they stand.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use glidepath::nc::{Decoder, NcErrorKind, Setup, Step};
+use glidepath::nc::{Decoder, DecoderMemory, NcErrorKind, Setup, Step};
 use glidepath::quantity::Position;
 use host_tests::refusal;
 
@@ -9,13 +9,16 @@ fn machine() -> MachineData<5> {
         let kind = if "XYZ".contains(name) { AxisKind::Linear } else { AxisKind::Rotary };
         AxisData::new(AxisName::new(name).expect("a letter"), kind)
     });
-    MachineData { axes, channel: ChannelData { slope_profile: 1, ..ChannelData::new() } }
+    MachineData {
+        axes,
+        channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },
+    }
 }
 
 /// The decoder's refusal, if any.
 fn refusal(text: &str) -> Option<NcErrorKind> {
-    let mut decoder: Decoder<&[u8], 5> =
-        Decoder::new(Setup::new(&machine(), [Position::ZERO; 5]), text.as_bytes());
+    let mut memory = DecoderMemory::<5>::new();
+    let mut decoder = Decoder::new(&mut memory, Setup::new(&machine(), [Position::ZERO; 5]), text.as_bytes());
     loop {
         match decoder.step() {
             Ok(Step::End) => return None,

@@ -28,7 +28,10 @@ pub(super) struct Last<const AXES: usize> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+/// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
+const STEEP: f32 = 1000.0;
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]
@@ -46,6 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let mut cap = 0.0;
         let mut rises = 2.0;
         let mut shared = false;
+        let mut smooth = false;
         let mut anchor = true;
         let timed = element.timed;
         let slope = dynamics.slope();
@@ -81,12 +85,17 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 // Acceleration is zero nowhere.
                 SlopeType::Step => false,
             };
-            anchor = !(through
-                && last.slope == slope
+            // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
+            let (fastest, a) = (min(before.limits.v, limits.v), limits.fastest(&before.limits));
+            let turns_little = || {
+                (v.is_none() && a <= STEEP * fastest)
+                    || dynamics.turns_little(&last.exit, element.entry, rapid, a)
+            };
+            smooth = last.slope == slope
                 && last.timed == timed
                 && (!timed || limits.v == before.limits.v)
-                && self.span + distance < LONGEST_SPAN
-                && dynamics.turns_little(&last.exit, element.entry, rapid, limits.fastest(&before.limits)));
+                && (slope == SlopeType::Step || turns_little());
+            anchor = !(through && smooth && self.span + distance < LONGEST_SPAN);
         }
         let gate = core::mem::take(&mut self.gate);
         anchor |= gate;
@@ -107,6 +116,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::SMOOTH, smooth);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.long += usize::from(long);

@@ -108,6 +108,14 @@ impl Limits {
         law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
     };
 
+    /// Nothing is permitted; all bits zero.
+    pub(super) const NOTHING: Self = Self {
+        v: 0.0,
+        a_up: 0.0,
+        a_down: 0.0,
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [0.0; 4] },
+    };
+
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
     #[inline(always)]
     pub(super) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> Headroom {
@@ -147,6 +155,39 @@ impl Limits {
             }
             _ => {}
         }
+    }
+
+    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain of speed stays.
+    pub fn go_on_braking(&mut self, other: &Self) {
+        self.a_down = min(self.a_down, other.a_down);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                (*rise, *fall) = (min(*rise, *other_rise), min(*fall, *other_fall));
+            }
+            (
+                Law::Stepped { change_over, a_down, .. },
+                Law::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
+            ) => {
+                *a_down = min(*a_down, *other_a_down);
+                if change_over != other_change_over {
+                    // Between both of them one has the deceleration of the lower stage.
+                    *change_over = min(*change_over, *other_change_over);
+                    *a_down = min(*a_down, self.a_down);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether a slowing down with these limits is at least as hard as with the others.
+    pub fn brakes_like(&self, other: &Self) -> bool {
+        let ramps = match (&self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                rise >= other_rise && fall >= other_fall
+            }
+            _ => false,
+        };
+        ramps && self.a_down >= other.a_down
     }
 
     /// NO_OPT=0.

@@ -50,6 +50,9 @@ impl Headroom {
     /// Machine and feed permit the same.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
+    /// Of no block; all bits zero.
+    pub(super) const BLANK: Self = Self { over: 0, reduced: 0 };
+
     /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
         let mut headroom = Self::NONE;
@@ -142,6 +145,9 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// None yet; all bits zero.
+    pub(crate) const BLANK: Self = Self { over: 0.0, mode: 0, reduced: false };
+
     /// 100 %, with a mode of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
         Self { over: 1.0, mode, reduced: false }

@@ -7,9 +7,12 @@ use crate::quantity::Speed;
 use crate::slope::profile::speed_bits;
 use heapless::Deque;
 
+/// Memory of the ring's blocks. All bits zero when new, so that it takes no room in flash.
+pub(super) type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
+
 /// The ring.
-pub struct Ring<const AXES: usize, const BLOCKS: usize> {
-    pub(super) blocks: Deque<Block, BLOCKS>,
+pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
+    pub(super) blocks: &'a mut Blocks<BLOCKS>,
     pub(super) depth: usize,
     pub(super) last: Option<Last<AXES>>,
     /// The next transition is a standstill.
@@ -46,12 +49,13 @@ pub struct Ring<const AXES: usize, const BLOCKS: usize> {
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
 const LONG_BLOCKS: usize = 2;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
-    pub const fn new(depth: usize) -> Self {
+    pub(super) fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
+        blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         Self {
-            blocks: Deque::new(),
+            blocks,
             depth,
             last: None,
             stop: false,

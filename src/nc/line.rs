@@ -94,7 +94,7 @@ impl Line {
         NcError { place: self.place(span), kind, found, axes: String::new() }
     }
 
-    fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.bytes.clear();
         self.anchors.clear();
     }

@@ -80,7 +80,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) {
         self.let_go();
         if self.lookahead.ring.is_full() {
-            self.held =
+            *self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
             self.entrance().0.push(element, limits, &pass, pass.number, Some(target));

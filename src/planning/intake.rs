@@ -46,7 +46,7 @@ pub(super) struct Pass {
 
 /// The way into the look-ahead.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
-    ring: &'a mut Ring<AXES, BLOCKS>,
+    ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,

@@ -10,6 +10,7 @@ mod diagnose;
 mod events;
 mod files;
 mod machine;
+mod monitor;
 mod output;
 mod plot;
 mod program;
@@ -131,7 +132,7 @@ fn load(input: &Input) -> Result<Machine, Refusal> {
 fn run(arguments: &Run) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(&input.program)?;
-    let machine = load(input)?;
+    let mut machine = load(input)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let mut program = match program::decode(&files, &machine, input.max_commands) {
         Ok(program) => program,
@@ -143,6 +144,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         }
         Err(Undecoded::Endless(endless)) => return Err(endless),
     };
+    program.warnings.splice(0..0, std::mem::take(&mut machine.warnings));
     // Only now all files of the program are known.
     let inputs = [&input.program].into_iter().chain(&input.machine).chain(&arguments.events).cloned();
     let mut outputs = Outputs::new(inputs.chain(files.called()));
@@ -188,7 +190,8 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         warning.print();
     }
     say(&summary.to_text());
-    Ok(())
+    let excess = result.monitor.errors(&machine);
+    if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
 fn check(input: &Input) -> Result<(), Refusal> {
@@ -196,7 +199,7 @@ fn check(input: &Input) -> Result<(), Refusal> {
     let machine = load(input)?;
     let decoded = program::decode(&files, &machine, input.max_commands);
     let program = decoded.map_err(|(Undecoded::Refused(why) | Undecoded::Endless(why))| why)?;
-    for warning in &program.warnings {
+    for warning in machine.warnings.iter().chain(&program.warnings) {
         warning.print();
     }
     say(&format!("{}: {}\n", files.main.name, program.describe()));

@@ -1,6 +1,6 @@
 //! Speed of a transition from one element to the next.
 use super::axis::Joint;
-use super::{Dynamics, LSB_40, MARGIN, SLIGHT};
+use super::{Dynamics, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
 use crate::lookahead::limits::{TRANSITION_PART, magnitude, max, min};
 use crate::math::float::size_f32;
 use crate::math::root::sqrt_f32;
@@ -23,9 +23,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
     /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
     ///
-    /// With P-CHAN-00009 the step of acceleration at a tangential transition is at most the part of the axis'
-    /// acceleration that P-AXIS-00154 gives. Without it, and where it gives more, the jerk budget alone decides: unlike
-    /// ISG's kernel, which then takes no notice of the jerk, limits of jerk hold here in any case.
+    /// Jerk is not limited in two places, because the machine data say so. A step of acceleration is free without P-CHAN-00009; with it,
+    /// it has the part of the transition's jerk that P-AXIS-00154 gives. A step of speed is limited by acceleration
+    /// alone where P-AXIS-00013 is given. Acceleration is limited everywhere.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
     /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
@@ -39,8 +39,6 @@ impl<const AXES: usize> Dynamics<AXES> {
         (fastest, a): (f32, f32),
     ) -> Option<f32> {
         let mut v = f32::MAX;
-        let mut tangential = true;
-        let mut square = f32::MAX;
         for k in 0..AXES {
             let (axis, [t0, t1]) = (&self.axes[k], [from.tangent[k], to.tangent[k]]);
             let [c0, c1] = [from.curvature[k], to.curvature[k]];
@@ -60,9 +58,13 @@ impl<const AXES: usize> Dynamics<AXES> {
             let knee = if fastest * knee <= unseen { 0.0 } else { knee };
             let bend = if stepped || fastest * fastest * bend <= unseen { 0.0 } else { bend };
             let part = TRANSITION_PART * joint.budget;
+            let is_free = joint.bend == f32::MAX;
             if knee > 0.0 {
-                tangential = false;
-                let part = if bend > 0.0 { 0.5 * part } else { part };
+                let part = match joint.is_weighted {
+                    true => joint.knee,
+                    false if bend > 0.0 && !is_free => 0.5 * part,
+                    false => part,
+                };
                 let alone = min(part, joint.knee) / knee;
                 if stepped {
                     v = min(v, beside_others(alone, 0.25 * part / knee, shorter, a));
@@ -73,14 +75,16 @@ impl<const AXES: usize> Dynamics<AXES> {
                     v = min(v, alone);
                 }
             }
-            if bend > 0.0 {
-                let part = if knee > 0.0 { 0.5 * part } else { part };
-                v = min(v, sqrt_f32(part / bend));
-                square = min(square, joint.bend / bend);
+            let curvature = max(magnitude(c0), magnitude(c1));
+            if knee > 0.0 && curvature > 0.0 && !stepped {
+                // Arcs leave a part of the acceleration beside them, of which the slope needs some.
+                let rest = (joint.left - NORMAL_PART * axis.a_max) / knee;
+                v = min(v, max(joint.beside_turn(knee, curvature), max(rest, 0.0)));
             }
-        }
-        if tangential && square < f32::MAX {
-            v = min(v, sqrt_f32(square));
+            if bend > 0.0 && !is_free {
+                let part = if knee > 0.0 { 0.5 * joint.bend } else { joint.bend };
+                v = min(v, sqrt_f32(part / bend));
+            }
         }
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }

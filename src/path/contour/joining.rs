@@ -161,6 +161,7 @@ impl<const AXES: usize> Joining<AXES> {
     }
 
     /// Which kinds of curve come into question.
+    #[inline(never)]
     fn choose(
         held: &Held<AXES>,
         next: &Held<AXES>,
@@ -253,40 +254,63 @@ impl<const AXES: usize> Joining<AXES> {
                 return None;
             }
             Stage::Joining { cut, course, steady } => {
-                let (cut, course, steady) = (*cut, *course, *steady);
-                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                return Some(Some(ends.join(held, next, Curve::Even(course), steady, setting)));
+                return Some(Self::join(held, next, *cut, (course, *steady), setting));
             }
-            Stage::Overlapping(overlap) => {
-                let mut overlap = *overlap;
-                let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
-                let left = held.block.element.shape.length.to_bits();
-                let half = if rule.weighs() { next.length } else { next.length / 2 };
-                // What rounding leaves of a block between two curves would be too short for their speed.
-                for all in [half, left] {
-                    let more = all - reach;
-                    if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
-                        overlap = overlap.stretched(all as f64 / reach as f64);
-                        reach = all;
-                    }
-                }
-                // What is left of a halved line may be some LSB less than its half, or more.
-                let before = if left - reach <= HALVED { left } else { reach };
-                let cut = Cut { before, behind: reach.min(half) };
-                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                if overlap.rise.v <= 0.0 {
-                    return Some(None);
-                }
-                let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
-                return Some(Some(ends.join(held, next, course, None, setting)));
-            }
+            Stage::Overlapping(overlap) => return Some(Self::overlap(held, next, *overlap, &rule, setting)),
             Stage::Sharp => return Some(None),
         };
         *stage = following.unwrap_or(Stage::Sharp);
         None
     }
 
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// The curve over arc length, and both blocks without what it takes of them.
+    #[inline(never)]
+    fn join(
+        held: &mut Held<AXES>,
+        next: &mut Held<AXES>,
+        cut: Cut,
+        (course, steady): (&Course<AXES>, Option<Steady>),
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Turning<AXES>> {
+        let ends = Ends::new(held, next, cut, setting.measure)?;
+        Some(ends.join(held, next, Curve::Even(*course), steady, setting))
+    }
+
+    /// The same of a curve over time.
+    #[inline(never)]
+    fn overlap(
+        held: &mut Held<AXES>,
+        next: &mut Held<AXES>,
+        mut overlap: Overlap,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Turning<AXES>> {
+        let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+        let left = held.block.element.shape.length.to_bits();
+        let half = if rule.weighs() { next.length } else { next.length / 2 };
+        // What rounding leaves of a block between two curves would be too short for their speed.
+        for all in [half, left] {
+            let more = all - reach;
+            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
+                overlap = overlap.stretched(all as f64 / reach as f64);
+                reach = all;
+            }
+        }
+        // What is left of a halved line may be some LSB less than its half, or more.
+        let before = if left - reach <= HALVED { left } else { reach };
+        let cut = Cut { before, behind: reach.min(half) };
+        let ends = Ends::new(held, next, cut, setting.measure)?;
+        if overlap.rise.v <= 0.0 {
+            return None;
+        }
+        let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
+        Some(ends.join(held, next, course, None, setting))
+    }
+
     /// The curve over arc length with a cut, if there is one; nothing at all if nothing can be cut.
+    #[inline(never)]
     fn course(
         held: &Held<AXES>,
         next: &Held<AXES>,

@@ -379,21 +379,29 @@ impl<const AXES: usize> Contouring<AXES> {
         self.held.is_none() && self.bridge.is_none()
     }
 
+    /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no curve.
+    #[inline(never)]
+    fn joined(&mut self) {
+        let Some(joining) = &self.joining else { return };
+        self.before = Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
+        if self.course.is_none() {
+            self.bridge = joining.held.bridge(&self.measure);
+        }
+        self.joining = None;
+    }
+
     /// Goes on with the corner before the block held back: a bounded piece of work. `false` if nothing is to be done, and only then
     /// [`Self::outgoing`] knows what goes on.
+    #[inline(never)]
     pub fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
             let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
             let parameters = &self.parameters.by(method);
             let setting = Setting { measure: &self.measure, parameters, dynamics };
-            let Some(course) = joining.go_on(next, &setting) else { return true };
-            self.before =
-                Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
-            if course.is_none() {
-                self.bridge = joining.held.bridge(&self.measure);
+            if let Some(course) = joining.go_on(next, &setting) {
+                self.course = course;
+                self.joined();
             }
-            self.course = course;
-            self.joining = None;
             return true;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
@@ -416,6 +424,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; or the line over blocks
     /// left out, when no more of them come. Whether one does.
+    #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if self.before.is_some() || self.bridge.is_some() {
             return false;
