@@ -502,6 +502,29 @@ fn acknowledgements_before_the_output_and_twice_are_ignored() {
     assert_eq!(go(1000), (1, 30.0, true));
 }
 
+/// More than there are sequence numbers: no acknowledgement of before passes for one of now.
+#[test]
+fn a_thousand_acknowledgements_are_each_waited_for() {
+    let machine = machine(1);
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let text: &[u8] = b"$FOR P1 = 1, 1000, 1\nG01 X[P1/10] F6000 M27\n$ENDFOR\nM30\n";
+    let (mut planner, mut interpolator) =
+        channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
+    let control = planner.control();
+    let m27 = Function::M(27);
+    for round in 0..1000 {
+        let mut outputs = 0;
+        for _ in 0..200 {
+            while !matches!(planner.poll(), Ok(Progress::Waiting | Progress::Done)) {}
+            interpolator.tick();
+            outputs += std::iter::from_fn(|| interpolator.event()).count();
+        }
+        assert_eq!((outputs, planner.is_waiting()), (1, true), "round {round}");
+        assert_eq!(control.awaited(), Some(m27), "round {round}");
+        assert!(control.acknowledge(m27).is_ok() && control.acknowledge(m27).is_err(), "round {round}");
+    }
+}
+
 #[test]
 fn types_that_are_known_and_not_there_are_refused() {
     for (synch, name, _) in Synch::ALL {

@@ -22,7 +22,10 @@ fn binaries(names: &[&'static str]) -> Vec<&'static str> {
 }
 
 /// Most bytes of static memory that are copied from flash at the start, in any binary.
-const COPIED: u64 = 256;
+const COPIED: u64 = 512;
+
+/// Most instructions of the board's interrupt: frame, tick and functions.
+const INTERRUPT: u64 = 600;
 
 /// Programs that the board's own firmware runs, besides the test firmware.
 const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
@@ -242,6 +245,13 @@ fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
         let good = digest == host.outcome.digest.value()
             && target::number(&values, "starved", &output.err)? == 0
             && target::number(&values, "missed", &output.err)? == 0;
+        let longest = target::number(&values, "longest", &output.err)?;
+        if longest > INTERRUPT {
+            return Err(format!(
+                "{program} on the board: an interrupt of {longest} instructions, limit {INTERRUPT}"
+            ));
+        }
+        static_memory(BOARD_BINARY)?;
         if !good || !output.success {
             return Err(format!("{program} on the board: host {:016x}", host.outcome.digest.value()));
         }
