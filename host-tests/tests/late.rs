@@ -138,7 +138,7 @@ fn a_planner_that_does_not_keep_up_brakes() {
 
 #[test]
 fn random_programs_late_held_and_overridden() {
-    for seed in 0..200 {
+    for seed in host_tests::seeds::seeds(0..200, 20) {
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = (seed % 4) as u8;
         let program = program(seed, Mix::arbitrary(3, seed));
@@ -154,7 +154,7 @@ fn random_programs_late_held_and_overridden() {
 /// end, and too short for the higher speed that came later.
 #[test]
 fn random_programs_that_trickle_in() {
-    for seed in (0..200).chain([3371]) {
+    for seed in host_tests::seeds::seeds((0..200).chain([3371]), 20) {
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = (seed % 4) as u8;
         run(&program(seed, Mix::arbitrary(3, seed)), &machine, &[(0, Act::Slow(2 + seed as usize % 5))]);
