@@ -63,7 +63,7 @@ fn a_stall_before_every_tick_with_hsc() {
 
 #[test]
 fn a_stall_before_every_tick_with_step() {
-    stalls("chords", "STEP");
+    stalls("arcs", "STEP");
 }
 
 #[test]
