@@ -139,7 +139,7 @@ impl Path {
     /// Blocks of a program that is longer than the queue and the look-ahead of its machine.
     pub fn blocks(self) -> usize {
         match self {
-            Self::Chords(_) => 240,
+            Self::Chords(_) => 300,
             Self::Corners => 24,
             Self::Arcs => 24,
             Self::Rotary => 24,
@@ -148,18 +148,18 @@ impl Path {
 
     /// Blocks of look-ahead.
     fn look_ahead(self) -> u32 {
-        if matches!(self, Self::Chords(_)) { 60 } else { 10 }
+        if matches!(self, Self::Chords(_)) { 120 } else { 10 }
     }
 
     fn write(self, text: &mut String, blocks: usize) {
         match self {
             Self::Chords(um) => {
                 text.push_str("G01 F6000\n");
-                // Evenly along a curve that bends to both sides, with radii down to 400 mm, 40 mm once.
+                // Evenly along a curve that bends to both sides, with radii down to 2 m, 100 mm once.
                 let (mut x, mut y, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
                 let chord = f64::from(um) * 1e-3;
                 for k in 0..blocks {
-                    let radius = if (140..160).contains(&k) { 40.0 } else { 400.0 };
+                    let radius = if (200..220).contains(&k) { 100.0 } else { 2000.0 };
                     turn += chord / radius * (k as f64 * 0.05).cos();
                     (x, y) = (x + chord * turn.cos(), y + chord * turn.sin());
                     let z = 0.05 * (k as f64 * 0.01).sin();
@@ -343,15 +343,15 @@ pub struct Track<const AXES: usize> {
     scan: Run,
 }
 
-/// What a feed hold needed, and the closed form from the motion at hand: what it goes on with for [`REACTION`] ticks, and then the
-/// shortest stop.
+/// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at hand there the shortest
+/// stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
     /// The tick of the command.
     pub tick: usize,
-    /// Speed, mm/s, and acceleration, mm/s², there.
+    /// Speed, mm/s, and acceleration, mm/s², where it acts.
     pub motion: [f64; 2],
-    /// As it was: ms and mm.
+    /// As it was: s and mm.
     pub seen: Stop,
     /// The closed form.
     pub wanted: Stop,
@@ -405,7 +405,10 @@ impl<const AXES: usize> Track<AXES> {
     }
 
     /// Limits, path, order and end.
-    fn judge(&self, run: &Run) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn judge(&self, run: &Run) -> Result<(), String> {
         check::limits(&run.trace, &self.limits)?;
         if let Some(tick) = run.distances.windows(2).position(|w| w[1] < w[0]) {
             return Err(format!("goes back at tick {tick}"));
@@ -495,17 +498,21 @@ impl<const AXES: usize> Track<AXES> {
     /// What a hold before tick `at` needed, if it stopped anything.
     pub fn held(&self, run: &Run, at: usize) -> Option<Held> {
         let (at, stood) = (at.max(1), run.stood?);
+        // Between the rows: the command comes at a tick, and acts on the motion some ticks ahead.
         let before = at - 1;
-        let [v, next] = [before, before + 1].map(|row| self.step(&self.plain, row) / CYCLE);
+        let acts = (before + REACTION).min(self.ticks() - 2);
+        let [v, next] = [acts, acts + 1].map(|row| self.step(&self.plain, row) / CYCLE);
         let a = (next - v) / CYCLE;
-        // Between the rows: the command comes at a tick.
+        let way = |run: &Run, rows: std::ops::Range<usize>| rows.map(|row| self.step(run, row)).sum::<f64>();
         let seen = Stop {
             time: stood.saturating_sub(before) as f64 * CYCLE,
-            way: (before..stood).map(|row| self.step(run, row)).sum(),
+            way: way(run, before..stood.max(before)),
         };
-        let wanted = self.shortest(before, v, a);
-        let reaction = REACTION as f64 * CYCLE;
-        let wanted = Stop { time: wanted.time + reaction, way: wanted.way + v * reaction };
+        let stop = self.shortest(acts, v, a);
+        let wanted = Stop {
+            time: stop.time + (acts - before) as f64 * CYCLE,
+            way: stop.way + way(&self.plain, before..acts),
+        };
         Some(Held { tick: at, motion: [v, a], seen, wanted })
     }
 }

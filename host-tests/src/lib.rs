@@ -3,7 +3,9 @@
 //!
 //! | module | question it answers |
 //! |---|---|
+//! | [`accept`] | are the figures those of the accepted tables |
 //! | [`cases`] | which programs on which machines |
+//! | [`seeds`] | which random cases, the same ones each time and others |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -16,7 +18,11 @@
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
+pub mod accept;
+
 pub mod cases;
+
+pub mod seeds;
 
 pub mod trace;
 

@@ -595,7 +595,7 @@ fn a_dwell_between_rounded_blocks() {
 #[test]
 fn random_programs_with_functions_keep_limits_and_path() {
     // 1367: a span before a closed gate that is too short to be cut.
-    for seed in (0..160).chain([1367]) {
+    for seed in host_tests::seeds::seeds((0..160).chain([1367]), 8) {
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = (seed % 4) as u8;
         (machine.channel.m_synch, machine.channel.h_synch) =

@@ -17,7 +17,7 @@ fn random_corners_are_smooth_and_use_their_tolerance() {
     // `cargo run --release -p host-tests --example corners -- 0 50000` goes on with it.
     let machine = machines::even::<3>(1000);
     let mut free = 0;
-    for seed in 0..2000 {
+    for seed in host_tests::seeds::seeds(0..2000, 200) {
         let seen = judge(&random(seed), &machine).unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
         assert!(!seen.sharp && seen.used <= 1.0 && seen.uneven <= 1e-3, "corner {seed}: {seen:?}");
         if !seen.limited {
@@ -587,7 +587,7 @@ fn functions_between_the_blocks_are_due_in_the_middle_of_the_curve() {
 
 #[test]
 fn every_axis_stays_inside_its_limits() {
-    for seed in 0..24 {
+    for seed in host_tests::seeds::seeds(0..24, 2) {
         let mix = Mix { length: [0.05, 40.0], knee: 3.0, ..Mix::general(3, 40) };
         limits_hold::<3>(&program(seed, mix), &machines::even(1000), "DEV PATH_DEV=0.2 MAX_ANGLE=180");
         limits_hold::<3>(&program(seed, mix), &machines::mill(1000), "DIST PRE_DIST=2 POST_DIST=1");

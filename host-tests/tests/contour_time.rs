@@ -14,7 +14,7 @@ use host_tests::rounded::{Run, quick, run_from};
 fn random_corners_over_time_are_smooth_and_use_their_tolerance() {
     let machine = quick::<3>(1000);
     let [mut timed, mut free] = [0; 2];
-    for seed in 0..4000 {
+    for seed in host_tests::seeds::seeds(0..4000, 400) {
         let seen = judge(&random(seed), &machine).unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
         if !seen.timed {
             continue;

@@ -229,7 +229,7 @@ fn text_that_arrives_in_pieces_is_the_same_program() {
     for text in [everything, &lines, &marked, &wrong, "N1 X1\r", "\r\n", ""] {
         let text = text.as_bytes();
         let (commands, warnings, error, _) = decode_with(setup(), text, LIMIT);
-        for seed in 1..200 {
+        for seed in host_tests::seeds::seeds(1..200, 20) {
             let pieces = Pieces { text, random: Random(seed), arrived: 0 };
             let (late, late_warnings, late_error, _) = decode_text(setup(), pieces, 10 * LIMIT);
             assert!(late == commands && late_warnings == warnings, "seed {seed}");

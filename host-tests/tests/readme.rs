@@ -1,4 +1,5 @@
 //! The README: its example compiles and runs, its figures are those of the accepted tables.
+use host_tests::accept::{self, Head};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -89,7 +90,7 @@ fn times(text: &mut String) {
     );
     for (machine, file) in [("even", "times.csv"), ("examples", "times_examples.csv")] {
         let table = read(&format!("host-tests/tables/{file}"));
-        let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let mut lines = Head::CSV.strip(&table).lines().map(|line| line.split(',').collect::<Vec<_>>());
         let header = lines.next().expect("a header");
         let columns = wanted
             .map(|name| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("no column {name}")));
@@ -169,16 +170,11 @@ fn figures_are_those_of_the_accepted_tables() {
     let readme = read("README.md");
     let (head, rest) = readme.split_once(BEGIN).expect("the begin mark");
     let (shown, tail) = rest.split_once(END).expect("the end mark");
-    if std::env::var_os("ACCEPT_TABLES").is_some() {
-        let text = format!("{head}{BEGIN}{figures}{END}{tail}");
-        std::fs::write(root().join("README.md"), text).expect("README.md can be written");
-        return;
-    }
-    let hint = "accept with ACCEPT_TABLES=1 cargo test -p host-tests --test readme";
-    for (now, before) in figures.lines().zip(shown.lines().chain(std::iter::repeat(""))) {
-        assert_eq!(now, before, "{hint}");
-    }
-    assert_eq!(figures.lines().count(), shown.lines().count(), "{hint}");
+    let write = |figures: &str| {
+        std::fs::write(root().join("README.md"), format!("{head}{BEGIN}{figures}{END}{tail}"))
+    };
+    accept::compare("README.md", &figures, shown, Head::MARKDOWN, accept::reason().as_deref(), write)
+        .unwrap_or_else(|fault| panic!("{fault}"));
 }
 
 #[test]

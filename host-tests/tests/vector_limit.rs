@@ -134,7 +134,7 @@ fn arcs_take_a_limit_of_acceleration_where_the_channel_says_so() {
 
 #[test]
 fn random_programs_keep_path_limits_and_axis_limits() {
-    for seed in 4000..4024 {
+    for seed in host_tests::seeds::seeds(4000..4024, 4) {
         let mut machine = [machines::even::<3>(1000), machines::mill(1000)][seed as usize % 2];
         machine.channel.vector_unit = AccelerationUnit::MmS2;
         machine.channel.cir_radial_acc_limit = true;
