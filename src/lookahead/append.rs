@@ -23,6 +23,8 @@ pub(super) struct Last<const AXES: usize> {
     pub slope: SlopeType,
     /// Its path is time.
     pub timed: bool,
+    /// Where the last one ends that is not brief.
+    pub behind: End<AXES>,
 }
 
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
@@ -40,21 +42,28 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         dynamics: &Dynamics<AXES>,
         long: bool,
     ) {
-        let (mut limits, share, headroom) = *permitted;
+        let (mut limits, share, mut headroom) = *permitted;
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
+        let timed = element.timed;
+        let after_brief = self.row.is_brief();
+        self.row.take(length, (&mut limits.v, &mut headroom), self.level, timed);
         let mut cap = 0.0;
         let mut rises = 2.0;
         let mut shared = false;
         let mut anchor = true;
-        let timed = element.timed;
         let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
             let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-            let v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
+            let mut v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
+            if after_brief {
+                // What changes at both its ends shows within a tick.
+                let both = dynamics.bending(&last.behind, element.entry, rapid);
+                v = if both < cap { Some(min(both, v.unwrap_or(both))) } else { v };
+            }
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
             if v.is_some() || (brief && slope == SlopeType::Step) {
@@ -104,7 +113,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         self.slowest.take(headroom, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });
+        let behind = match &self.last {
+            Some(last) if self.row.is_brief() => last.behind,
+            _ => *element.exit,
+        };
+        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::GATE, gate);

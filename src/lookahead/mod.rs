@@ -15,6 +15,7 @@
 //! ends early at the first transition whose speed did not change.
 mod append;
 mod block;
+mod brief;
 mod dip;
 mod dynamics;
 mod ease;

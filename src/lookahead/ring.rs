@@ -1,6 +1,7 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
 use super::block::{Block, Joint, Marks, ROUNDED};
+use super::brief::Row;
 use super::limits::{max, min};
 use super::pace::Slowest;
 use crate::quantity::Speed;
@@ -39,6 +40,8 @@ pub struct Ring<const AXES: usize, const BLOCKS: usize> {
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
     pub(super) slowest: Slowest,
+    /// What the last blocks leave to a tick.
+    pub(super) row: Row,
     /// Blocks that are left free for cuts.
     pub(super) spare: usize,
 }
@@ -68,6 +71,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             stale: false,
             level: 1.0,
             slowest: Slowest::NONE,
+            row: Row::NONE,
             spare: 0,
         }
     }

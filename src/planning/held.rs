@@ -111,7 +111,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let held = &mut self.held;
         let Curve::Line(stretch) = &mut held.curve else { return false };
         let Some(grown) = stretch.with(target, &self.measure) else { return false };
-        let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
+        let limits = self.dynamics.line(grown.tangent(), pass.feed);
         let length = to_f32(grown.length().to_bits());
         if length > limits.0.v * SLOWEST {
             return false;

@@ -1,6 +1,6 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
-use super::{Dynamics, KNEE_PART, LSB_44, NORMAL_PART, Permitted, SKIP};
+use super::{Dynamics, KNEE_PART, NORMAL_PART, Permitted};
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
@@ -8,6 +8,8 @@ use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element};
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
@@ -46,7 +48,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if let Some(speed) = bounds.timed {
             return self.timed(bounds, speed, feed);
         }
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
+        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
         let mut share_left = Share { j: f32::MAX, a: f32::MAX };
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.

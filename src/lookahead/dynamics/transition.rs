@@ -85,6 +85,18 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
+    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the transition's part of the jerk
+    /// budget: with a block between both that takes less than a tick, steps at its two ends are one.
+    pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
+        let bends = from.curvature.iter().zip(&to.curvature);
+        let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
+            let bend = magnitude(c1 - c0);
+            let part = TRANSITION_PART * axis.set(rapid).joint.budget;
+            if part < square * bend { part / bend } else { square }
+        });
+        sqrt_f32(square) * MARGIN
+    }
+
     /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where
     /// it should be: the knee is at most `off` over its length. Where that takes long, it shows.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {

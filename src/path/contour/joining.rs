@@ -148,10 +148,10 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
-        if rule.weighs() {
-            // The corner before may have had another weight.
-            let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
-            room.most[0] = min(room.most[0], left);
+        // The corner before may have had another weight, or a little more than its half.
+        let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
+        if left < room.most[0] {
+            room.most[0] = left;
             room.distances = rule.distances(room.most);
         }
         Some(Stage::Choosing(room))
@@ -240,16 +240,17 @@ impl<const AXES: usize> Joining<AXES> {
                 let left = held.block.element.shape.length.to_bits();
                 let half = if rule.weighs() { next.length } else { next.length / 2 };
                 // What rounding leaves of a block between two curves would be too short for their speed.
+                let most = half.saturating_add((half >> SCRAP).max(HALVED));
                 for all in [half, left] {
                     let more = all - reach;
-                    if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
+                    if more > 0 && more <= all >> SCRAP && all <= most {
                         overlap = overlap.stretched(all as f64 / reach as f64);
                         reach = all;
                     }
                 }
                 // What is left of a halved line may be some LSB less than its half, or more.
                 let before = if left - reach <= HALVED { left } else { reach };
-                let cut = Cut { before, behind: reach.min(half) };
+                let cut = Cut { before, behind: reach.min(most) };
                 let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
                 if overlap.rise.v <= 0.0 {
                     return Some(None);
