@@ -6,6 +6,7 @@ use super::dynamics::{Dynamics, Permitted};
 use super::limits::{Share, max, min};
 use super::pace::Slowest;
 use super::ring::Ring;
+use super::worth::{is_corner, is_worth_passing};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -66,7 +67,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             }
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
-            if v.is_some() || (brief && slope == SlopeType::Step) {
+            let sides = [(&before.limits, &last.share, last.length), (&limits, &share, length)];
+            let stands = v.is_some_and(|v| {
+                v < cap && is_corner(&last.exit, element.entry) && !is_worth_passing(sides, v)
+            });
+            if stands {
+                (v, cap) = (None, 0.0);
+            } else if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);
                     rises = min(rises, v / cap);
@@ -91,6 +98,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 SlopeType::Step => false,
             };
             anchor = !(through
+                && !stands
                 && last.slope == slope
                 && last.timed == timed
                 && (!timed || limits.v == before.limits.v)

@@ -28,6 +28,7 @@ mod ring;
 mod span;
 mod vector;
 mod weights;
+mod worth;
 
 pub use block::Block;
 pub use dynamics::{Curving, Dynamics, Permitted};
