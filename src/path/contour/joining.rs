@@ -1,6 +1,6 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
 //! it reaches into the blocks, and the elements that it is cut into.
-use super::choice::Candidate;
+use super::choice::{Approach, Candidate};
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
@@ -64,15 +64,23 @@ struct Cut {
     behind: i64,
 }
 
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rivals {
+    approach: Approach,
+    candidate: Option<Candidate>,
+    stop: Option<f32>,
+}
+
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage<const AXES: usize> {
     /// Blocks and rule say which curves come into question.
     Choosing(Room),
     /// Corner distances are searched for, those of a curve over arc length.
-    Reaching { room: Room, reach: Reach<AXES>, candidate: Option<Candidate> },
-    /// The curve over time is better, if it is quicker than the other with this part of the distances.
-    Comparing { room: Room, candidate: Candidate, found: Option<(f32, f32)> },
+    Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
+    /// What is quickest is taken: the curve with this part of the distances, or one of these.
+    Comparing { room: Room, rivals: Rivals, found: Option<(f32, f32)> },
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
@@ -175,8 +183,10 @@ impl<const AXES: usize> Joining<AXES> {
                 *path *= 1.0 - UNSEEN;
             }
         }
-        let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
-        if let Some(Candidate { way, limits: None }) = candidate {
+        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let limits = (room.least(), &tolerance);
+        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
+        if let Some(Candidate { way, time: None }) = candidate {
             return Some(Stage::Overlapping(way));
         }
         let position = rule.method == ContourMethod::Pos;
@@ -185,7 +195,10 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
-        Some(Stage::Reaching { room, reach, candidate })
+        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let stop = may_stop.then(|| approach.stop());
+        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
 
     /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
@@ -198,18 +211,28 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = held.rule else { return Some(None) };
         let following = match stage {
             Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
-            Stage::Reaching { room, reach, candidate } => {
+            Stage::Reaching { room, reach, rivals } => {
                 let found = reach.go_on(&corner(held, next, setting.measure))?;
-                match *candidate {
-                    Some(candidate) => Some(Stage::Comparing { room: *room, candidate, found }),
-                    None => found.and_then(|found| room.cut(held, next, &rule, Some(found))),
-                }
+                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
             }
-            Stage::Comparing { room, candidate, found } => {
-                let corner = corner(held, next, setting.measure);
-                let part = found.map_or(0.0, |(part, _)| part);
-                if candidate.is_better(&corner, [room.distances[0], part], held.is_rapid(), setting) {
-                    Some(Stage::Overlapping(candidate.way))
+            Stage::Comparing { room, rivals, found } => {
+                let Rivals { approach, candidate, stop } = rivals;
+                let even = || {
+                    let (part, _) = (*found)?;
+                    let distances = room.distances.map(|c| c * part);
+                    let corner = corner(held, next, setting.measure);
+                    Some(approach.even(&corner, distances, held.is_rapid(), setting))
+                };
+                let [even, over_time, stop] = if candidate.is_none() && stop.is_none() {
+                    [0.0; 3]
+                } else {
+                    [even(), candidate.and_then(|candidate| candidate.time), *stop]
+                        .map(|time| time.unwrap_or(f32::MAX))
+                };
+                if stop < min(even, over_time) {
+                    None
+                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time < even) {
+                    Some(Stage::Overlapping(way))
                 } else {
                     found.and_then(|found| room.cut(held, next, &rule, Some(found)))
                 }
