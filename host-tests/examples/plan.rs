@@ -26,6 +26,7 @@ fn three(mode: &str) -> String {
 fn sliver(_: &str) -> String {
     "N10 G01 X50 F6000\nN20 G02 X70 Y-20 J-20\nN30 G01 Y-20.0001\nN40 G02 X50 Y-40.0001 I-20\nN50 G01 X0\nM30\n".into()
 }
+fn file(name: &str) -> String { std::fs::read_to_string(name).unwrap() }
 fn go(text: &str, slope: u8, geom: u32, ramp: u32, cycle: u32) -> Run {
     let mut m = quick::<3>(cycle);
     m.channel.slope_profile = slope;
@@ -39,7 +40,7 @@ fn main() {
     match args[0].as_str() {
         "plan" => {
             // plan NAME MODE slope geom ramp
-            let f = match args[1].as_str() { "square" => square, "stairs" => stairs, "corner" => corner, "circle" => circle, "three" => three, _ => sliver };
+            let f = match args[1].as_str() { "square" => square, "stairs" => stairs, "corner" => corner, "circle" => circle, "three" => three, "file" => file, _ => sliver };
             let run = go(&f(&args[2]), num(3, 1) as u8, num(4, 50_000), num(5, 50_000), num(6, 1000));
             for b in &run.blocks {
                 println!("N{} x{} len {:.12} vin {:.6} peak {:.6} vout {:.6} t {:.4}", b.n, b.blocks, b.length.to_bits() as f64 / (1u64<<44) as f64,

@@ -24,6 +24,8 @@ pub(super) struct Last<const AXES: usize> {
     pub slope: SlopeType,
     /// Its path is time.
     pub timed: bool,
+    /// It is a part of a curve over arc length.
+    pub bent: bool,
     /// Where the last one ends that is not brief.
     pub behind: End<AXES>,
 }
@@ -46,7 +48,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         let (mut limits, share, mut headroom) = *permitted;
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
-        let timed = element.timed;
+        let (timed, bent) = (element.timed, element.bent);
         let after_brief = self.row.is_brief();
         self.row.take(length, (&mut limits.v, &mut headroom), self.level, timed);
         let mut cap = 0.0;
@@ -72,7 +74,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 v < cap && is_corner(&last.exit, element.entry) && !is_worth_passing(sides, v)
             });
             if stands {
-                (v, cap) = (None, 0.0);
+                // But for rounding, so that it need not wait for a tick.
+                cap = min(cap, dynamics.unseen(&last.exit, element.entry, rapid));
             } else if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);
@@ -102,6 +105,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 && last.slope == slope
                 && last.timed == timed
                 && (!timed || limits.v == before.limits.v)
+                && last.bent == bent
+                && (!bent || limits.are(&before.limits))
                 && self.span + distance < LONGEST_SPAN
                 && dynamics.turns_little(&last.exit, element.entry, rapid, limits.fastest(&before.limits)));
         }
@@ -125,7 +130,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             Some(last) if self.row.is_brief() => last.behind,
             _ => *element.exit,
         };
-        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, behind });
+        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::GATE, gate);

@@ -17,6 +17,10 @@ const TIMED_PART: f32 = 0.988;
 const TIMED_STEPS: usize = 44;
 const TIMED_STEP: f32 = 0.85;
 
+/// The same of the curvature in an element that is passed at one speed, and what is left of `B` to its slope.
+const STEADY_PART: f32 = 0.95;
+const STEADY_SLOPE_PART: f32 = 0.02;
+
 /// What limits a curve that replaces a corner, beside the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curving {
@@ -35,7 +39,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to be passed at one speed, the
+    /// highest, and what is left to its acceleration is for an operator's command.
     pub fn polynomial(
         &self,
         element: &Element<AXES>,
@@ -53,7 +58,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
-        limits.v = min(limits.v, feed * self.level);
+        limits.v = min(min(limits.v, bounds.steady.unwrap_or(f32::MAX)), feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
@@ -65,6 +70,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
+        let [normal_part, curve_part, slope_part] = if bounds.steady.is_some() {
+            [TIMED_PART, STEADY_PART, STEADY_SLOPE_PART]
+        } else {
+            [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
+        };
+        let speeds = if bounds.steady.is_some() { 1 } else { ARC_SPEEDS };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
@@ -72,22 +83,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 v_reduced = min(v_reduced, axis.v_reduced / slope);
             }
             if *bend > 0.0 {
-                let normal = min(set.least(), NORMAL_PART * a_max(axis));
+                let normal = min(set.least(), normal_part * a_max(axis));
                 limits.v = min(limits.v, sqrt_f32(normal / bend));
             }
             let budget = budget_of(set);
             if budget < f32::MAX {
                 if *twist > 0.0 {
-                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / twist));
                 }
                 if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0, &mut limits.law) {
-                    lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
+                    lower(j, [slope_part / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
-        for _ in 0..ARC_SPEEDS {
+        for _ in 0..speeds {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
@@ -95,7 +106,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
                 let budget = budget_of(axis.set(rapid));
                 if *bend > 0.0 && budget < f32::MAX {
-                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    let left = (1.0 - slope_part) * budget - twist * v * v * v;
                     a = min(a, left / (3.0 * v * bend));
                 }
             }

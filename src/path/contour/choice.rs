@@ -48,9 +48,9 @@ impl Approach {
         })
     }
 
-    /// With a standstill in the corner, which ends with a tick: half of one on average.
+    /// With a standstill in the corner.
     pub fn stop(&self) -> f32 {
-        self.time(0.0, [0.0; 2], 0.5)
+        self.time(0.0, [0.0; 2], 0.0)
     }
 
     /// With a curve over time.
@@ -118,7 +118,11 @@ impl Candidate {
             *x = 0.0;
         }
         // Both at once: every axis changes its speed evenly.
-        let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
+        let of = match rule.method {
+            ContourMethod::Ptp => PART_PTP,
+            ContourMethod::Dev => PART_DEV,
+            _ => PART,
+        };
         let [a, j] = dynamics.together(&change, rapid, of);
         if soft {
             let mut distance = rule.distances([most; 2])[0];
@@ -170,7 +174,7 @@ impl Candidate {
     }
 }
 
-/// About the speed at which a curve over arc length is passed.
+/// About the speed at which a curve over arc length is passed, no more than `v`.
 fn speed<const AXES: usize>(
     curve: &Quintic<AXES>,
     length: f32,
@@ -178,14 +182,23 @@ fn speed<const AXES: usize>(
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {
-    let mut through = v;
-    for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        let [a, _] = setting.dynamics.together(&curve.at(u)[2], rapid, [1.0; 2]);
-        let j = setting.dynamics.across(&curve.third(u), rapid, setting.parameters.check_jerk);
-        let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
-        through = min(through, slowest * length);
-    }
-    through
+    let slowest = |u: f32| length * passes(&curve.at(u)[2], &curve.third(u), rapid, setting);
+    PLACES.iter().fold(v, |v, u| min(v, slowest(*u)))
+}
+
+/// Where a curve is looked at.
+pub const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Speed over its parameter with which a curve passes a place with these second and third derivatives.
+pub fn passes<const AXES: usize>(
+    second: &[f32; AXES],
+    third: &[f32; AXES],
+    rapid: bool,
+    setting: &Setting<'_, AXES>,
+) -> f32 {
+    let [a, _] = setting.dynamics.together(second, rapid, [1.0; 2]);
+    let j = setting.dynamics.across(third, rapid, setting.parameters.check_jerk);
+    min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)))
 }
 
 /// Whether other than main axes change their direction.
@@ -201,13 +214,15 @@ const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
 /// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
 /// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
-const PART: [f32; 2] = [0.96, 0.92];
+const PART: [f32; 2] = [0.93, 0.85];
+/// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves.
+const PART_DEV: [f32; 2] = [0.96, 0.92];
 /// See [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];
 
-/// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
-const NORMAL: f32 = 0.8;
-const TWISTED: f32 = 0.25;
+/// Parts of acceleration and jerk that a curve over arc length takes, a little less than it does.
+const NORMAL: f32 = 0.97;
+const TWISTED: f32 = 0.935;
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
 /// speed if ACC_MAX is not enough.

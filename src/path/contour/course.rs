@@ -7,8 +7,10 @@
 //! Where the feed counts along other axes than the main ones, a path distance is another way in space on either side of the
 //! corner. There path is the polynomial's own parameter: its speed goes over from the one to the other, and both halves are
 //! one element each.
+use super::choice::{PLACES, passes};
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
+use super::joining::Setting;
 use super::{LSB_32, ONE_32};
 use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
@@ -176,6 +178,24 @@ impl<const AXES: usize> Course<AXES> {
             || self.path.is_some()
             || (is_even()
                 && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack))
+    }
+
+    /// Speed with which all of it is passed, mm/tick. Where it goes through a given point each element has its own.
+    pub fn speed(&self, rapid: bool, setting: &Setting<'_, AXES>) -> f32 {
+        if self.given {
+            return f32::MAX;
+        }
+        let main = &self.measure.main;
+        let mut slowest = f32::MAX;
+        for (half, (curve, [u0, u1])) in self.halves.iter().enumerate() {
+            for place in PLACES {
+                let u = u0 + (u1 - u0) * place;
+                let [_, first, second] = curve.at(u);
+                let path = self.path.map_or_else(|| size(main, &first), |path| path[half]);
+                slowest = min(slowest, path * passes(&second, &curve.third(u), rapid, setting));
+            }
+        }
+        slowest
     }
 
     /// Whether the next element belongs to the first half.

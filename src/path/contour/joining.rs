@@ -34,6 +34,12 @@ const SMALLER: u8 = 8;
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
+/// A curve is to be quicker than a standstill by that part.
+const KNOWN: f32 = 1.0 + 1.0 / 256.0;
+
+/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
+const BESIDE: i64 = 4;
+
 /// π/2.
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
@@ -216,22 +222,17 @@ impl<const AXES: usize> Joining<AXES> {
                 Some(Stage::Comparing { room: *room, rivals: *rivals, found })
             }
             Stage::Comparing { room, rivals, found } => {
-                let Rivals { approach, candidate, stop } = rivals;
-                let even = || {
-                    let (part, _) = (*found)?;
+                let Rivals { approach, candidate, stop } = *rivals;
+                let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
                     let distances = room.distances.map(|c| c * part);
-                    let corner = corner(held, next, setting.measure);
-                    Some(approach.even(&corner, distances, held.is_rapid(), setting))
-                };
-                let [even, over_time, stop] = if candidate.is_none() && stop.is_none() {
-                    [0.0; 3]
-                } else {
-                    [even(), candidate.and_then(|candidate| candidate.time), *stop]
-                        .map(|time| time.unwrap_or(f32::MAX))
-                };
-                if stop < min(even, over_time) {
+                    approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
+                });
+                let over_time = candidate.and_then(|candidate| candidate.time);
+                let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+                // Times are known to a tick, and to the speeds at which the parts of other corners begin.
+                if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
                     None
-                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time < even) {
+                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest)) {
                     Some(Stage::Overlapping(way))
                 } else {
                     found.and_then(|found| room.cut(held, next, &rule, Some(found)))
@@ -380,7 +381,8 @@ impl Cut {
 
 /// Where a curve leaves one block and enters the other.
 struct Ends<const AXES: usize> {
-    /// What is left of the block before, LSB 2^-44 mm.
+    /// The larger corner distance, and what is left of the block before, LSB 2^-44 mm.
+    reach: i64,
     rest: i64,
     from: Knot<AXES>,
     /// What is left of the block behind, and where it begins.
@@ -403,7 +405,7 @@ impl<const AXES: usize> Ends<AXES> {
             next.block.element.shape.at(cut.behind, &next_base, &mut begin);
         }
         let renewed = next.renewed(&begin, measure).ok()?;
-        Some(Self { rest, from, renewed, begin })
+        Some(Self { reach: cut.before.max(cut.behind), rest, from, renewed, begin })
     }
 
     fn to(&self) -> Knot<AXES> {
@@ -432,6 +434,13 @@ impl<const AXES: usize> Ends<AXES> {
         }
         let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
         let curving = Curving { jerk: check_jerk, constant: const_vel };
-        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
+        // The next corner may take half of the block behind this one.
+        let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
+        let steady = match &course {
+            Curve::Even(course) if const_vel => Some(course.speed(held.is_rapid(), setting)),
+            Curve::Even(_) if beside >= self.reach / BESIDE => Some(f32::MAX),
+            _ => None,
+        };
+        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, steady, draft: None }
     }
 }

@@ -101,6 +101,8 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
+    /// It is passed at one speed, at most this (mm/tick): the blocks beside it have the way to change theirs, or it is to be constant.
+    steady: Option<f32>,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
 }
@@ -109,7 +111,10 @@ impl<const AXES: usize> Turning<AXES> {
     /// The next element, which is not made yet.
     fn begin(&mut self) -> Option<Outgoing<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let (element, draft) = self.course.next_element()?;
+        let (mut element, draft) = self.course.next_element()?;
+        if let Some(bounds) = &mut element.bounds {
+            bounds.steady = self.steady;
+        }
         self.draft = Some(draft);
         let data = Data { stop: false, ..data };
         Some(Outgoing { element, data, curving: Some(self.curving), due })
