@@ -6,7 +6,7 @@ use super::dynamics::{Dynamics, Permitted};
 use super::limits::{Share, max, min};
 use super::pace::Slowest;
 use super::ring::Ring;
-use super::worth::{is_corner, is_worth_passing};
+use super::worth::{Way, is_corner, quickest};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -70,10 +70,17 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
             let sides = [(&before.limits, &last.share, last.length), (&limits, &share, length)];
-            let stands = v.is_some_and(|v| {
-                v < cap && is_corner(&last.exit, element.entry) && !is_worth_passing(sides, v)
-            });
-            if stands {
+            let way = match v {
+                Some(v) if v < cap && is_corner(&last.exit, element.entry) => {
+                    quickest(sides, v, slope == SlopeType::Hsc)
+                }
+                _ => Way::Through,
+            };
+            let mut shares = [last.share, share];
+            if way == Way::Resting {
+                shares = shares.map(Share::resting);
+            }
+            if way == Way::Standing {
                 // But for rounding, so that it need not wait for a tick.
                 cap = min(cap, dynamics.unseen(&last.exit, element.entry, rapid));
             } else if v.is_some() || (brief && slope == SlopeType::Step) {
@@ -81,15 +88,18 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                     cap = min(cap, v);
                     rises = min(rises, v / cap);
                 }
-                limits.share(&share);
+                limits.share(&shares[1]);
                 shared = true;
                 if !last.shared {
-                    before.limits.share(&last.share);
+                    before.limits.share(&shares[0]);
                 }
             }
+            // Both are parts of a curve over time, for one speed.
+            let one_curve = timed && last.timed && limits.v == before.limits.v;
             let through = match slope {
                 // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
                 SlopeType::Hsc => limits.is_as_strong(&before.limits),
+                SlopeType::Trapez | SlopeType::Sin2 if one_curve => true,
                 // As if it were one block.
                 SlopeType::Trapez | SlopeType::Sin2 => {
                     limits.are(&before.limits)
@@ -101,10 +111,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 SlopeType::Step => false,
             };
             anchor = !(through
-                && !stands
+                && way == Way::Through
                 && last.slope == slope
                 && last.timed == timed
-                && (!timed || limits.v == before.limits.v)
+                && (!timed || one_curve)
                 && last.bent == bent
                 && (!bent || limits.are(&before.limits))
                 && self.span + distance < LONGEST_SPAN

@@ -10,25 +10,48 @@ use crate::slope::profile::{peak_above, speed_bits, speed_f32};
 /// From this change of the direction of an axis on it is a corner, LSB 2^-40: a thousandth.
 const CORNER: u64 = (1 << 40) / 1000;
 
-/// A standstill ends with a tick: half of one on average.
-const WAIT: f32 = 0.5;
-
 /// Whether the direction changes in a corner, not by rounding.
 pub(super) fn is_corner<const AXES: usize>(from: &End<AXES>, to: &End<AXES>) -> bool {
     let ends = from.tangent.iter().zip(&to.tangent);
     ends.fold(false, |turns, (t0, t1)| turns || t1.wrapping_sub(*t0).unsigned_abs() > CORNER)
 }
 
-/// Whether two blocks with a corner between them are faster if they pass it with the speed `v` and leave it their shares.
-pub(super) fn is_worth_passing(blocks: [(&Limits, &Share, f32); 2], v: f32) -> bool {
-    let shared = blocks.map(|(limits, share, length)| (limits.shared(share), length));
-    if blocks.iter().zip(&shared).all(|((limits, ..), (shared, _))| shared == *limits) {
-        return true;
-    }
-    let stop: f32 = blocks.iter().map(|(limits, _, length)| time(limits, *length, 0.0)).sum();
-    let pass: f32 = shared.iter().map(|(limits, length)| time(limits, *length, v)).sum();
-    pass <= stop + WAIT
+/// How a corner without a curve is passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// With its speed, and with acceleration where the slope permits it.
+    Through,
+    /// With its speed, and no acceleration.
+    Resting,
+    /// As if it were a standstill.
+    Standing,
 }
+
+/// The way that takes the least time between two blocks, which leave their shares if the corner is passed with the speed `v`. `passes`:
+/// acceleration may pass it, which needs more of their own.
+pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
+    let [through, resting] = [|share: &Share| *share, |share: &Share| share.resting()]
+        .map(|of| blocks.map(|(limits, share, length)| (limits.shared(&of(share)), length)));
+    if blocks.iter().zip(&through).all(|((limits, ..), (shared, _))| shared == *limits) {
+        return Way::Through;
+    }
+    let sum = |blocks: &[(Limits, f32); 2], v: f32| -> f32 {
+        blocks.iter().map(|(limits, length)| time(limits, *length, v)).sum()
+    };
+    let stop = sum(&blocks.map(|(limits, _, length)| (*limits, length)), 0.0);
+    let through = sum(&through, v);
+    let resting = if passes { sum(&resting, v) } else { through };
+    if min(through, resting) > stop {
+        Way::Standing
+    } else if resting < through * CLEARLY {
+        Way::Resting
+    } else {
+        Way::Through
+    }
+}
+
+/// Times that differ by less are one: with acceleration through the corner its neighbours may do more.
+const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 
 /// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to rest.
 fn time(limits: &Limits, length: f32, v: f32) -> f32 {

@@ -27,7 +27,7 @@ impl<const AXES: usize> Held<AXES> {
             is_held: false,
             long: false,
             curve: Curve::Line(Stretch::BLANK),
-            limits: (Limits::WIDEST, Share { j: 0.0, a: 0.0 }, Headroom::NONE),
+            limits: (Limits::WIDEST, Share::WHOLE, Headroom::NONE),
             pass: Pass { feed: None, n: 0, number: 0, stop: false },
         }
     }

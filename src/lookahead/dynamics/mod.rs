@@ -178,7 +178,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
         let turns = |k: usize| circle.filter(|circle| circle.plane.contains(&k));
         let shares = || {

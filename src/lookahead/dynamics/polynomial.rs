@@ -54,7 +54,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             return self.timed(bounds, speed, feed);
         }
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
@@ -141,7 +141,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut share_left = Share::WHOLE;
         let feed = self.programmed(feed);
         limits.v = min(limits.v, feed * self.level);
         let mut v_reduced = f32::MAX;
