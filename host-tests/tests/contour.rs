@@ -60,7 +60,9 @@ fn on_and_off_by_command_and_whatever_the_feed() {
     let at = |feed: u32| run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0 CONST_VEL=1]", "#CONTOUR MODE OFF", feed));
     let [quick, slow] = [6000, 500].map(at);
     for n in [30, 40, 50, 60] {
-        assert_eq!(quick.lengths(n), slow.lengths(n));
+        // One law may be that of several elements.
+        let [quick, slow] = [&quick, &slow].map(|run| run.lengths(n).iter().sum::<f64>());
+        assert!((quick - slow).abs() < 1e-9, "N{n}: {quick} {slow}");
     }
 }
 
@@ -267,6 +269,9 @@ fn jerk_is_checked_where_it_is_asked_for() {
     let soft = run_from(&text(2), [Position::ZERO; 3], &machine).time();
     assert!(none < geometric && geometric == ramps, "{none} {geometric} {ramps}");
     assert!(hard < soft, "{hard} {soft}");
+    // At the highest speed no less time is needed with a check than without.
+    let varying = |check: u8| run(&text(check).replace(" CONST_VEL=1", "")).time();
+    assert!(varying(0) <= varying(1) && varying(1) < geometric, "{} {}", varying(0), varying(1));
     // P-CHAN-00110 until the program says otherwise.
     let plain = "#CONTOUR MODE [DEV PATH_DEV 4 CONST_VEL=1]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n";
     assert_eq!(run(plain).time(), geometric);
@@ -325,8 +330,9 @@ fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
             };
             let [low, high] = inside(&varying);
             let what = format!("PATH_DEV={dev} X{x} Y{y}, slope {slope}");
-            // STEP knows no jerk: its curve is passed evenly, and sooner.
-            assert!(slope == 0 || high > 1.05 * low, "{what}: {low} … {high}");
+            // STEP knows no jerk: its curve is passed evenly, and sooner. A standstill may be the quickest of all.
+            let sharp = low == f64::INFINITY;
+            assert!(slope == 0 || sharp || high > 1.05 * low, "{what}: {low} … {high}");
             let [least, most] = inside(&constant);
             assert!(most < 1.002 * least, "{what}: {least} … {most}");
             // STEP: its acceleration is divided between path and contour by element, which may cost a tick or two.

@@ -81,8 +81,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 shares = shares.map(Share::resting);
             }
             if way == Way::Standing {
-                // But for rounding, so that it need not wait for a tick.
-                cap = min(cap, dynamics.unseen(&last.exit, element.entry, rapid));
+                // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
+                let unseen = || dynamics.unseen(&last.exit, element.entry, rapid);
+                cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
+                rises = 1.0;
             } else if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);

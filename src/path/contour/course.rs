@@ -186,12 +186,13 @@ impl<const AXES: usize> Course<AXES> {
             return f32::MAX;
         }
         let main = &self.measure.main;
+        let paths = self.path.map_or([None; 2], |paths| paths.map(Some));
         let mut slowest = f32::MAX;
-        for (half, (curve, [u0, u1])) in self.halves.iter().enumerate() {
+        for ((curve, [u0, u1]), path) in self.halves.iter().zip(paths) {
             for place in PLACES {
                 let u = u0 + (u1 - u0) * place;
                 let [_, first, second] = curve.at(u);
-                let path = self.path.map_or_else(|| size(main, &first), |path| path[half]);
+                let path = path.unwrap_or_else(|| size(main, &first));
                 slowest = min(slowest, path * passes(&second, &curve.third(u), rapid, setting));
             }
         }

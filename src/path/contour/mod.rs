@@ -1,6 +1,6 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
 //! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV with HSC): `timed.rs` says why and where.
+//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is quickest): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
