@@ -97,6 +97,18 @@ pub struct Share {
     pub j: f32,
     /// Acceleration, mm/tick².
     pub a: f32,
+    /// The same where it is zero at the transition.
+    pub a_resting: f32,
+}
+
+impl Share {
+    /// All of it.
+    pub const WHOLE: Self = Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX };
+
+    /// What is left where acceleration is zero at the transition.
+    pub(super) fn resting(self) -> Self {
+        Self { a: self.a_resting, ..self }
+    }
 }
 
 impl Limits {
@@ -343,6 +355,7 @@ impl Limits {
         }
         share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
         share.a = min(set.a_shared * scale, share.a);
+        share.a_resting = min(set.a_resting * scale, share.a_resting);
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks

@@ -15,6 +15,7 @@
 //! ends early at the first transition whose speed did not change.
 mod append;
 mod block;
+mod brief;
 mod dip;
 mod dynamics;
 mod ease;
@@ -27,6 +28,7 @@ mod ring;
 mod span;
 mod vector;
 mod weights;
+mod worth;
 
 pub use block::Block;
 pub use dynamics::{Curving, Dynamics, Permitted, Steady};

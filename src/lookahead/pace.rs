@@ -79,6 +79,20 @@ impl Headroom {
         min(level, self.parts()[0])
     }
 
+    /// The highest speed at any level of a block that is planned with `v` for one.
+    pub(super) fn highest(self, v: f32, level: f32) -> f32 {
+        v / self.raised(level) * self.parts()[0]
+    }
+
+    /// The same where the machine permits no more than `most` on a block that was planned with `v` for a level.
+    pub(super) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
+        let even = v / self.raised(level);
+        let feed = even / max(self.parts()[1], 1.0 / ONE);
+        let reduced =
+            if self.reduced == WHOLE { f32::MAX } else { even * f32::from(self.reduced) * (0.5 / ONE) };
+        Self::new(most, feed, reduced)
+    }
+
     /// What is at least as fast as both.
     pub(super) fn join(&mut self, other: Self) {
         self.over = self.over.max(other.over);

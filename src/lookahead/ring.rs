@@ -1,6 +1,7 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
 use super::block::{Block, Joint, Marks, ROUNDED};
+use super::brief::Row;
 use super::limits::{max, min};
 use super::pace::Slowest;
 use crate::quantity::Speed;
@@ -42,6 +43,8 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
     pub(super) slowest: Slowest,
+    /// What the last blocks leave to a tick.
+    pub(super) row: Row,
     /// Blocks that are left free for cuts.
     pub(super) spare: usize,
 }
@@ -72,6 +75,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             stale: false,
             level: 1.0,
             slowest: Slowest::NONE,
+            row: Row::NONE,
             spare: 0,
         }
     }

@@ -125,7 +125,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
-                        let limits = self.dynamics.line(line.tangent(), line.length(), feed);
+                        let limits = self.dynamics.line(line.tangent(), feed);
                         Self::in_time(&limits, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);

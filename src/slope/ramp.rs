@@ -56,6 +56,17 @@ impl Ramp {
         }
     }
 
+    /// Duration of the change by `dv` from `low` on.
+    pub fn duration(&self, low: f32, dv: f32) -> f32 {
+        match self {
+            Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
+            Self::Stepped(ramp) => {
+                let [below, above] = ramp.parts(low, dv);
+                below / ramp.a[0] + above / ramp.a[1]
+            }
+        }
+    }
+
     /// Path length from `low` to where a change by `total` has gained `dv`.
     pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         match self {

@@ -27,6 +27,8 @@ pub struct Set {
     pub ramp_budget: f32,
     /// Acceleration left to the slope beside a knee.
     pub a_shared: f32,
+    /// The same where acceleration is zero at the knee.
+    pub a_resting: f32,
 }
 
 /// What an axis permits at a transition.
@@ -161,7 +163,8 @@ impl Axis {
                     gained: 0.5 * near,
                 },
                 ramp_budget: min(ramp_budget, budget),
-                a_shared: (1.0 - SLIGHT_KNEE) * a_max,
+                a_shared: (1.0 - KNEE_PART) * a_max,
+                a_resting: (1.0 - SLIGHT_KNEE) * a_max,
             };
             if stepped {
                 // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
@@ -171,8 +174,11 @@ impl Axis {
             } else {
                 set.upper = [f32::MAX; 2];
             }
-            if stepped || shortest < LONG_RAMP || slope == SlopeType::Hsc {
-                set.a_shared = (1.0 - KNEE_PART) * a_max;
+            if stepped || shortest < LONG_RAMP {
+                set.a_resting = set.a_shared;
+            }
+            if slope != SlopeType::Hsc {
+                set.a_shared = set.a_resting;
             }
             set
         };

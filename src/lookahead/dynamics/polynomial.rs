@@ -1,6 +1,6 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
-use super::{Dynamics, KNEE_PART, LSB_44, NORMAL_PART, Permitted, SKIP};
+use super::{Dynamics, KNEE_PART, NORMAL_PART, Permitted};
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
@@ -8,6 +8,8 @@ use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element};
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
@@ -21,6 +23,10 @@ const SKIPPED: usize = 200;
 const EVENLY: f32 = 0.866;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
+
+/// The same of the curvature in an element that is passed at one speed, and what is left of `B` to its slope.
+const STEADY_PART: f32 = 0.95;
+const STEADY_SLOPE_PART: f32 = 0.02;
 
 /// What limits a curve that replaces a corner, beside the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +61,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to be passed at one speed, the
+    /// highest, and what is left to its acceleration is for an operator's command.
     pub fn polynomial(
         &self,
         element: &Element<AXES>,
@@ -68,12 +75,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         if let Some(speed) = bounds.timed {
             return self.timed(bounds, speed, feed);
         }
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
+        let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
-        limits.v = min(limits.v, feed * self.level);
+        limits.v = min(min(limits.v, bounds.steady.unwrap_or(f32::MAX)), feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
@@ -85,6 +92,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
+        let [normal_part, curve_part, slope_part] = if bounds.steady.is_some() {
+            [TIMED_PART, STEADY_PART, STEADY_SLOPE_PART]
+        } else {
+            [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
+        };
+        let speeds = if bounds.steady.is_some() { 1 } else { ARC_SPEEDS };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
@@ -92,22 +105,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 v_reduced = min(v_reduced, axis.v_reduced / slope);
             }
             if *bend > 0.0 {
-                let normal = min(set.least(), NORMAL_PART * a_max(axis));
+                let normal = min(set.least(), normal_part * a_max(axis));
                 limits.v = min(limits.v, sqrt_f32(normal / bend));
             }
             let budget = budget_of(set);
             if budget < f32::MAX {
                 if *twist > 0.0 {
-                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / twist));
                 }
                 if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0, &mut limits.law) {
-                    lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
+                    lower(j, [slope_part / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
-        for _ in 0..ARC_SPEEDS {
+        for _ in 0..speeds {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
@@ -115,7 +128,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
                 let budget = budget_of(axis.set(rapid));
                 if *bend > 0.0 && budget < f32::MAX {
-                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    let left = (1.0 - slope_part) * budget - twist * v * v * v;
                     a = min(a, left / (3.0 * v * bend));
                 }
             }
@@ -157,7 +170,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut share_left = Share::WHOLE;
         let feed = self.programmed(feed);
         limits.v = min(limits.v, feed * self.level);
         let mut v_reduced = f32::MAX;

@@ -89,6 +89,32 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
+    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the transition's part of the jerk
+    /// budget: with a block between both that takes less than a tick, steps at its two ends are one.
+    pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
+        let bends = from.curvature.iter().zip(&to.curvature);
+        let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
+            let bend = magnitude(c1 - c0);
+            let part = TRANSITION_PART * axis.set(rapid).joint.budget;
+            if part < square * bend { part / bend } else { square }
+        });
+        sqrt_f32(square) * MARGIN
+    }
+
+    /// Highest speed at which a change of direction is rounding of coordinates: all of the limits are left to the slope.
+    pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
+        let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
+        let mut v = f32::MAX;
+        for (k, (axis, (t0, t1))) in self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).enumerate() {
+            let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let before = self.before.as_ref().and_then(|axes| axes.get(k));
+            let before = before.map_or(f32::MAX, |joints| joints[usize::from(rapid)].budget);
+            let unseen = smooth * min(axis.set(rapid).joint.budget, before);
+            v = if unseen < v * knee { unseen / knee } else { v };
+        }
+        v * MARGIN
+    }
+
     /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where
     /// it should be: the knee is at most `off` over its length. Where that takes long, it shows.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {

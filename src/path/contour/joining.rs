@@ -1,6 +1,6 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
 //! it reaches into the blocks, and the elements that it is cut into.
-use super::choice::Candidate;
+use super::choice::{Approach, Candidate};
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
@@ -36,6 +36,12 @@ const SMALLER: u8 = 8;
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
+/// A curve is to be quicker than a standstill by that part.
+const KNOWN: f32 = 1.0 + 1.0 / 256.0;
+
+/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
+const BESIDE: i64 = 4;
+
 /// π/2.
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
@@ -66,15 +72,23 @@ struct Cut {
     behind: i64,
 }
 
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rivals {
+    approach: Approach,
+    candidate: Option<Candidate>,
+    stop: Option<f32>,
+}
+
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage<const AXES: usize> {
     /// Blocks and rule say which curves come into question.
     Choosing(Room),
     /// Corner distances are searched for, those of a curve over arc length.
-    Reaching { room: Room, reach: Reach<AXES>, candidate: Option<Candidate> },
-    /// The curve over time is better, if it is quicker than the other with this part of the distances.
-    Comparing { room: Room, candidate: Candidate, found: Option<(f32, f32)> },
+    Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
+    /// What is quickest is taken: the curve with this part of the distances, or one of these.
+    Comparing { room: Room, rivals: Rivals, found: Option<(f32, f32)> },
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
@@ -151,10 +165,10 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
-        if rule.weighs() {
-            // The corner before may have had another weight.
-            let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
-            room.most[0] = min(room.most[0], left);
+        // The corner before may have had another weight, or a little more than its half.
+        let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
+        if left < room.most[0] {
+            room.most[0] = left;
             room.distances = rule.distances(room.most);
         }
         Some(Stage::Choosing(room))
@@ -180,8 +194,10 @@ impl<const AXES: usize> Joining<AXES> {
         if tolerance.track > 0.0 {
             tolerance.track = max((tolerance.track - stray.track) * (1.0 - unseen_track), f32::MIN_POSITIVE);
         }
-        let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
-        if let Some(Candidate { way, limits: None }) = candidate {
+        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let limits = (room.least(), &tolerance);
+        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
+        if let Some(Candidate { way, time: None }) = candidate {
             return Some(Stage::Overlapping(way));
         }
         let position = rule.method == ContourMethod::Pos;
@@ -190,7 +206,11 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
-        Some(Stage::Reaching { room, reach, candidate })
+        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        let may_stop =
+            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let stop = may_stop.then(|| approach.stop());
+        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
 
     /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
@@ -203,18 +223,24 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = held.rule else { return Some(None) };
         let following = match stage {
             Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
-            Stage::Reaching { room, reach, candidate } => {
+            Stage::Reaching { room, reach, rivals } => {
                 let found = reach.go_on(&corner(held, next, setting.measure))?;
-                match *candidate {
-                    Some(candidate) => Some(Stage::Comparing { room: *room, candidate, found }),
-                    None => found.and_then(|found| room.cut(held, next, &rule, Some(found))),
-                }
+                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
             }
-            Stage::Comparing { room, candidate, found } => {
-                let corner = corner(held, next, setting.measure);
-                let part = found.map_or(0.0, |(part, _)| part);
-                if candidate.is_better(&corner, [room.distances[0], part], held.is_rapid(), setting) {
-                    Some(Stage::Overlapping(candidate.way))
+            Stage::Comparing { room, rivals, found } => {
+                let Rivals { approach, candidate, stop } = *rivals;
+                let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
+                    let distances = room.distances.map(|c| c * part);
+                    approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
+                });
+                let over_time = candidate.and_then(|candidate| candidate.time);
+                let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+                // Times are known to a tick, and to the speeds at which the parts of other corners begin.
+                if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
+                    None
+                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest))
+                {
+                    Some(Stage::Overlapping(way))
                 } else {
                     found.and_then(|found| room.cut(held, next, &rule, Some(found)))
                 }
@@ -246,7 +272,8 @@ impl<const AXES: usize> Joining<AXES> {
                 let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
                 let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
                 if let Some(bounds) = &element.bounds {
-                    let (limits, ..) = setting.dynamics.polynomial(&element, bounds, feed, curving);
+                    let bounds = crate::path::Bounds { steady: Some(f32::MAX), ..*bounds };
+                    let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
                     steady.v = min(steady.v, limits.v);
                     steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
                 }
@@ -291,16 +318,17 @@ impl<const AXES: usize> Joining<AXES> {
         let left = held.block.element.shape.length.to_bits();
         let half = if rule.weighs() { next.length } else { next.length / 2 };
         // What rounding leaves of a block between two curves would be too short for their speed.
+        let most = half.saturating_add((half >> SCRAP).max(HALVED));
         for all in [half, left] {
             let more = all - reach;
-            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
+            if more > 0 && more <= all >> SCRAP && all <= most {
                 overlap = overlap.stretched(all as f64 / reach as f64);
                 reach = all;
             }
         }
         // What is left of a halved line may be some LSB less than its half, or more.
         let before = if left - reach <= HALVED { left } else { reach };
-        let cut = Cut { before, behind: reach.min(half) };
+        let cut = Cut { before, behind: reach.min(most) };
         let ends = Ends::new(held, next, cut, setting.measure)?;
         if overlap.rise.v <= 0.0 {
             return None;
@@ -403,7 +431,8 @@ impl Cut {
 
 /// Where a curve leaves one block and enters the other.
 struct Ends<const AXES: usize> {
-    /// What is left of the block before, LSB 2^-44 mm.
+    /// The larger corner distance, and what is left of the block before, LSB 2^-44 mm.
+    reach: i64,
     rest: i64,
     from: Knot<AXES>,
     /// What is left of the block behind, and where it begins.
@@ -426,7 +455,7 @@ impl<const AXES: usize> Ends<AXES> {
             next.block.element.shape.at(cut.behind, &next_base, &mut begin);
         }
         let renewed = next.renewed(&begin, measure).ok()?;
-        Some(Self { rest, from, renewed, begin })
+        Some(Self { reach: cut.before.max(cut.behind), rest, from, renewed, begin })
     }
 
     fn to(&self) -> Knot<AXES> {
@@ -454,7 +483,12 @@ impl<const AXES: usize> Ends<AXES> {
         if self.rest > 0 {
             held.block.element.exit = self.from.end;
         }
+        let constant = setting.parameters.const_vel;
         let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
-        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
+        // The next corner may take half of the block behind this one.
+        let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
+        let at_one_speed = matches!(course, Curve::Even(_)) && (constant || beside >= self.reach / BESIDE);
+        let steady = at_one_speed.then_some(f32::MAX);
+        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, steady, draft: None }
     }
 }

@@ -1,6 +1,6 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
 //! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV with HSC): `timed.rs` says why and where.
+//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is quickest): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
@@ -110,6 +110,8 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
+    /// It is passed at one speed, at most this (mm/tick): the blocks beside it have the way to change theirs, or it is to be constant.
+    steady: Option<f32>,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
 }
@@ -118,7 +120,10 @@ impl<const AXES: usize> Turning<AXES> {
     /// The next element, which is not made yet.
     fn begin(&mut self) -> Option<Outgoing<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let (element, draft) = self.course.next_element()?;
+        let (mut element, draft) = self.course.next_element()?;
+        if let Some(bounds) = &mut element.bounds {
+            bounds.steady = self.steady;
+        }
         self.draft = Some(draft);
         let data = Data { stop: false, ..data };
         Some(Outgoing { element, data, curving: Some(self.curving), due })
