@@ -1,47 +1,36 @@
 //! Planner and interpolator: wiring only, all that an application holds.
 //!
-//! ```
-//! use glidepath::channel::{Channel, Progress};
-//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-//! use glidepath::quantity::Position;
-//!
-//! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
-//! let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
-//! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
-//! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
-//!
-//! let mut memory = Channel::<3, 120>::new();
-//! let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
-//! while !matches!(planner.poll(), Ok(Progress::Done)) {
-//!     interpolator.tick(); // in reality a timer interrupt
-//!     let _ = interpolator.set_points();
-//! }
-//! ```
+//! The front page of the crate shows how they are used.
 use crate::control::Control;
-use crate::machine::parameter::{RangeError, check_axis};
+use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, Place, Setup, Spline,
-    Step, Text,
+    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning,
+    NcWarningKind, Place, Setup, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
-use crate::planning::{MotionError, Planning, Work};
+use crate::planning::{MotionError, Planning, PlanningMemory, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Rings};
 use crate::slope::profile::Unplannable;
 use crate::tick::Interpolator;
 
-/// The memory that planner and interrupt share, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+/// All memory of planner and interrupt, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+///
+/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes both halves in it: what they are beside that are
+/// some hundred bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize> {
     rings: Rings<AXES, BLOCKS>,
+    decoder: DecoderMemory<AXES>,
+    planning: PlanningMemory<AXES, BLOCKS>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     /// An empty channel.
     pub const fn new() -> Self {
-        Self { rings: Rings::new() }
+        Self { rings: Rings::new(), decoder: DecoderMemory::new(), planning: PlanningMemory::new() }
     }
 
     /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
@@ -55,10 +44,11 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         text: T,
     ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError> {
         check::<AXES, BLOCKS>(machine)?;
-        let (sender, receiver) = self.rings.split();
+        let Self { rings, decoder, planning } = self;
+        let (sender, receiver) = rings.split();
         let planner = Planner {
-            decoder: Decoder::new(Setup::new(machine, start), text),
-            planning: Planning::new(machine, start, sender),
+            decoder: Decoder::new(decoder, Setup::new(machine, start), text),
+            planning: Planning::new(planning, machine, start, sender),
             cycle_us: machine.channel.cycle_us,
             ptp: machine.channel.ptp,
             source: Source::Open,
@@ -66,6 +56,16 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             released: 0,
         };
         Ok((planner, Interpolator::new(receiver, start)))
+    }
+
+    /// A decoder alone, in the memory of this channel: to look through `text` before it is run.
+    pub fn decode<'a, T: Text>(
+        &'a mut self,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        text: T,
+    ) -> Decoder<'a, T, AXES> {
+        Decoder::new(&mut self.decoder, Setup::new(machine, start), text)
     }
 }
 
@@ -119,31 +119,17 @@ impl core::error::Error for MachineError {}
 
 fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) -> Result<(), MachineError> {
     let channel = &machine.channel;
-    let range = |id, name, value: u32, min, max, because| {
-        let value = i64::from(value);
-        if value < min || value > max {
-            return Err(MachineError::Channel(RangeError { id, name, value, min, max, because }));
-        }
-        Ok(())
-    };
-    let slope = u32::from(channel.slope_profile);
-    range("P-CHAN-00071", "prog_start.slope.profile", slope, 0, 3, "STEP, TRAPEZ, SIN2, HSC")?;
-    range("P-ZERO-00002", "default_index", channel.default_index.into(), 0, 6, "G53 and G54…G59")?;
-    range("", "cycle_us", channel.cycle_us, 100, 10_000, "the range of the tick")?;
-    range("P-STUP-00071", "look_ahead", channel.look_ahead, 10, BLOCKS as i64, "the memory compiled in")?;
-    let factor = channel.feedrate_factor_milli;
-    range("P-CHAN-00108", "prog_start.feedrate_factor", factor, 1, 1_000_000, "its range, in thousandths")?;
-    range(
-        "P-CHAN-00001",
-        "prog_start.slope.acceleration",
-        channel.acceleration_weight.into(),
-        0,
-        2,
-        "its meaning",
-    )?;
-    range("P-CHAN-00073", "prog_start.slope.ramp_time", channel.ramp_weight.into(), 0, 4, "its meaning")?;
-    let mode = channel.override_weight_prog_feed.into();
-    range("P-CHAN-00066", "override_weight_prog_feed", mode, 0, 2, "its meaning")?;
+    check_all(channel, CHANNEL).map_err(MachineError::Channel)?;
+    if channel.look_ahead as usize > BLOCKS {
+        return Err(MachineError::Channel(RangeError {
+            id: "P-STUP-00071",
+            name: "look_ahead",
+            value: channel.look_ahead.into(),
+            min: 10,
+            max: BLOCKS as i64,
+            because: "the memory compiled in",
+        }));
+    }
     for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
         if table.overflows() {
             return Err(MachineError::TooManySynch(name));
@@ -157,7 +143,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
             if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
                 return Err(MachineError::Reserved(axis.name));
             }
-            check_axis(axis, channel).map_err(|e| MachineError::Axis(k, e))?;
+            check_axis(axis).map_err(|e| MachineError::Axis(k, e))?;
         }
         if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
             let (id, name, because) =
@@ -320,9 +306,9 @@ impl Held {
     }
 }
 
-/// The half of a channel that works ahead: text to time law, a bounded piece per call.
+/// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
-    decoder: Decoder<T, AXES>,
+    decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
     /// FCT_PTP of P-CHAN-00600.
@@ -472,11 +458,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                     return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
                 }
             }
-            Command::Dwell(_, DwellTime::Seconds(time)) => {
+            Command::Dwell(head, DwellTime::Seconds(time)) => {
+                let at_corner = self.planning.rounds();
                 // 2^-32 s to µs to ticks, up
                 let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
                 let cycle = u64::from(self.cycle_us);
                 self.planning.rest(div_wide(0, us + cycle - 1, cycle));
+                if at_corner {
+                    let kind = NcWarningKind::DwellAtCorner;
+                    return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
+                }
             }
             Command::Dwell(_, DwellTime::Revolutions(_)) => return refuse("G04 S (revolutions)"),
             Command::M(_, 0) => return refuse("M00"),

@@ -1,5 +1,6 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod acknowledge;
+mod descent;
 mod flight;
 mod functions;
 mod held;
@@ -11,7 +12,7 @@ mod reserve;
 
 use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
-use crate::lookahead::{Dynamics, Lookahead, Pace, max, min};
+use crate::lookahead::{Dynamics, Lookahead, LookaheadMemory, Pace, max, min};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::path::Measure;
@@ -21,6 +22,7 @@ use crate::queue::{Function, Phase, Sender, Slot, clock};
 use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable, speed_f32};
+use core::mem::MaybeUninit;
 use flight::Flights;
 use functions::Functions;
 use held::Held;
@@ -60,16 +62,48 @@ pub enum Work {
     Aborted,
 }
 
-/// Path, look-ahead, slope and the planner's end of the queue.
+/// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
+pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
+    lookahead: LookaheadMemory<BLOCKS>,
+    flights: Flights,
+    functions: Functions,
+    dynamics: MaybeUninit<Dynamics<AXES>>,
+    contouring: MaybeUninit<Contouring<AXES>>,
+    held: MaybeUninit<Held<AXES>>,
+    reserve: MaybeUninit<Reserve>,
+}
+
+impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
+    /// Nothing is in it.
+    pub const fn new() -> Self {
+        Self {
+            lookahead: LookaheadMemory::new(),
+            flights: Flights::new(),
+            functions: Functions::new(),
+            dynamics: MaybeUninit::uninit(),
+            contouring: MaybeUninit::uninit(),
+            held: MaybeUninit::uninit(),
+            reserve: MaybeUninit::uninit(),
+        }
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BLOCKS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Path, look-ahead, slope and the planner's end of the queue. What is large of it lies in a [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
-    dynamics: Dynamics<AXES>,
+    dynamics: &'a mut Dynamics<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
-    contouring: Contouring<AXES>,
+    contouring: &'a mut Contouring<AXES>,
     /// Waits for the next one, only while contour mode is idle.
-    held: Held<AXES>,
-    lookahead: Lookahead<AXES, BLOCKS>,
+    held: &'a mut Held<AXES>,
+    lookahead: Lookahead<'a, AXES, BLOCKS>,
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
     flush: bool,
@@ -80,7 +114,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Ticks to rest after the standstill.
     rest: u64,
     /// Spans released and not yet left by the interrupt; of so many the law was made, the last one's is with the emitter.
-    flights: Flights,
+    flights: &'a mut Flights,
     laid: usize,
     /// Speed at the end of that law.
     speed: Speed,
@@ -95,8 +129,8 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// The operator's commands as they were seen last, and what they make of the speed.
     word: u32,
     pace: Pace,
-    functions: Functions,
-    reserve: Reserve,
+    functions: &'a mut Functions,
+    reserve: &'a mut Reserve,
     /// A gate is open: what is in the look-ahead is planned again. At the first block: also the law that ends there.
     reopened: bool,
     joining: bool,
@@ -132,22 +166,33 @@ const RESERVE: u32 = PIECES + 2;
 const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// At rest at `start`.
-    pub fn new(machine: &MachineData<AXES>, start: [Position; AXES], queue: Sender<'a, AXES>) -> Self {
+    /// At rest at `start`, in `memory`: nothing that was in it counts.
+    #[inline(never)]
+    pub fn new(
+        memory: &'a mut PlanningMemory<AXES, BLOCKS>,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        queue: Sender<'a, AXES>,
+    ) -> Self {
+        let PlanningMemory { lookahead, flights, functions, dynamics, contouring, held, reserve } = memory;
+        flights.clear();
+        functions.forget();
+        let measure = machine.measure();
+        let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
         Self {
-            measure: machine.measure(),
-            dynamics: Dynamics::new(machine),
+            measure,
+            dynamics: dynamics.write(Dynamics::new(machine)),
             programmed: start,
-            contouring: Contouring::new(machine.measure(), machine.channel.check_jerk_on_poly_path),
-            held: Held::none(),
-            lookahead: Lookahead::new(queue.segments.ahead().min(machine.channel.look_ahead as usize)),
+            contouring: contouring.write(Contouring::new(measure, machine.channel.check_jerk_on_poly_path)),
+            held: held.write(Held::none()),
+            lookahead: Lookahead::new(lookahead, depth),
             stage: Stage::Filling,
             flush: false,
             profile: Profile::default(),
             emitter: Emitter::new(),
             stops: false,
             rest: 0,
-            flights: Flights::new(),
+            flights,
             laid: 0,
             speed: Speed::ZERO,
             owed: 0,
@@ -157,8 +202,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             mode: Mode::RUN,
             word: Control::NORMAL,
             pace: Pace::new(machine.channel.override_weight_prog_feed),
-            functions: Functions::new(),
-            reserve: Reserve::none(),
+            functions,
+            reserve: reserve.write(Reserve::none()),
             reopened: false,
             joining: false,
             stood: false,
@@ -266,11 +311,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
-    #[inline(never)]
     fn round_off(&mut self) -> bool {
-        if self.contouring.go_on(&self.dynamics) {
-            return true;
-        }
+        self.contouring.go_on(self.dynamics) || self.pass_outgoing()
+    }
+
+    #[inline(never)]
+    fn pass_outgoing(&mut self) -> bool {
         let Some(outgoing) = self.contouring.outgoing() else { return false };
         self.push_outgoing(&outgoing);
         true

@@ -4,7 +4,8 @@
 mod counter;
 mod record;
 mod report;
+pub mod stack;
 
 pub use counter::{Counter, UNIT};
-pub use record::record_all;
+pub use record::{record_all, report_memory};
 pub use report::{Report, exit};

@@ -1,10 +1,12 @@
 //! Runs a case and reports every set point of every tick, and what tick and planner cost.
-use crate::{Counter, Report, UNIT, exit};
+use crate::{Counter, Report, UNIT, exit, stack};
 use core::fmt::Write;
-use glidepath::channel::{Channel, Error, Progress};
+use core::mem::size_of;
+use glidepath::channel::{Channel, Error, Planner, Progress};
 use glidepath::machine::MachineData;
-use glidepath::nc::{Decoder, NcError, Setup, Step};
+use glidepath::nc::{Decoder, NcError, Step};
 use glidepath::quantity::Position;
+use glidepath::tick::Interpolator;
 use hil_cases::{Case, Watch, run};
 
 /// Number, sum and largest of something counted.
@@ -64,8 +66,22 @@ pub fn record_all<const AXES: usize, const BLOCKS: usize>(
     for case in cases {
         good &= record(channel, machine, case, &counter, &mut report);
     }
+    report_memory::<AXES, BLOCKS>(&mut report);
     report.flush();
     exit(good)
+}
+
+/// What RAM this configuration needs: its channel, and the stack at its deepest.
+pub fn report_memory<const AXES: usize, const BLOCKS: usize>(report: &mut Report) {
+    let (stack, depth) = stack::depth();
+    let _ = writeln!(
+        report,
+        "memory axes {AXES} blocks {BLOCKS} channel {} planner {} interpolator {} statics {} stack {stack} depth {depth}",
+        size_of::<Channel<AXES, BLOCKS>>(),
+        size_of::<Planner<'static, &'static [u8], AXES, BLOCKS>>(),
+        size_of::<Interpolator<'static, AXES>>(),
+        stack::statics(),
+    );
 }
 
 /// Runs a case; whether it ended as it should.
@@ -76,12 +92,12 @@ fn record<const AXES: usize, const BLOCKS: usize>(
     counter: &Counter,
     report: &mut Report,
 ) -> bool {
-    let _ = writeln!(report, "case {} axes {AXES}", case.name);
+    let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
     let (tick, plan, wait) = Default::default();
     let mut recorder = Recorder { counter, report, tick, plan, wait };
     let result = run(channel, machine, case.text, &mut recorder);
     let Recorder { report, tick, plan, wait, .. } = recorder;
-    let decode = decode(machine, case, counter);
+    let decode = decode(channel, machine, case, counter);
     for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
         let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
     }
@@ -101,8 +117,13 @@ fn record<const AXES: usize, const BLOCKS: usize>(
 }
 
 /// The decoder alone, to tell its share of the planner's work.
-fn decode<const AXES: usize>(machine: &MachineData<AXES>, case: &Case, counter: &Counter) -> Cost {
-    let mut decoder = Decoder::new(Setup::new(machine, [Position::ZERO; AXES]), case.text);
+fn decode<const AXES: usize, const BLOCKS: usize>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    case: &Case,
+    counter: &Counter,
+) -> Cost {
+    let mut decoder = channel.decode(machine, [Position::ZERO; AXES], case.text);
     let mut cost = Cost::default();
     loop {
         let before = counter.now();
@@ -115,6 +136,6 @@ fn decode<const AXES: usize>(machine: &MachineData<AXES>, case: &Case, counter: 
 }
 
 #[inline(never)]
-fn step<const AXES: usize>(decoder: &mut Decoder<&'static [u8], AXES>) -> Result<Step<AXES>, NcError> {
+fn step<const AXES: usize>(decoder: &mut Decoder<'_, &'static [u8], AXES>) -> Result<Step<AXES>, NcError> {
     decoder.step()
 }

@@ -1,23 +1,30 @@
 //! Lines to the host over semihosting, which an emulator and a probe both understand.
+use crate::stack;
+use core::arch::naked_asm;
 use core::fmt::{self, Write};
-use cortex_m_rt::{ExceptionFrame, exception};
 use cortex_m_semihosting::hio::{self, HostStream};
 use cortex_m_semihosting::{debug, hprintln};
 use glidepath::quantity::Position;
+use static_cell::ConstStaticCell;
 
 /// Collects text and hands it over in large pieces: every hand-over stops the core.
 pub struct Report {
     host: HostStream,
-    text: [u8; 2048],
+    text: &'static mut [u8; TEXT],
     used: usize,
 }
+
+const TEXT: usize = 1024;
+
+/// Not on the stack, whose depth is measured.
+static MEMORY: ConstStaticCell<[u8; TEXT]> = ConstStaticCell::new([0; TEXT]);
 
 impl Report {
     /// Opens the host's output; a host without one fails the test.
     pub fn open() -> Self {
-        match hio::hstdout() {
-            Ok(host) => Self { host, text: [0; 2048], used: 0 },
-            Err(()) => exit(false),
+        match (hio::hstdout(), MEMORY.try_take()) {
+            (Ok(host), Some(text)) => Self { host, text, used: 0 },
+            _ => exit(false),
         }
     }
 
@@ -68,8 +75,28 @@ pub fn exit(success: bool) -> ! {
     }
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    hprintln!("hard fault at {:#010x}", frame.pc());
+/// Needs no stack: an overflow of that is what may have led here.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "mrs r0, msp",
+        "movw r1, #:lower16:_stack_start",
+        "movt r1, #:upper16:_stack_start",
+        "msr msp, r1",
+        "b {}",
+        sym fault
+    )
+}
+
+/// `stack` is the stack pointer behind the exception frame.
+extern "C" fn fault(stack: usize) -> ! {
+    if stack::is_below(stack) {
+        hprintln!("hard fault: stack overflow at {stack:#010x}");
+    } else {
+        // SAFETY: the frame that the core has put on the stack; its seventh word is where the fault came.
+        let at = unsafe { (stack as *const u32).add(6).read_volatile() };
+        hprintln!("hard fault at {at:#010x}");
+    }
     exit(false)
 }

@@ -1,7 +1,8 @@
 //! Random corners in contour mode before the judge, as many as wanted:
 //! `cargo run --release -p host-tests --example corners -- FIRST_SEED LAST_SEED` (50,000 take some minutes).
+use glidepath::nc::Contour;
 use host_tests::cases::machines;
-use host_tests::corner::{judge, random};
+use host_tests::corner::{judge_with, random};
 
 fn main() {
     let mut seeds = std::env::args().skip(1).map(|a| a.parse::<u64>().expect("a seed"));
@@ -14,7 +15,7 @@ fn main() {
         if (seed - first) % 5000 == 4999 {
             println!("{} of {}", seed - first + 1, last - first);
         }
-        match judge(&random(seed), &machine) {
+        match judge_with(&random(seed), &machine, |dev| Contour { const_vel: Some(true), ..dev }) {
             Ok(seen) if seen.sharp => sharp += 1,
             Ok(seen) => {
                 elements[seen.elements] += 1;

@@ -13,8 +13,10 @@
 //! Three rows of rest are added at both ends, so that a start or an end with a jump counts.
 
 mod path;
+mod place;
 
 pub use path::{Course, path};
+pub use place::by_place;
 
 use crate::trace::Trace;
 

@@ -278,10 +278,22 @@ fn from_block(block: &Programmed, point: &[f64], near: f64) -> f64 {
 /// # Errors
 /// What is wrong with it.
 pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
+    judge_with(case, machine, |dev| dev)
+}
+
+/// Judges one corner, rounded with DEV and what `rule` makes of it.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn judge_with(
+    case: &Case,
+    machine: &MachineData<3>,
+    rule: impl Fn(Contour) -> Contour,
+) -> Result<Seen, String> {
     let contour = case.program.contour_as_decoded(machine);
     let [before, behind] = &contour.elements[..] else { return Err("two blocks".to_owned()) };
     let blocks = blocks(&case.program, machine);
-    let pieces = round(&blocks, machine, &dev(case.path_dev));
+    let pieces = round(&blocks, machine, &rule(dev(case.path_dev)));
     let tolerance = case.path_dev as f64 / NM as f64;
     let curve: Vec<&Piece<3>> = pieces.iter().filter(|p| p.out.curving.is_some()).collect();
     let mut seen = Seen { elements: curve.len(), ..Seen::default() };

@@ -69,3 +69,70 @@ pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -
     }
     worst
 }
+
+/// The places between two points, as shares, where a linear and a quadratic condition hold: both convex.
+type Free = Option<[f64; 2]>;
+
+/// Whether a path goes along a contour in order, nowhere further from it than `path` in the first three axes and than `track` in every
+/// other one: the two can be gone through together, each forward only, and stay as near (Fréchet distance, by the free space of
+/// Alt and Godau). Both are polygons.
+pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2]) -> bool {
+    // Where on the line from `a` to `b` the point `q` is as near.
+    let free = |q: &[f64], a: &[f64], b: &[f64]| -> Free {
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for k in 3..q.len() {
+            let (off, d) = (a[k] - q[k], b[k] - a[k]);
+            if d == 0.0 {
+                if off.abs() > track {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [(-track - off) / d, (track - off) / d];
+            low = low.max(ends[0].min(ends[1]));
+            high = high.min(ends[0].max(ends[1]));
+        }
+        let [mut dd, mut od, mut oo] = [0.0; 3];
+        for k in 0..3 {
+            let (off, d) = (a[k] - q[k], b[k] - a[k]);
+            (dd, od, oo) = (dd + d * d, od + off * d, oo + off * off);
+        }
+        if dd > 0.0 {
+            let root = od * od - dd * (oo - near * near);
+            if root < 0.0 {
+                return None;
+            }
+            low = low.max((-od - root.sqrt()) / dd);
+            high = high.min((-od + root.sqrt()) / dd);
+        } else if oo > near * near {
+            return None;
+        }
+        (low <= high).then_some([low, high])
+    };
+    let (columns, rows) = (path.len() - 1, contour.len() - 1);
+    // What can be reached of the left sides of the cells of a column.
+    let mut left: Vec<Free> = vec![None; rows];
+    let mut open = true;
+    for (j, left) in left.iter_mut().enumerate() {
+        *left = free(&path[0], &contour[j], &contour[j + 1]).filter(|free| open && free[0] <= 0.0);
+        open = left.is_some_and(|free| free[1] >= 1.0);
+    }
+    let mut along = true;
+    for i in 0..columns {
+        let [a, b] = [&path[i], &path[i + 1]];
+        let mut bottom = free(&contour[0], a, b).filter(|free| along && free[0] <= 0.0);
+        along = bottom.is_some_and(|free| free[1] >= 1.0);
+        for j in 0..rows {
+            let right = free(b, &contour[j], &contour[j + 1]);
+            let top = free(&contour[j + 1], a, b);
+            let beyond = |side: Free, from: Free| {
+                let (side, from) = (side?, from?);
+                (from[0] <= side[1]).then_some([side[0].max(from[0]), side[1]])
+            };
+            let next_left = if bottom.is_some() { right } else { beyond(right, left[j]) };
+            bottom = if left[j].is_some() { top } else { beyond(top, bottom) };
+            left[j] = next_left;
+        }
+    }
+    left[rows - 1].is_some_and(|free| free[1] >= 1.0)
+}

@@ -3,7 +3,9 @@
 //!
 //! | module | question it answers |
 //! |---|---|
+//! | [`accept`] | are the figures those of the accepted tables |
 //! | [`cases`] | which programs on which machines |
+//! | [`seeds`] | which random cases, the same ones each time and others |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -12,10 +14,15 @@
 //! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
+//! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
 //! | [`operate`] | and while an operator gives commands |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
+pub mod accept;
+
 pub mod cases;
+
+pub mod seeds;
 
 pub mod trace;
 
@@ -31,8 +38,12 @@ pub mod corner;
 
 pub mod deviation;
 
+pub mod every_tick;
+
 pub mod operate;
 
 pub mod rounded;
+
+pub mod soak;
 
 pub mod refusal;

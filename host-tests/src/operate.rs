@@ -2,7 +2,7 @@
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::{Program, machines, set_point};
 use crate::check;
-use crate::properties::axis_limits;
+use crate::properties::{axis_limits, keeps_limits};
 use crate::reference::merge::path_tolerance;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Progress};
@@ -231,7 +231,8 @@ pub fn judge<const AXES: usize>(
         return Ok(());
     }
     check::ends(&run.trace, &start, &program.end_points())?;
-    check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map(|_| ())
+    let course = check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid)?;
+    keeps_limits(&run.trace, &course, &contour, machine)
 }
 
 /// A random program, every second one with NO_OPT=0 where the slope is HSC, a random machine with any slope, any mode of the override and a reduced speed, and random numbers for the

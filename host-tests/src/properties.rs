@@ -1,9 +1,9 @@
 //! What must hold of every motion, whatever the program: asked of the judge, for the limits of the machine.
 use crate::cases::{Program, set_point};
 use crate::check::{self, Course, Limits, Peaks};
-use crate::reference::geometry::{Contour, Shape};
+use crate::reference::geometry::{Contour, Element, Shape};
 use crate::reference::merge::path_tolerance;
-use crate::trace::{Run, run};
+use crate::trace::{Run, Trace, run};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Speed;
 
@@ -36,6 +36,8 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
         }
         return limits;
     }
+    // 0 is preset with the smallest ramp time.
+    let geometric = if axis.tr_geom == 0 { axis.tr_min } else { axis.tr_geom };
     let shape = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
     let mut limits = Limits { v: 0.0, a: 0.0, jerk: 0.0 };
     let mut allow = |um_s: u32, mm_s2: u32, ramps: &[u32]| {
@@ -45,7 +47,7 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
             let jerk = |us: u32| f64::from(mm_s2) / (f64::from(us) * 1e-6);
             limits.jerk = limits.jerk.max(shape * jerk(ramp));
             if curved {
-                limits.jerk = limits.jerk.max(jerk(ramp.min(axis.tr_geom.max(1))));
+                limits.jerk = limits.jerk.max(jerk(ramp.min(geometric)));
             }
         }
     };
@@ -59,13 +61,57 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
     limits
 }
 
-/// Limits of all axes of a machine for a contour.
+/// Limits of an axis at a place: inside a straight block what its slope may show; in an arc and at a joint also what the contour may
+/// cause. At a joint jerk is free where the machine data permit a step: of speed with P-AXIS-00013, of acceleration without
+/// P-CHAN-00009 where an arc takes part.
+pub fn permitted_at<const AXES: usize>(
+    machine: &MachineData<AXES>,
+    axis: usize,
+    elements: &[Element],
+) -> Limits {
+    let channel = &machine.channel;
+    let is_arc = |element: &Element| element.shape != Shape::Line;
+    let joint = elements.len() > 1;
+    let rapid = elements.iter().any(|e| e.feed.is_none());
+    let feed = elements.iter().any(|e| e.feed.is_some());
+    let arc = elements.iter().any(is_arc);
+    let data = &machine.axes[axis];
+    let mut limits = permitted(data, channel.slope_profile, rapid, feed, joint || arc);
+    if joint && (data.a_trans_weight > 0 || (arc && !channel.corr_v_trans_jerk)) {
+        limits.jerk = f64::INFINITY;
+    }
+    limits
+}
+
+/// Asks the judge for the limits of every axis at every tick, wherever it is.
+///
+/// # Errors
+/// The first excess.
+pub fn keeps_limits<const AXES: usize>(
+    trace: &Trace,
+    course: &Course,
+    contour: &Contour,
+    machine: &MachineData<AXES>,
+) -> Result<(), String> {
+    check::by_place(trace, course, contour, |axis, elements| {
+        permitted_at(machine, axis, &contour.elements[elements])
+    })
+}
+
+/// Limits of all axes of a machine for a contour, at any of its places.
 pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Contour) -> Vec<Limits> {
     let rapid = contour.elements.iter().any(|e| e.feed.is_none());
     let feed = contour.elements.iter().any(|e| e.feed.is_some());
     let curved = contour.elements.len() > 1 || contour.elements.iter().any(|e| e.shape != Shape::Line);
     let slope = machine.channel.slope_profile;
-    machine.axes.iter().map(|axis| permitted(axis, slope, rapid, feed, curved)).collect()
+    let limits = machine.axes.iter().map(|axis| {
+        let mut limits = permitted(axis, slope, rapid, feed, curved);
+        if curved && (axis.a_trans_weight > 0 || !machine.channel.corr_v_trans_jerk) {
+            limits.jerk = f64::INFINITY;
+        }
+        limits
+    });
+    limits.collect()
 }
 
 /// Runs a program and asks the judge for everything.
@@ -87,6 +133,7 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     // Rapid motion: no axis faster than its limit, so the path not faster than all of them together.
     let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
     let course = check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map_err(fault)?;
+    keeps_limits(&run.trace, &course, &contour, machine).map_err(fault)?;
     let planned: usize = run.blocks.iter().map(|span| span.blocks as usize).sum();
     if planned != contour.elements.len() {
         return Err(fault(format!("{planned} blocks planned, {} move", contour.elements.len())));

@@ -361,6 +361,24 @@ fn functions_of_blocks_left_out_come_at_the_corner_that_stands_for_them() {
     assert!(run.stands(0).1 >= row + 41);
 }
 
+/// MVS_SNS comes out before the motion of its block and waits behind it: without one, at the same place.
+#[test]
+fn a_function_of_a_block_without_path_waits_where_it_comes_out() {
+    for (mode, motion) in
+        [("", "N20 X10 M25"), ("", "N20 M25"), ("#CONTOUR MODE ON [DEV PATH_DEV=0.5]\n", "N20 X10 M25")]
+    {
+        for slope in 0..4 {
+            let text = format!("N5 G01 X0 F6000\n{mode}N10 X10\n{motion}\nN30 X20\nN40 X30\nM30\n");
+            let run = acknowledged(&text, &machine(slope), Some(80));
+            let [(row, output)] = run.outputs[..] else { panic!("{:?}", run.outputs) };
+            let (from, to) = run.stands(0);
+            assert_eq!((output.function, output.waits), (Function::M(25), true), "{text}");
+            assert!(from == row && (from + 81..from + 86).contains(&to), "{from} … {to}\n{text}");
+            assert_eq!(run.row(row), mm([10, 0, 0]), "{text}");
+        }
+    }
+}
+
 #[test]
 fn dwell_and_program_end_wait() {
     let text = "N10 G01 X10 F6000 M27\nN20 G04 X0.3\nN30 X20 M27\nM30\n";
@@ -484,6 +502,29 @@ fn acknowledgements_before_the_output_and_twice_are_ignored() {
     assert_eq!(go(1000), (1, 30.0, true));
 }
 
+/// More than there are sequence numbers: no acknowledgement of before passes for one of now.
+#[test]
+fn a_thousand_acknowledgements_are_each_waited_for() {
+    let machine = machine(1);
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let text: &[u8] = b"$FOR P1 = 1, 1000, 1\nG01 X[P1/10] F6000 M27\n$ENDFOR\nM30\n";
+    let (mut planner, mut interpolator) =
+        channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
+    let control = planner.control();
+    let m27 = Function::M(27);
+    for round in 0..1000 {
+        let mut outputs = 0;
+        for _ in 0..200 {
+            while !matches!(planner.poll(), Ok(Progress::Waiting | Progress::Done)) {}
+            interpolator.tick();
+            outputs += std::iter::from_fn(|| interpolator.event()).count();
+        }
+        assert_eq!((outputs, planner.is_waiting()), (1, true), "round {round}");
+        assert_eq!(control.awaited(), Some(m27), "round {round}");
+        assert!(control.acknowledge(m27).is_ok() && control.acknowledge(m27).is_err(), "round {round}");
+    }
+}
+
 #[test]
 fn types_that_are_known_and_not_there_are_refused() {
     for (synch, name, _) in Synch::ALL {
@@ -554,7 +595,7 @@ fn a_dwell_between_rounded_blocks() {
 #[test]
 fn random_programs_with_functions_keep_limits_and_path() {
     // 1367: a span before a closed gate that is too short to be cut.
-    for seed in (0..160).chain([1367]) {
+    for seed in host_tests::seeds::seeds((0..160).chain([1367]), 8) {
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = (seed % 4) as u8;
         (machine.channel.m_synch, machine.channel.h_synch) =

@@ -5,7 +5,7 @@ use glidepath::quantity::Position;
 
 fn refusal(name: &str, kind: AxisKind) -> Option<MachineError> {
     let name = AxisName::new(name).expect("a name");
-    let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+    let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     let machine = MachineData { axes: [AxisData::new(name, kind)], channel };
     let program: &[u8] = b"M30\n";
     Channel::<1, 120>::new().split(&machine, [Position::ZERO], program).err()

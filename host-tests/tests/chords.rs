@@ -1,5 +1,6 @@
 //! The circle of 64 chords, and the table of program times.
 use glidepath::machine::MachineData;
+use host_tests::accept;
 use host_tests::cases::{Program, machines, named};
 use host_tests::properties::verify;
 use host_tests::reference::limits::path_length;
@@ -53,14 +54,8 @@ fn times(name: &str, machine: &MachineData<3>) {
         let _ = writeln!(table, "{}", row(machine, &program));
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tables").join(name);
-    if std::env::var_os("ACCEPT_TABLES").is_some() {
-        std::fs::write(&path, &table).unwrap();
-    }
-    let accepted = std::fs::read_to_string(&path).unwrap_or_default();
-    for (now, before) in table.lines().zip(accepted.lines().chain(std::iter::repeat(""))) {
-        assert_eq!(now, before, "{name}: accept with ACCEPT_TABLES=1 cargo test -p host-tests --test chords");
-    }
-    assert_eq!(table.lines().count(), accepted.lines().count(), "{name}");
+    accept::compare_file(&path, &table, accept::reason().as_deref())
+        .unwrap_or_else(|fault| panic!("{fault}"));
 }
 
 #[test]

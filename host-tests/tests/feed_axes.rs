@@ -117,7 +117,7 @@ fn pieces_of_a_line_become_one_whatever_measures_them() {
 
 #[test]
 fn random_programs_keep_limits_feed_and_path() {
-    for seed in 0..40 {
+    for seed in host_tests::seeds::seeds(0..40, 4) {
         for slope in 0..4 {
             let mix = Mix { arcs: 0, ..Mix::arbitrary(3, seed) };
             let mut machine = machines::arbitrary::<3>(seed);
@@ -136,7 +136,7 @@ fn random_programs_keep_limits_feed_and_path() {
 
 #[test]
 fn overrides_and_holds_keep_them_too() {
-    for seed in 0..60 {
+    for seed in host_tests::seeds::seeds(0..60, 6) {
         let (_, machine, mut random) = random_setup(seed);
         let program = program(seed, Mix { arcs: 0, ..Mix::arbitrary(3, seed) });
         let machine = feeding(machine, &[(seed % 3) as usize]);

@@ -115,7 +115,7 @@ fn random_programs_keep_their_limits() {
 #[test]
 fn arbitrary_machines_keep_their_limits() {
     // `cargo run --release -p host-tests --example soak -- 0 5000 3` goes on with it.
-    for seed in 0..60 {
+    for seed in host_tests::seeds::seeds(0..60, 6) {
         for optimised in [false, true] {
             let one = Program { optimised, ..program(seed, Mix::arbitrary(1, seed)) };
             good::<1>(&one, &machines::arbitrary(seed));
@@ -259,7 +259,7 @@ fn no_opt_0_changes_nothing_but_hsc() {
 /// left: what follows was refused as impossible.
 #[test]
 fn random_corners_can_be_planned() {
-    for seed in (0..12).chain([235, 692]) {
+    for seed in host_tests::seeds::seeds((0..12).chain([235, 692]), 3) {
         let mix = Mix { length: [0.05, 40.0], knee: 3.0, arcs: 0, ..Mix::general(3, 30) };
         let program = program(seed, mix);
         let mut machine = machines::arbitrary::<3>(seed);

@@ -56,25 +56,76 @@ fn tangential_speed(machine: &MachineData<3>) -> f64 {
     verdict.run.blocks[0].v_out.to_bits() as f64 / 2f64.powi(58) / CYCLE
 }
 
-/// P-CHAN-00009 and P-AXIS-00154: the step of acceleration, v²/R, is at most a · weight.
-#[test]
-fn a_tangential_transition_is_taken_as_fast_as_its_weight_permits() {
-    let bend = |on, weight| {
-        let mut machine = machine(0);
-        machine.channel.corr_v_trans_jerk = on;
-        for axis in &mut machine.axes {
-            axis.r_trans_weight = weight;
-        }
-        machine
-    };
-    for (weight, part) in [(1, 0.001), (10, 0.01), (100, 0.1), (0, CYCLE / RAMP)] {
-        let v = tangential_speed(&bend(true, weight));
-        assert!((v * v / 20.0 / (A * part) - 1.0).abs() < 1e-5, "weight {weight}: {v} mm/s");
+/// Line to circle with a channel's switch and a weight.
+fn bend(on: bool, weight: u32) -> MachineData<3> {
+    let mut machine = machine(0);
+    machine.channel.corr_v_trans_jerk = on;
+    for axis in &mut machine.axes {
+        axis.r_trans_weight = weight;
     }
-    // Never more than the jerk permits, which is in force without the parameters too.
-    let free = tangential_speed(&bend(false, 1));
-    assert!(tangential_speed(&bend(true, 100)) < free);
-    assert_eq!(tangential_speed(&bend(true, 1000)), free);
+    machine
+}
+
+/// P-CHAN-00009 = 1 and P-AXIS-00154: the step of acceleration, v²/R, has that part of the jerk which a transition may cause: two fifths of
+/// a / ramp time, here with the geometric one of a cycle.
+#[test]
+fn a_tangential_transition_causes_the_part_of_the_jerk_that_its_weight_gives() {
+    for (weight, part) in [(1, 0.001), (10, 0.01), (100, 0.1), (500, 0.5), (1000, 1.0), (0, 1.0)] {
+        let v = tangential_speed(&bend(true, weight));
+        let step = 0.4 * part * A;
+        assert!((v * v / 20.0 / step - 1.0).abs() < 2e-4, "weight {weight}: {v} mm/s");
+    }
     // A knee has its own weight.
     assert_eq!(knee_speed(&bend(true, 1), [50.0, 50.0]), knee_speed(&bend(false, 1), [50.0, 50.0]));
+}
+
+/// P-CHAN-00009 = 0: the transition is passed as fast as the circle is.
+#[test]
+fn a_tangential_transition_may_have_any_jerk_by_default() {
+    let v = tangential_speed(&bend(false, 1));
+    assert!((v * v / 20.0 / A - 1.0).abs() < 1e-5, "{v} mm/s");
+    // A circle of 10 mm at 6000 mm/min, with a geometric ramp of 10 ms: 100 mm/s, and 28.28 with limited jerk.
+    let program = Program::new("tangential", 3).line(&[50.0, 0.0], 6000.0).arc(
+        &[60.0, 10.0],
+        [0.0, 10.0],
+        false,
+        6000.0,
+    );
+    for slope in 1..4 {
+        let speed = |on| {
+            let mut machine = machines::even::<3>(1000);
+            (machine.channel.slope_profile, machine.channel.corr_v_trans_jerk) = (slope, on);
+            for axis in &mut machine.axes {
+                axis.tr_geom = 10_000;
+            }
+            let verdict = verify::<3, 120>(&program, &machine).unwrap_or_else(|fault| panic!("{fault}"));
+            let s = verdict.course.s;
+            s.windows(2).find(|s| s[1] >= 50.0).map(|s| (s[1] - s[0]) / CYCLE)
+        };
+        let [free, limited] = [false, true].map(|on| speed(on).expect("the circle"));
+        assert!((free / 100.0 - 1.0).abs() < 1e-3, "slope {slope}: {free} mm/s");
+        assert!((limited / 28.28 - 1.0).abs() < 1e-2, "slope {slope}: {limited} mm/s");
+    }
+}
+
+/// P-AXIS-00013 up to 100 %, whatever the jerk: the step of speed is all that the acceleration gives in a cycle, and beside an arc what the
+/// arc leaves.
+#[test]
+fn a_weight_permits_any_jerk_at_a_knee() {
+    for (weight, part) in [(100, 0.1), (400, 0.4), (1000, 1.0)] {
+        let mut machine = machine(weight);
+        for axis in &mut machine.axes {
+            axis.tr_geom = (RAMP * 1e6) as u32;
+        }
+        let v = knee_speed(&machine, [50.0, 50.0]);
+        assert!((v / (A * part * CYCLE) - 1.0).abs() < 1e-5, "weight {weight}: {v} mm/s");
+        // All acceleration belongs to the knee, but for what the ramps of the slope are within a tick.
+        for axis in &mut machine.axes {
+            axis.a_max = A as u32;
+        }
+        let v = knee_speed(&machine, [50.0, 50.0]);
+        let near = 0.4 * A * CYCLE / RAMP / 3.0;
+        let step = (A * part).min(A - near) * CYCLE;
+        assert!((v / step - 1.0).abs() < 1e-5, "weight {weight}: {v} mm/s, step {step}");
+    }
 }

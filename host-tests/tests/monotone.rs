@@ -20,7 +20,7 @@ fn machine(cycle_us: u32, v: u32, a: u32, tr: [u32; 4]) -> MachineData<3> {
         tr_grenz: 50_000,
         ..AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear)
     };
-    let channel = ChannelData { cycle_us, slope_profile: 1, ..ChannelData::new() };
+    let channel = ChannelData { cycle_us, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel }
 }
 

@@ -644,7 +644,7 @@ fn every_command_knows_its_place_and_name() {
 #[test]
 fn sizes() {
     let setup = std::mem::size_of::<Setup<3>>();
-    let decoder = std::mem::size_of::<Decoder<&[u8], 3>>();
+    let decoder = std::mem::size_of::<Decoder<&[u8], 3>>() + std::mem::size_of::<DecoderMemory<3>>();
     let parameters = PARAMETERS * 16;
     println!(
         "decoder {decoder}, of it parameters {parameters}, setup {setup}; command {}",

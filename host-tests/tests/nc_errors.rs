@@ -401,7 +401,8 @@ impl Text for Broken {
 
 #[test]
 fn a_text_that_cannot_be_read() {
-    let mut decoder: glidepath::nc::Decoder<_, 5> = glidepath::nc::Decoder::new(setup(), Broken);
+    let mut memory = glidepath::nc::DecoderMemory::<5>::new();
+    let mut decoder = glidepath::nc::Decoder::new(&mut memory, setup(), Broken);
     let error = loop {
         match decoder.step() {
             Ok(glidepath::nc::Step::End) => panic!("no end expected"),

@@ -1,7 +1,8 @@
 //! Subroutines in other files, and the ways a file of the same program can be written.
 mod nc_decode;
 use glidepath::nc::{
-    Command, Decoder, Library, NcError, NcErrorKind, NcWarningKind, Place, Step, Text, TextError,
+    Command, Decoder, DecoderMemory, Library, NcError, NcErrorKind, NcWarningKind, Place, Step, Text,
+    TextError,
 };
 use nc_decode::{commands, setup};
 
@@ -15,7 +16,8 @@ fn run(main: &str, files: Files) -> Outcome {
 }
 
 fn run_text(text: impl Text) -> Outcome {
-    let mut decoder: Decoder<_, 5> = Decoder::new(setup(), text);
+    let mut memory = DecoderMemory::<5>::new();
+    let mut decoder = Decoder::new(&mut memory, setup(), text);
     let (mut motions, mut warnings) = (Vec::new(), Vec::new());
     for _ in 0..100_000 {
         match decoder.step() {

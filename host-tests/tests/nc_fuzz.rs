@@ -1,7 +1,7 @@
 //! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every call is
 //! bounded.
 mod nc_decode;
-use glidepath::nc::{Decoder, Step};
+use glidepath::nc::{Decoder, DecoderMemory, Step};
 use nc_decode::{Random, decode_text, decode_with, setup};
 
 const LIMIT: usize = 30_000;
@@ -229,7 +229,7 @@ fn text_that_arrives_in_pieces_is_the_same_program() {
     for text in [everything, &lines, &marked, &wrong, "N1 X1\r", "\r\n", ""] {
         let text = text.as_bytes();
         let (commands, warnings, error, _) = decode_with(setup(), text, LIMIT);
-        for seed in 1..200 {
+        for seed in host_tests::seeds::seeds(1..200, 20) {
             let pieces = Pieces { text, random: Random(seed), arrived: 0 };
             let (late, late_warnings, late_error, _) = decode_text(setup(), pieces, 10 * LIMIT);
             assert!(late == commands && late_warnings == warnings, "seed {seed}");
@@ -259,7 +259,8 @@ fn every_step_reads_a_bounded_piece() {
     text.push_str(&"N1 X1 Y2 (not carried out)\n".repeat(5000));
     text.push_str("$ENDIF\nM30\n");
     let count = std::cell::Cell::new(0);
-    let mut decoder: Decoder<_, 5> = Decoder::new(setup(), Counting(text.as_bytes(), &count));
+    let mut memory = DecoderMemory::<5>::new();
+    let mut decoder = Decoder::new(&mut memory, setup(), Counting(text.as_bytes(), &count));
     loop {
         count.set(0);
         let step = decoder.step().unwrap();

@@ -111,7 +111,9 @@ fn what_follows_a_number_belongs_to_it() {
 fn a_warning_about_the_line_comes_before_its_motion() {
     let (out, warnings, error, _) = decode_with(setup(), b"F10 X5 (left open\nX6\n", 100);
     assert_eq!((out.len(), warnings.len(), error), (2, 1, None));
-    let mut decoder = glidepath::nc::Decoder::new(setup(), b"F10 X5 (left open\nX6\n".as_slice());
+    let mut memory = glidepath::nc::DecoderMemory::new();
+    let mut decoder =
+        glidepath::nc::Decoder::new(&mut memory, setup(), b"F10 X5 (left open\nX6\n".as_slice());
     let mut said = Vec::new();
     loop {
         match decoder.step().unwrap() {

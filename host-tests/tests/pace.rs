@@ -197,7 +197,7 @@ fn override_of_zero_holds() {
 #[test]
 fn random_overrides_in_random_programs() {
     // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, and with holds between them.
-    for seed in 0..150 {
+    for seed in host_tests::seeds::seeds(0..150, 15) {
         let (program, machine, mut random) = random_setup(seed);
         let acts = with_overrides(&mut random, 3000, Vec::new());
         let polls = POLLS[(random.bits() % 3) as usize];

@@ -1,7 +1,7 @@
-//! The ring of curves between planner and interrupt: which one a tick finds, and which it gives back.
+//! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives back.
 use glidepath::path::{LONGEST, Shape};
 use glidepath::quantity::{Distance, Position};
-use glidepath::queue::{Course, Follower, Layer, MOST, SEGMENTS, Segment, Slot};
+use glidepath::queue::{Course, Follower, Layer, MOST, Ring, SEGMENTS, Segment, Slot};
 use host_tests::cases::random::Random;
 
 /// Curves of the look-ahead.
@@ -221,4 +221,75 @@ fn a_way_to_a_standstill_is_known_as_far_as_distances_are_compared() {
     // The next word tells it the rest.
     layer.hand_on(1);
     assert!(layer.known().to_bits().wrapping_sub(known) > FAR);
+}
+
+/// An item that says which one it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Numbered(u32);
+
+impl Slot for Numbered {
+    const BLANK: Self = Self(0);
+}
+
+/// Of the items put in, the planner sees the last ones, as many as there are slots, whatever the interrupt has taken.
+#[test]
+fn a_ring_holds_as_many_items_as_it_has_slots_and_shows_the_last_ones() {
+    const SLOTS: u32 = 8;
+    for taken_at_once in 1..=SLOTS {
+        let mut ring = Ring::<Numbered, { SLOTS as usize }>::new();
+        let (mut producer, mut consumer) = ring.split();
+        assert!(producer.is_empty() && consumer.is_empty() && consumer.peek().is_none());
+        let mut taken = 0;
+        for count in 0..5 * SLOTS {
+            if producer.is_full() {
+                assert_eq!((producer.len(), producer.room(), consumer.len()), (SLOTS, 0, SLOTS));
+                assert_eq!(producer.push(Numbered(count)), Err(Numbered(count)));
+                for _ in 0..taken_at_once {
+                    assert_eq!(consumer.peek(), Some(&Numbered(taken)));
+                    assert_eq!(consumer.pop(), Some(Numbered(taken)));
+                    taken += 1;
+                }
+            }
+            assert_eq!((producer.count(), producer.taken()), (count, taken));
+            assert_eq!((producer.len(), consumer.len()), (count - taken, count - taken));
+            assert_eq!(producer.room(), SLOTS - (count - taken));
+            assert_eq!((producer.is_empty(), consumer.is_empty()), (count == taken, count == taken));
+            for number in 0..count + 3 {
+                let known = (count.saturating_sub(SLOTS)..count).contains(&number);
+                let expected = known.then_some(Numbered(number));
+                assert_eq!(producer.recent(number).copied(), expected, "number {number} of {count}");
+            }
+            assert_eq!(producer.push(Numbered(count)), Ok(()));
+        }
+    }
+}
+
+/// Items are taken back down to the oldest one of which the slot is still known, and no further.
+#[test]
+fn a_ring_takes_back_what_it_still_holds() {
+    const SLOTS: u32 = 8;
+    for back in 1..=SLOTS + 2 {
+        let mut ring = Ring::<Numbered, { SLOTS as usize }>::new();
+        let (mut producer, mut consumer) = ring.split();
+        for number in 0..2 * SLOTS {
+            assert_eq!(producer.push(Numbered(number)), Ok(()));
+            if number < SLOTS {
+                assert_eq!(consumer.pop(), Some(Numbered(number)));
+            }
+        }
+        assert!(producer.is_full());
+        let count = 2 * SLOTS;
+        producer.withdraw(count - back);
+        assert_eq!(producer.count(), if back <= SLOTS { count - back } else { count }, "{back}");
+        if back <= SLOTS {
+            assert_eq!(producer.room(), back);
+            assert_eq!(producer.push(Numbered(100)), Ok(()));
+            consumer.jump(count - back);
+            let mut item = Numbered::BLANK;
+            assert!(!consumer.pop_into(&mut item, |item| item.0 != 100));
+            assert!(consumer.pop_into(&mut item, |item| item.0 == 100));
+            assert_eq!((item, consumer.is_empty()), (Numbered(100), true));
+            assert!(!consumer.pop_into(&mut item, |_| true));
+        }
+    }
 }

@@ -32,7 +32,7 @@ fn random_programs_keep_every_limit() {
 #[test]
 fn arbitrary_machines_keep_every_limit() {
     // `cargo run --release -p host-tests --example soak -- 0 5000 2` goes on with SIN2, `... 0` with STEP.
-    for seed in 0..60 {
+    for seed in host_tests::seeds::seeds(0..60, 6) {
         for slope in SLOPES {
             let mut one = machines::arbitrary::<1>(seed);
             let mut three = machines::arbitrary::<3>(seed);

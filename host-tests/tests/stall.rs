@@ -406,7 +406,7 @@ fn a_stall_before_every_tick() {
 fn random_programs_stalled() {
     // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, with text that comes late too.
     let (mut faults, mut first) = (0, String::new());
-    for seed in 0..200 {
+    for seed in host_tests::seeds::seeds(0..200, 20) {
         let (program, machine, mut random) = random_setup(seed);
         let acts = if seed % 8 < 4 { random_acts(&mut random, 3000) } else { Vec::new() };
         let acts = if seed % 16 < 8 { with_overrides(&mut random, 3000, acts) } else { acts };

@@ -294,7 +294,7 @@ fn excess(
 
 #[test]
 fn random_weights_hold_at_every_tick() {
-    for seed in 3000..3060 {
+    for seed in host_tests::seeds::seeds(3000..3060, 6) {
         let machine = [machine(), machines::even(1000), machines::mill(1000)][seed as usize % 3];
         let mix = if seed % 4 == 3 { Mix::surface(3, 200) } else { Mix::general(3, 40) };
         let program = program(seed, mix);

@@ -1,13 +1,20 @@
-//! Acknowledgements that the motion waits for: one word each, which the planner, the interrupt and whoever acknowledges
-//! change in turn.
+//! Acknowledgements that the motion waits for. Each has three words, and each word has one writer:
 //!
-//! ```text
-//!   free -planner-> planned -put out-> open -acknowledged-> answered -planner-> free
-//! ```
+//! | word | written by | holds |
+//! |---|---|---|
+//! | `planned` | the planner | the ticket of the function, 0 when the place is free |
+//! | `put_out` | whoever takes functions out, the interrupt as a rule | the last ticket put out |
+//! | `answered` | whoever acknowledges | the last ticket acknowledged |
 //!
-//! A word holds function and sequence number with its state, and is changed only from what it was known to be. So no order of
-//! contexts can take one acknowledgement for another: neither one that comes early or twice, nor one for what an abort has
-//! thrown away.
+//! A function is *open* when it is planned and put out, and not acknowledged. A ticket holds function and sequence number, and
+//! words are compared as a whole. So no order of contexts can take one acknowledgement for another: neither one that comes early
+//! or twice, nor one for what an abort has thrown away. No word is changed from what it was known to be: that
+//! would need a compare-and-swap, which small cores do not have.
+//!
+//! Places are used in turn, and a place is given no ticket that its other words still hold.
+//!
+//! Two contexts that acknowledge may interrupt one another. Only if an abort and a lap of all places come between the
+//! look and the answer of one of them, an answer of the other may be lost: it is then still awaited, and can be given again.
 use crate::queue::Function;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -15,12 +22,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 pub(crate) const OPEN: usize = 32;
 
 const FREE: u32 = 0;
-const PLANNED: u32 = 1;
-const PUT_OUT: u32 = 2;
-const ANSWERED: u32 = 3;
-const STATE: u32 = 3;
 
-/// What is behind the state: M or H, number, which of the words, sequence number.
+/// A ticket: a bit that makes it another word than [`FREE`], M or H, number, which of the places, sequence number.
+const PLANNED: u32 = 1;
 const OF_H: u32 = 1 << 2;
 const CODE: u32 = 3;
 const FUNCTION: u32 = 0xffff << CODE | OF_H;
@@ -40,7 +44,7 @@ impl core::fmt::Display for Unexpected {
 
 impl core::error::Error for Unexpected {}
 
-/// A planned acknowledgement: its word.
+/// A planned acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Ticket(u32);
@@ -67,43 +71,83 @@ const fn word(function: Function) -> Option<u32> {
     }
 }
 
+/// The words of an acknowledgement.
+struct Place {
+    planned: AtomicU32,
+    put_out: AtomicU32,
+    answered: AtomicU32,
+}
+
+impl Place {
+    const fn free() -> Self {
+        let [planned, put_out, answered] = [const { AtomicU32::new(FREE) }; 3];
+        Self { planned, put_out, answered }
+    }
+
+    /// Its ticket, if it is put out and not acknowledged.
+    fn open(&self) -> Option<u32> {
+        let ticket = self.planned.load(Ordering::Acquire);
+        let open = ticket != FREE
+            && self.put_out.load(Ordering::Acquire) == ticket
+            && self.answered.load(Ordering::Acquire) != ticket;
+        open.then_some(ticket)
+    }
+
+    /// Whether it is acknowledged. For the planner.
+    fn is_answered(&self) -> bool {
+        let ticket = self.planned.load(Ordering::Relaxed);
+        ticket != FREE && self.answered.load(Ordering::Acquire) == ticket
+    }
+
+    /// Whether it may hold this ticket. For the planner.
+    fn takes(&self, ticket: u32) -> bool {
+        let [planned, put_out, answered] =
+            [&self.planned, &self.put_out, &self.answered].map(|word| word.load(Ordering::Acquire));
+        planned == FREE && put_out != ticket && answered != ticket
+    }
+}
+
 /// All of them.
 pub(crate) struct Acknowledgements {
-    words: [AtomicU32; OPEN],
+    places: [Place; OPEN],
+    /// The place behind the one planned last. Written by the planner.
+    next: AtomicU32,
 }
 
 impl Acknowledgements {
     pub const fn new() -> Self {
         const { assert!(OPEN == 32, "a bit each in u32, five bits of index") };
-        Self { words: [const { AtomicU32::new(FREE) }; OPEN] }
+        Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 
     /// Plans one that comes behind all others with a lower `sequence`; `None` if there is no room. For the planner.
     pub fn plan(&self, function: Function, sequence: u8) -> Option<Ticket> {
-        let free = |word: &AtomicU32| word.load(Ordering::Acquire) == FREE;
-        let (index, slot) = self.words.iter().enumerate().find(|(_, word)| free(word))?;
-        let planned = word(function)? | PLANNED | (index as u32) << INDEX | u32::from(sequence) << SEQUENCE;
-        slot.store(planned, Ordering::Release);
-        Some(Ticket(planned))
+        let planned = word(function)? | PLANNED | u32::from(sequence) << SEQUENCE;
+        let first = self.next.load(Ordering::Relaxed);
+        let (index, place, ticket) = (0..OPEN as u32).find_map(|k| {
+            let index = first.wrapping_add(k) % OPEN as u32;
+            let ticket = planned | index << INDEX;
+            let place = self.places.get(index as usize)?;
+            place.takes(ticket).then_some((index, place, ticket))
+        })?;
+        place.planned.store(ticket, Ordering::Release);
+        self.next.store(index.wrapping_add(1), Ordering::Relaxed);
+        Some(Ticket(ticket))
     }
 
-    /// Its function is put out now; nothing happens if an abort has forgotten it.
+    /// Its function is put out now; nothing comes of it if an abort has forgotten it.
     pub fn put_out(&self, ticket: Ticket) {
-        let index = (ticket.0 >> INDEX) as usize % OPEN;
-        if let (true, Some(word)) = (ticket.waits(), self.words.get(index)) {
-            let open = ticket.0 & !STATE | PUT_OUT;
-            let _ = word.compare_exchange(ticket.0, open, Ordering::AcqRel, Ordering::Relaxed);
+        if let Some(place) = self.place(ticket) {
+            place.put_out.store(ticket.0, Ordering::Release);
         }
     }
 
     /// Acknowledges the one put out first.
     pub fn answer(&self, function: Function) -> Result<(), Unexpected> {
         let wanted = word(function).ok_or(Unexpected)?;
-        let (word, open) = self.first(|open| open & FUNCTION == wanted).ok_or(Unexpected)?;
-        // Someone else may have been faster.
-        let answered = open & !STATE | ANSWERED;
-        let done = word.compare_exchange(open, answered, Ordering::AcqRel, Ordering::Relaxed);
-        done.map(|_| ()).map_err(|_| Unexpected)
+        let (place, open) = self.first(|open| open & FUNCTION == wanted).ok_or(Unexpected)?;
+        place.answered.store(open, Ordering::Release);
+        Ok(())
     }
 
     /// The function of the one put out first.
@@ -113,27 +157,30 @@ impl Acknowledgements {
         Some(if open & OF_H == 0 { Function::M(code) } else { Function::H(code) })
     }
 
-    fn first(&self, fits: impl Fn(u32) -> bool) -> Option<(&AtomicU32, u32)> {
-        let mut first: Option<(&AtomicU32, u32)> = None;
-        for word in &self.words {
-            let open = word.load(Ordering::Acquire);
-            if open & STATE != PUT_OUT || !fits(open) {
-                continue;
-            }
+    fn first(&self, fits: impl Fn(u32) -> bool) -> Option<(&Place, u32)> {
+        let mut first: Option<(&Place, u32)> = None;
+        for place in &self.places {
+            let Some(open) = place.open().filter(|open| fits(*open)) else { continue };
             let age = |other: u32| ((open >> SEQUENCE) as u8).wrapping_sub((other >> SEQUENCE) as u8) as i8;
             if first.is_none_or(|(_, other)| age(other) < 0) {
-                first = Some((word, open));
+                first = Some((place, open));
             }
         }
         first
     }
 
+    /// The place of a ticket, if it waits.
+    fn place(&self, ticket: Ticket) -> Option<&Place> {
+        let index = (ticket.0 >> INDEX) as usize % OPEN;
+        if ticket.waits() { self.places.get(index) } else { None }
+    }
+
     /// The bits of those that are answered, which are free again. For the planner.
     pub fn take_answers(&self) -> u32 {
         let mut answers = 0;
-        for (index, word) in self.words.iter().enumerate() {
-            if word.load(Ordering::Acquire) & STATE == ANSWERED {
-                word.store(FREE, Ordering::Release);
+        for (index, place) in self.places.iter().enumerate() {
+            if place.is_answered() {
+                place.planned.store(FREE, Ordering::Release);
                 answers |= 1 << index;
             }
         }
@@ -142,16 +189,15 @@ impl Acknowledgements {
 
     /// Its function will not be put out. For the planner.
     pub fn give_back(&self, ticket: Ticket) {
-        let index = (ticket.0 >> INDEX) as usize % OPEN;
-        if let (true, Some(word)) = (ticket.waits(), self.words.get(index)) {
-            word.store(FREE, Ordering::Release);
+        if let Some(place) = self.place(ticket) {
+            place.planned.store(FREE, Ordering::Release);
         }
     }
 
     /// Forgets all of them. For the planner.
     pub fn clear(&self) {
-        for word in &self.words {
-            word.store(FREE, Ordering::Release);
+        for place in &self.places {
+            place.planned.store(FREE, Ordering::Release);
         }
     }
 }

@@ -6,6 +6,7 @@ use super::dynamics::{Dynamics, Permitted};
 use super::limits::{Share, max, min};
 use super::pace::Slowest;
 use super::ring::Ring;
+use super::worth::{Way, is_corner, quickest};
 use crate::math::float::to_f32;
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -23,12 +24,19 @@ pub(super) struct Last<const AXES: usize> {
     pub slope: SlopeType,
     /// Its path is time.
     pub timed: bool,
+    /// It is a part of a curve over arc length.
+    pub bent: bool,
+    /// Where the last one ends that is not brief.
+    pub behind: End<AXES>,
 }
 
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+/// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
+const STEEP: f32 = 1000.0;
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]
@@ -40,37 +48,64 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         dynamics: &Dynamics<AXES>,
         long: bool,
     ) {
-        let (mut limits, share, headroom) = *permitted;
+        let (mut limits, share, mut headroom) = *permitted;
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
+        let (timed, bent) = (element.timed, element.bent);
+        let after_brief = self.row.is_brief();
+        self.row.take(length, (&mut limits.v, &mut headroom), self.level, timed);
         let mut cap = 0.0;
         let mut rises = 2.0;
         let mut shared = false;
+        let mut smooth = false;
         let mut anchor = true;
-        let timed = element.timed;
         let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
             cap = min(before.limits.v, limits.v);
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
             let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-            let v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
+            let mut v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
+            if after_brief {
+                // What changes at both its ends shows within a tick.
+                let both = dynamics.bending(&last.behind, element.entry, rapid);
+                v = if both < cap { Some(min(both, v.unwrap_or(both))) } else { v };
+            }
             // STEP: what passes within a tick of a knee shows together with it.
             let brief = last.length < before.limits.v || length < limits.v;
-            if v.is_some() || (brief && slope == SlopeType::Step) {
+            let sides = [(&before.limits, &last.share, last.length), (&limits, &share, length)];
+            let way = match v {
+                Some(v) if v < cap && is_corner(&last.exit, element.entry) => {
+                    quickest(sides, v, slope == SlopeType::Hsc)
+                }
+                _ => Way::Through,
+            };
+            let mut shares = [last.share, share];
+            if way == Way::Resting {
+                shares = shares.map(Share::resting);
+            }
+            if way == Way::Standing {
+                // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
+                let unseen = || dynamics.unseen(&last.exit, element.entry, rapid);
+                cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
+                rises = 1.0;
+            } else if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);
                     rises = min(rises, v / cap);
                 }
-                limits.share(&share);
+                limits.share(&shares[1]);
                 shared = true;
                 if !last.shared {
-                    before.limits.share(&last.share);
+                    before.limits.share(&shares[0]);
                 }
             }
+            // Both are parts of a curve over time, for one speed.
+            let one_curve = timed && last.timed && limits.v == before.limits.v;
             let through = match slope {
                 // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
                 SlopeType::Hsc => limits.is_as_strong(&before.limits),
+                SlopeType::Trapez | SlopeType::Sin2 if one_curve => true,
                 // As if it were one block.
                 SlopeType::Trapez | SlopeType::Sin2 => {
                     limits.are(&before.limits)
@@ -81,12 +116,22 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
                 // Acceleration is zero nowhere.
                 SlopeType::Step => false,
             };
-            anchor = !(through
+            // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
+            let (fastest, a) = (min(before.limits.v, limits.v), limits.fastest(&before.limits));
+            let turns_little = || {
+                (v.is_none() && a <= STEEP * fastest)
+                    || dynamics.turns_little(&last.exit, element.entry, rapid, a)
+            };
+            smooth = way == Way::Through
                 && last.slope == slope
                 && last.timed == timed
-                && (!timed || limits.v == before.limits.v)
-                && self.span + distance < LONGEST_SPAN
-                && dynamics.turns_little(&last.exit, element.entry, rapid, limits.fastest(&before.limits)));
+                && (!timed || one_curve)
+                && (slope == SlopeType::Step || turns_little());
+            anchor = !(through
+                && smooth
+                && last.bent == bent
+                && (!bent || limits.are(&before.limits))
+                && self.span + distance < LONGEST_SPAN);
         }
         let gate = core::mem::take(&mut self.gate);
         anchor |= gate;
@@ -104,9 +149,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         self.slowest.take(headroom, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed });
+        let behind = match &self.last {
+            Some(last) if self.row.is_brief() => last.behind,
+            _ => *element.exit,
+        };
+        self.last =
+            Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
+        marks.set(Marks::SMOOTH, smooth);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.long += usize::from(long);

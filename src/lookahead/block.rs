@@ -77,6 +77,8 @@ impl Marks {
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;
+    /// A deceleration of any size the limits permit may pass its start: the path turns little there.
+    pub(super) const SMOOTH: u8 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
     pub(super) const GATE: u8 = 64;
     /// It stands for several blocks, and is twice as long as the way to a standstill.

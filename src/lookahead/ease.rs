@@ -215,7 +215,7 @@ impl Excess {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Some steps of a trial; `true` when all are done.
     #[inline(never)]
     pub(super) fn trials(&mut self, pass: &mut Trial, dip: &mut Dip, work: &mut usize) -> bool {

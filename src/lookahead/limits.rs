@@ -97,6 +97,18 @@ pub struct Share {
     pub j: f32,
     /// Acceleration, mm/tick².
     pub a: f32,
+    /// The same where it is zero at the transition.
+    pub a_resting: f32,
+}
+
+impl Share {
+    /// All of it.
+    pub const WHOLE: Self = Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX };
+
+    /// What is left where acceleration is zero at the transition.
+    pub(super) fn resting(self) -> Self {
+        Self { a: self.a_resting, ..self }
+    }
 }
 
 impl Limits {
@@ -106,6 +118,14 @@ impl Limits {
         a_up: f32::MAX,
         a_down: f32::MAX,
         law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
+    };
+
+    /// Nothing is permitted; all bits zero.
+    pub(super) const NOTHING: Self = Self {
+        v: 0.0,
+        a_up: 0.0,
+        a_down: 0.0,
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [0.0; 4] },
     };
 
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
@@ -147,6 +167,39 @@ impl Limits {
             }
             _ => {}
         }
+    }
+
+    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain of speed stays.
+    pub fn go_on_braking(&mut self, other: &Self) {
+        self.a_down = min(self.a_down, other.a_down);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                (*rise, *fall) = (min(*rise, *other_rise), min(*fall, *other_fall));
+            }
+            (
+                Law::Stepped { change_over, a_down, .. },
+                Law::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
+            ) => {
+                *a_down = min(*a_down, *other_a_down);
+                if change_over != other_change_over {
+                    // Between both of them one has the deceleration of the lower stage.
+                    *change_over = min(*change_over, *other_change_over);
+                    *a_down = min(*a_down, self.a_down);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether a slowing down with these limits is at least as hard as with the others.
+    pub fn brakes_like(&self, other: &Self) -> bool {
+        let ramps = match (&self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                rise >= other_rise && fall >= other_fall
+            }
+            _ => false,
+        };
+        ramps && self.a_down >= other.a_down
     }
 
     /// NO_OPT=0.
@@ -302,6 +355,7 @@ impl Limits {
         }
         share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
         share.a = min(set.a_shared * scale, share.a);
+        share.a_resting = min(set.a_resting * scale, share.a_resting);
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks

@@ -15,6 +15,7 @@
 //! ends early at the first transition whose speed did not change.
 mod append;
 mod block;
+mod brief;
 mod dip;
 mod dynamics;
 mod ease;
@@ -27,38 +28,60 @@ mod ring;
 mod span;
 mod vector;
 mod weights;
+mod worth;
 
 pub use block::Block;
-pub use dynamics::{Curving, Dynamics, Permitted};
+pub use dynamics::{Curving, Dynamics, Permitted, Steady};
 pub use limits::{Joins, Law, Limits, Share};
 pub(crate) use limits::{max, min};
 pub(crate) use pace::SLOWEST;
 pub use pace::{Headroom, Pace};
 pub use release::Release;
+use ring::Blocks;
 pub use ring::Ring;
 pub use vector::TooLow;
 pub use weights::Weights;
 
 use crate::quantity::Speed;
+use core::mem::MaybeUninit;
 use plan::Plan;
 
-/// The ring and its plan.
-pub struct Lookahead<const AXES: usize, const BLOCKS: usize> {
-    /// The blocks.
-    pub ring: Ring<AXES, BLOCKS>,
-    plan: Plan,
+/// Memory of a [`Lookahead`]. All bits zero when new, so that it takes no room in flash.
+pub struct LookaheadMemory<const BLOCKS: usize> {
+    blocks: Blocks<BLOCKS>,
+    plan: MaybeUninit<Plan>,
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Lookahead<AXES, BLOCKS> {
-    /// An empty ring that uses `depth` of its blocks.
-    pub const fn new(depth: usize) -> Self {
-        Self { ring: Ring::new(depth), plan: Plan::NONE }
+impl<const BLOCKS: usize> LookaheadMemory<BLOCKS> {
+    /// Nothing is in it.
+    pub const fn new() -> Self {
+        Self { blocks: Blocks::new(), plan: MaybeUninit::uninit() }
+    }
+}
+
+impl<const BLOCKS: usize> Default for LookaheadMemory<BLOCKS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The ring and its plan.
+pub struct Lookahead<'a, const AXES: usize, const BLOCKS: usize> {
+    /// The blocks.
+    pub ring: Ring<'a, AXES, BLOCKS>,
+    plan: &'a mut Plan,
+}
+
+impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
+    /// An empty ring in `memory` that uses `depth` of its blocks.
+    pub fn new(memory: &'a mut LookaheadMemory<BLOCKS>, depth: usize) -> Self {
+        Self { ring: Ring::new(&mut memory.blocks, depth), plan: memory.plan.write(Plan::NONE) }
     }
 
     /// Throws away what it holds.
     pub fn clear(&mut self) {
         self.ring.clear();
-        self.plan = Plan::NONE;
+        *self.plan = Plan::NONE;
     }
 
     /// Speeds are planned for another level, a higher one unless the ring is empty. What was planned stays possible.

@@ -50,6 +50,9 @@ impl Headroom {
     /// Machine and feed permit the same.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
+    /// Of no block; all bits zero.
+    pub(super) const BLANK: Self = Self { over: 0, reduced: 0 };
+
     /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
         let mut headroom = Self::NONE;
@@ -74,6 +77,20 @@ impl Headroom {
     /// Speed at a level by that at 100 %.
     pub fn raised(self, level: f32) -> f32 {
         min(level, self.parts()[0])
+    }
+
+    /// The highest speed at any level of a block that is planned with `v` for one.
+    pub(super) fn highest(self, v: f32, level: f32) -> f32 {
+        v / self.raised(level) * self.parts()[0]
+    }
+
+    /// The same where the machine permits no more than `most` on a block that was planned with `v` for a level.
+    pub(super) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
+        let even = v / self.raised(level);
+        let feed = even / max(self.parts()[1], 1.0 / ONE);
+        let reduced =
+            if self.reduced == WHOLE { f32::MAX } else { even * f32::from(self.reduced) * (0.5 / ONE) };
+        Self::new(most, feed, reduced)
     }
 
     /// What is at least as fast as both.
@@ -142,6 +159,9 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// None yet; all bits zero.
+    pub(crate) const BLANK: Self = Self { over: 0.0, mode: 0, reduced: false };
+
     /// 100 %, with a mode of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
         Self { over: 1.0, mode, reduced: false }

@@ -65,7 +65,7 @@ impl Plan {
     }
 
     /// Begins to plan.
-    pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) {
+    pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
         if ring.through == 0 {
             ring.blockwise = true;
@@ -74,7 +74,7 @@ impl Plan {
         }
         if ring.blockwise {
             ring.blockwise = false;
-            for block in &mut ring.blocks {
+            for block in &mut *ring.blocks {
                 block.v_old = block.v_in;
                 block.marks.set(Marks::CHECKED, false);
             }
@@ -85,7 +85,10 @@ impl Plan {
     }
 
     /// Goes on; `true` when the plan is complete.
-    pub fn step<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+    pub fn step<const AXES: usize, const BLOCKS: usize>(
+        &mut self,
+        ring: &mut Ring<'_, AXES, BLOCKS>,
+    ) -> bool {
         match self.stage {
             Stage::Blocks(left, v_out) => self.blocks(ring, left, v_out),
             Stage::Done => true,
@@ -95,7 +98,7 @@ impl Plan {
 
     /// The same with spans of several blocks: as much as one call may do.
     #[inline(never)]
-    fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+    fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) -> bool {
         let mut work = WORK;
         while work > 0 {
             match self.stage {
@@ -114,7 +117,7 @@ impl Plan {
     }
 
     /// Every speed is final.
-    pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) {
+    pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         ring.end = ring.blocks.len();
         ring.free = None;
         for block in ring.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {
@@ -126,7 +129,7 @@ impl Plan {
 
     fn blocks<const AXES: usize, const BLOCKS: usize>(
         &mut self,
-        ring: &mut Ring<AXES, BLOCKS>,
+        ring: &mut Ring<'_, AXES, BLOCKS>,
         mut left: usize,
         mut v_out: Speed,
     ) -> bool {
@@ -157,7 +160,10 @@ impl Plan {
         false
     }
 
-    fn blocks_done<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<AXES, BLOCKS>) -> bool {
+    fn blocks_done<const AXES: usize, const BLOCKS: usize>(
+        &mut self,
+        ring: &mut Ring<'_, AXES, BLOCKS>,
+    ) -> bool {
         ring.end = ring.blocks.len();
         ring.until = usize::MAX;
         self.stage = Stage::Done;
@@ -165,7 +171,7 @@ impl Plan {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
         let last = self.open && self.blocks.len() == 1;

@@ -33,6 +33,8 @@ pub struct Release {
     /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
     /// one of `v_least` and `v_in`.
     pub checked: bool,
+    /// A deceleration may pass its start.
+    pub smooth: bool,
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
     pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
@@ -48,24 +50,25 @@ pub struct Release {
 }
 
 impl Release {
-    /// Nothing.
+    /// Nothing; all bits zero.
     pub const BLANK: Self = Self {
         blocks: 0,
         length: Distance::ZERO,
-        limits: Limits::WIDEST,
-        a_down: f32::MAX,
+        limits: Limits::NOTHING,
+        a_down: 0.0,
         v_least: 0.0,
         v_slow: 0.0,
         cruise: 0.0,
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
-        ceiling: f32::MAX,
-        headroom: Headroom::NONE,
+        smooth: false,
+        ceiling: 0.0,
+        headroom: Headroom::BLANK,
         v_next: 0.0,
-        next: Headroom::NONE,
-        v_reduced: f32::MAX,
-        level: 1.0,
+        next: Headroom::BLANK,
+        v_reduced: 0.0,
+        level: 0.0,
     };
 
     /// Takes in a higher level.
@@ -116,7 +119,7 @@ impl Release {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
     pub fn release(&mut self, release: &mut Release) -> Option<&Block> {
@@ -192,6 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         release.limits = limits;
         (release.headroom, release.ceiling) = (headroom, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
+        release.smooth = first.is(Marks::SMOOTH);
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -1,15 +1,19 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
 use super::block::{Block, Joint, Marks, ROUNDED};
+use super::brief::Row;
 use super::limits::{max, min};
 use super::pace::Slowest;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_bits;
 use heapless::Deque;
 
+/// Memory of the ring's blocks. All bits zero when new, so that it takes no room in flash.
+pub(super) type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
+
 /// The ring.
-pub struct Ring<const AXES: usize, const BLOCKS: usize> {
-    pub(super) blocks: Deque<Block, BLOCKS>,
+pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
+    pub(super) blocks: &'a mut Blocks<BLOCKS>,
     pub(super) depth: usize,
     pub(super) last: Option<Last<AXES>>,
     /// The next transition is a standstill.
@@ -39,6 +43,8 @@ pub struct Ring<const AXES: usize, const BLOCKS: usize> {
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
     pub(super) slowest: Slowest,
+    /// What the last blocks leave to a tick.
+    pub(super) row: Row,
     /// Blocks that are left free for cuts.
     pub(super) spare: usize,
 }
@@ -46,12 +52,13 @@ pub struct Ring<const AXES: usize, const BLOCKS: usize> {
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
 const LONG_BLOCKS: usize = 2;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
-    pub const fn new(depth: usize) -> Self {
+    pub(super) fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
+        blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         Self {
-            blocks: Deque::new(),
+            blocks,
             depth,
             last: None,
             stop: false,
@@ -68,6 +75,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             stale: false,
             level: 1.0,
             slowest: Slowest::NONE,
+            row: Row::NONE,
             spare: 0,
         }
     }

@@ -112,7 +112,7 @@ impl Inside {
     pub const NONE: Self = Self { law: Law::NONE, brakes_at: 0.0, block: 0, at: 0, worst: None, cut: 0 };
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Goes on backward.
     pub(super) fn backward(&mut self, plan: &mut Plan, work: &mut usize) {
         while *work > 0 {

@@ -95,7 +95,8 @@ impl<const AXES: usize> Weights<AXES> {
             }
         }
         out.tr_grenz = weigh(data.tr_grenz, weights.rapid_ramp).max(data.tr_min.min(data.tr_grenz));
-        out.tr_geom = weigh(data.tr_geom, weights.geometric_ramp).max(data.tr_min.min(data.tr_geom));
+        let geometric = data.geometric_ramp();
+        out.tr_geom = weigh(geometric, weights.geometric_ramp).max(data.tr_min.min(geometric));
         out
     }
 }

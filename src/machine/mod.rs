@@ -1,8 +1,10 @@
 //! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under their names.
 
 pub mod parameter;
+mod planned;
 mod synch;
 
+pub use planned::{Adjusted, SHORTEST_RAMP};
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 
 use crate::path::Measure;
@@ -67,11 +69,12 @@ pub struct AxisData {
     pub vb_max: u32,
     /// P-AXIS-00008 `dynamik.a_max`: largest acceleration, tangential and normal together.
     pub a_max: u32,
-    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour.
+    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour; 0: `tr_min`.
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %; 0: cycle time / ramp time.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %. The step of speed there is at most that
+    /// acceleration times the cycle; its jerk may exceed all limits. 0: cycle time / ramp time, and limits of jerk hold.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -89,8 +92,8 @@ pub struct AxisData {
     pub tr_brems_zu: u32,
     /// P-AXIS-00200 `slope_profil.tr_grenz`: the one ramp time of rapid motion.
     pub tr_grenz: u32,
-    /// P-AXIS-00154 `dynamik.r_trans_weight`: step of acceleration permitted at a tangential transition, 0.1 %;
-    /// 0: cycle time / ramp time. Only with P-CHAN-00009.
+    /// P-AXIS-00154 `dynamik.r_trans_weight`: part of the permitted jerk that a tangential transition may cause, 0.1 %; 0: all
+    /// of it. Only with P-CHAN-00009.
     pub r_trans_weight: u32,
     /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0: `tr_min`.
     pub tr_w_min: u32,
@@ -172,6 +175,11 @@ impl AxisData {
         }
     }
 
+    /// The geometric ramp time in force: P-AXIS-00199, preset with P-AXIS-00201.
+    pub const fn geometric_ramp(&self) -> u32 {
+        if self.tr_geom == 0 { self.tr_min } else { self.tr_geom }
+    }
+
     /// Stages of the slope STEP: decelerations of 0 taken over from the accelerations, all of them at most
     /// P-AXIS-00008, the change-over at most P-AXIS-00212.
     pub const fn stages(&self, rapid: bool) -> Stages {
@@ -220,7 +228,8 @@ pub struct ChannelData {
     /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195, 3 00198,
     /// 4 00197.
     pub ramp_weight: u8,
-    /// P-CHAN-00009 `corr_v_trans_jerk`: P-AXIS-00154 limits tangential transitions.
+    /// P-CHAN-00009 `corr_v_trans_jerk`: the jerk of tangential transitions between lines and arcs is limited (P-AXIS-00154).
+    /// Without it such a transition is passed as fast as acceleration permits, and its jerk may exceed all limits.
     pub corr_v_trans_jerk: bool,
     /// P-CHAN-00066 `override_weight_prog_feed`: 0 the override acts on what the axes permit, 1 on the programmed feed,
     /// 2 as 1 while the speed is reduced, else as 0.

@@ -249,79 +249,17 @@ pub struct RangeError {
     pub because: &'static str,
 }
 
-/// Checks the ranges that depend on other parameters and on the cycle time.
+/// Checks the range of every parameter of an axis, and the ranges that depend on other parameters.
 ///
 /// # Errors
 /// The first parameter out of its range.
-pub fn check_axis(axis: &AxisData, channel: &ChannelData) -> Result<(), RangeError> {
-    let a_max = i64::from(axis.a_max);
-    let tr_min = i64::from(axis.tr_min);
-    let v_max = i64::from(axis.vb_max);
-    // Quantities per tick have six integer bits with sign; half of it is left to sums.
-    let cycle = i64::from(channel.cycle_us);
-    let v_number = 16_000_000_000 / cycle;
-    let a_number = (16_000_000_000_000 / (cycle * cycle)).min(100_000_000);
-    let rows = [
-        (
-            "P-AXIS-00212",
-            "dynamik.vb_max",
-            v_max,
-            1,
-            v_number * 1000 / 1000,
-            "cycle_us: at most 16 mm per tick",
-        ),
-        ("P-AXIS-00008", "dynamik.a_max", a_max, 1, a_number, "cycle_us: at most 16 mm/tick²"),
-        ("P-AXIS-00001", "slope_profil.a_beschl", i64::from(axis.a_beschl), 1, a_max, "dynamik.a_max"),
-        ("P-AXIS-00002", "slope_profil.a_brems", i64::from(axis.a_brems), 1, a_max, "dynamik.a_max"),
-        ("P-AXIS-00004", "slope_profil.a_grenz", i64::from(axis.a_grenz), 1, a_max, "dynamik.a_max"),
-        (
-            "P-AXIS-00195",
-            "slope_profil.tr_beschl_ab",
-            i64::from(axis.tr_beschl_ab),
-            tr_min,
-            i64::from(u32::MAX),
-            "dynamik.tr_min",
-        ),
-        (
-            "P-AXIS-00196",
-            "slope_profil.tr_beschl_zu",
-            i64::from(axis.tr_beschl_zu),
-            tr_min,
-            i64::from(u32::MAX),
-            "dynamik.tr_min",
-        ),
-        (
-            "P-AXIS-00197",
-            "slope_profil.tr_brems_ab",
-            i64::from(axis.tr_brems_ab),
-            tr_min,
-            i64::from(u32::MAX),
-            "dynamik.tr_min",
-        ),
-        (
-            "P-AXIS-00198",
-            "slope_profil.tr_brems_zu",
-            i64::from(axis.tr_brems_zu),
-            tr_min,
-            i64::from(u32::MAX),
-            "dynamik.tr_min",
-        ),
-        ("P-AXIS-00209", "vb_eilgang", i64::from(axis.vb_eilgang), 1, v_max, "dynamik.vb_max"),
-        ("P-AXIS-00214", "vb_max_red", i64::from(axis.vb_max_red), 0, v_max, "dynamik.vb_max"),
-        (
-            "P-AXIS-00154",
-            "dynamik.r_trans_weight",
-            i64::from(axis.r_trans_weight),
-            0,
-            1000,
-            "its unit, 0.1 %",
-        ),
-    ];
-    for (id, name, value, min, max, because) in rows {
-        if value < min || value > max {
-            return Err(RangeError { id, name, value, min, max, because });
-        }
-    }
+pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
+    check_all(axis, AXIS)?;
+    let shortest = (axis.tr_min, "dynamik.tr_min");
+    check_between(axis, "slope_profil.a_", None, (axis.a_max, "dynamik.a_max"))?;
+    check_between(axis, "slope_profil.tr_", Some(shortest), (u32::MAX, "its range"))?;
+    check_between(axis, "vb_eilgang", None, (axis.vb_max, "dynamik.vb_max"))?;
+    check_between(axis, "vb_max_red", None, (axis.vb_max, "dynamik.vb_max"))?;
     if axis.achs_mode == 0 || axis.achs_mode & !(MODE_LINEAR | MODE_MASTER) != 0 {
         return Err(RangeError {
             id: "P-AXIS-00015",
@@ -339,34 +277,73 @@ pub fn check_axis(axis: &AxisData, channel: &ChannelData) -> Result<(), RangeErr
             id: "P-AXIS-00293",
             name: "dynamik.tr_w_min",
             value: i64::from(axis.tr_w_min),
-            min: tr_min,
+            min: i64::from(axis.tr_min),
             max: i64::from(shortest),
             because: "dynamik.tr_min and the shortest ramp at feed",
         });
     }
-    let (min, max) = (-ZERO_OFFSET_MAX, ZERO_OFFSET_MAX);
-    for value in axis.versch.map(i64::from) {
-        if !(min..=max).contains(&value) {
-            let because = "the largest coordinate";
-            return Err(RangeError { id: "P-ZERO-00003", name: "np_grp.versch", value, min, max, because });
+    check_stages(axis)
+}
+
+/// Checks the ranges of a table.
+///
+/// # Errors
+/// The first parameter out of its range.
+pub fn check_all<Target>(target: &Target, table: &[Parameter<Target>]) -> Result<(), RangeError> {
+    for parameter in table {
+        let milli = (parameter.get)(target);
+        if milli < parameter.min_milli || milli > parameter.max_milli {
+            let [value, min, max] =
+                [milli, parameter.min_milli, parameter.max_milli].map(|milli| milli / 1000);
+            let (id, name) = (parameter.id, parameter.name);
+            return Err(RangeError { id, name, value, min, max, because: "its range" });
         }
     }
-    check_stages(axis)
+    Ok(())
+}
+
+/// Checks the parameters of an axis whose names begin like that against bounds that others give.
+fn check_between(
+    axis: &AxisData,
+    names: &str,
+    least: Option<(u32, &'static str)>,
+    (most, limits): (u32, &'static str),
+) -> Result<(), RangeError> {
+    for parameter in AXIS.iter().filter(|parameter| parameter.name.starts_with(names)) {
+        let value = (parameter.get)(axis) / 1000;
+        let min = least.map_or(parameter.min_milli / 1000, |(min, _)| i64::from(min));
+        let max = i64::from(most);
+        if !(min..=max).contains(&value) {
+            let because = least.map_or(limits, |(_, because)| because);
+            return Err(RangeError { id: parameter.id, name: parameter.name, value, min, max, because });
+        }
+    }
+    Ok(())
 }
 
 /// The linear slope: its defaults are limited by `a_max` and `vb_max` ([`AxisData::stages`]), other values are refused
 /// beyond them.
 fn check_stages(axis: &AxisData) -> Result<(), RangeError> {
     let default = AxisData::new(axis.name, axis.kind);
+    check_given_stages(axis, |parameter| (parameter.get)(axis) != (parameter.get)(&default))
+}
+
+/// Checks those parameters of the linear slope that somebody gave, even if it is the default that was given.
+///
+/// # Errors
+/// The first one beyond `a_max` or `vb_max`.
+pub fn check_given_stages(
+    axis: &AxisData,
+    is_given: impl Fn(&Parameter<AxisData>) -> bool,
+) -> Result<(), RangeError> {
     for parameter in AXIS.iter().filter(|parameter| parameter.name.starts_with("lslope_profil.")) {
-        let value = (parameter.get)(axis);
+        let value = (parameter.get)(axis) / 1000;
         let of_speed = parameter.unit == "µm/s";
         let (max, because) =
             if of_speed { (axis.vb_max, "dynamik.vb_max") } else { (axis.a_max, "dynamik.a_max") };
         let (min, max) = (parameter.min_milli / 1000, i64::from(max));
-        if value != (parameter.get)(&default) && !(min..=max).contains(&(value / 1000)) {
-            let (id, name, value) = (parameter.id, parameter.name, value / 1000);
-            return Err(RangeError { id, name, value, min, max, because });
+        if !(min..=max).contains(&value) && is_given(parameter) {
+            return Err(RangeError { id: parameter.id, name: parameter.name, value, min, max, because });
         }
     }
     Ok(())

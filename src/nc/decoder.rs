@@ -5,6 +5,7 @@ use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader};
 use super::*;
+use core::mem::MaybeUninit;
 
 /// What one call of [`Decoder::step`] achieved.
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
@@ -39,17 +40,40 @@ const BYTES: u32 = 2;
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
-/// Turns program text into commands. All memory is inside and fixed.
-pub struct Decoder<T: Text, const AXES: usize> {
-    reader: LineReader<T>,
+/// Memory of a [`Decoder`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
+pub struct DecoderMemory<const AXES: usize> {
     line: Line,
-    interpreter: Interpreter<AXES>,
+    interpreter: MaybeUninit<Interpreter<AXES>>,
 }
 
-impl<T: Text, const AXES: usize> Decoder<T, AXES> {
-    /// A decoder at the start of `text`.
-    pub fn new(setup: Setup<AXES>, text: T) -> Self {
-        Self { reader: LineReader::new(text), line: Line::new(), interpreter: Interpreter::new(setup) }
+impl<const AXES: usize> DecoderMemory<AXES> {
+    /// Nothing is in it.
+    pub const fn new() -> Self {
+        Self { line: Line::new(), interpreter: MaybeUninit::uninit() }
+    }
+}
+
+impl<const AXES: usize> Default for DecoderMemory<AXES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Turns program text into commands. What is large of it lies in a [`DecoderMemory`].
+pub struct Decoder<'a, T: Text, const AXES: usize> {
+    reader: LineReader<T>,
+    line: &'a mut Line,
+    interpreter: &'a mut Interpreter<AXES>,
+}
+
+impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
+    /// A decoder at the start of `text`, in `memory`: nothing that was in it counts.
+    #[inline(never)]
+    pub fn new(memory: &'a mut DecoderMemory<AXES>, setup: Setup<AXES>, text: T) -> Self {
+        let DecoderMemory { line, interpreter } = memory;
+        line.clear();
+        let interpreter = interpreter.write(Interpreter::new(setup));
+        Self { reader: LineReader::new(text), line, interpreter }
     }
 
     /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a line with much
@@ -97,7 +121,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
     /// Whether the last step did so little that another one may follow in the same call of the planner: a line, or what this
     /// one said.
     pub(crate) fn has_done_little(&self) -> bool {
-        let Interpreter { queue, single, calculator, .. } = &self.interpreter;
+        let Interpreter { queue, single, calculator, .. } = &*self.interpreter;
         let waits = !queue.is_empty() || single.is_some();
         calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
     }
@@ -149,7 +173,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
             Fill::Late => return Ok(Work::Late),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
-                self.interpreter.line(&self.line, bounds, goes_on)
+                self.interpreter.line(self.line, bounds, goes_on)
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
@@ -176,7 +200,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
     /// Reads a slice of text.
     fn fill(&mut self) -> Result<Fill, NcError> {
         let from = self.reader.next_start().offset;
-        let fill = self.reader.fill(&mut self.line)?;
+        let fill = self.reader.fill(self.line)?;
         let bytes = self.reader.next_start().offset.wrapping_sub(from);
         self.interpreter.calculator.charge(LINE + bytes / BYTES);
         if let (Fill::Line, Some(place)) = (fill, self.reader.unclosed()) {
@@ -227,7 +251,7 @@ impl<T: Text, const AXES: usize> Decoder<T, AXES> {
 
     /// The command of a queued item.
     fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
-        let i = &mut self.interpreter;
+        let i = &mut *self.interpreter;
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {

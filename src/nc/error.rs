@@ -313,12 +313,14 @@ pub enum NcWarningKind {
     SoftArc,
     /// DIST_MASTER where the master axis does not go on in its direction: a curve by its distance alone.
     MasterRests,
+    /// A dwell between two blocks of which the first has a rounded end: it is at the corner, which stays.
+    DwellAtCorner,
 }
 
 impl NcWarningKind {
-    /// Whether it is about a curve: said where the planner takes the motion in, not by the decoder.
+    /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the decoder.
     pub const fn is_of_curve(&self) -> bool {
-        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests)
+        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests | Self::DwellAtCorner)
     }
 }
 
@@ -344,6 +346,9 @@ impl fmt::Display for NcWarning {
             }
             NcWarningKind::MasterRests => {
                 "DIST_MASTER where the master axis rests or turns back: the curve keeps the corner distance, axes are not optimised"
+            }
+            NcWarningKind::DwellAtCorner => {
+                "G04 between rounded blocks: the motion stands still in the programmed corner, which gets no curve"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

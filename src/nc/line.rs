@@ -133,7 +133,7 @@ impl Line {
         NcError { place: self.place(span), kind, found, axes: String::new() }
     }
 
-    fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.len = 0;
         self.anchors.clear();
     }

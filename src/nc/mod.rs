@@ -35,7 +35,7 @@ mod smoothing;
 mod text;
 
 pub use command::*;
-pub use decoder::{Decoder, Step};
+pub use decoder::{Decoder, DecoderMemory, Step};
 use error::{Fault, Span};
 pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 pub use expression::EXPRESSION_DEPTH;

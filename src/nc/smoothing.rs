@@ -14,7 +14,8 @@ impl Keywords for Slope {
     }
 }
 
-/// Keywords of each method of #CONTOUR MODE; the actions go with all of them.
+/// Keywords of each method of #CONTOUR MODE. The actions go with all of them but those that are optimised over time between two
+/// blocks.
 const fn contour_list(method: ContourMethod) -> (&'static str, &'static [&'static str]) {
     match method {
         ContourMethod::Dev => (
@@ -107,6 +108,14 @@ impl Keywords for Contour {
             "DIST_SOFT" => return choose(&mut self.method, ContourMethod::DistSoft),
             "DIST_MASTER" => return choose(&mut self.method, ContourMethod::DistMaster),
             "PTP" => return choose(&mut self.method, ContourMethod::Ptp),
+            _ => {}
+        }
+        if let ("PRE_ACTION" | "INTER_ACTION" | "POST_ACTION", Some(method)) = (keyword, self.method)
+            && matches!(method, ContourMethod::DistSoft | ContourMethod::DistMaster)
+        {
+            return Slot::Mismatch(contour_list(method).0);
+        }
+        match keyword {
             "PRE_ACTION" => return choose(&mut self.action, ContourAction::Pre),
             "INTER_ACTION" => return choose(&mut self.action, ContourAction::Inter),
             "POST_ACTION" => return choose(&mut self.action, ContourAction::Post),

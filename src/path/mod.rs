@@ -79,6 +79,8 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub exit: &'a End<AXES>,
     /// Its path is time.
     pub timed: bool,
+    /// It is a part of a curve over arc length: how much speed may change differs from part to part.
+    pub bent: bool,
 }
 
 impl<const AXES: usize> Element<AXES> {
@@ -86,7 +88,8 @@ impl<const AXES: usize> Element<AXES> {
     #[inline(always)]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
-        Piece { shape, entry, exit, timed: bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some()) }
+        let timed = bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
+        Piece { shape, entry, exit, timed, bent: bounds.is_some() && !timed }
     }
 }
 

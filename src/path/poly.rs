@@ -9,6 +9,8 @@
 //! that the end is met to the last bit; direction and curvature at the ends are off by about 2^-29 of the curve's
 //! own.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
+use crate::lookahead::{max, min};
+use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};
 
@@ -21,8 +23,8 @@ pub struct Knot<const AXES: usize> {
     pub end: End<AXES>,
 }
 
-/// Largest magnitudes along a polynomial, for limits: those of Bernstein coefficients, which the derivatives never
-/// exceed.
+/// Largest magnitudes along a polynomial, for limits: of the direction those of Bernstein coefficients, which it never exceeds, of the others
+/// those at the ends and where the next derivative vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// |dx/ds|.
@@ -35,6 +37,8 @@ pub struct Bounds<const AXES: usize> {
     pub fastest: f32,
     /// Path is time: the path speed, mm/tick, that it was made for.
     pub timed: Option<f32>,
+    /// It is to be passed at one speed, at most this (mm/tick): what changes the speed is beside it.
+    pub steady: Option<f32>,
 }
 
 const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
@@ -114,7 +118,7 @@ impl<const AXES: usize> Draft<AXES> {
         let mut shape = Shape::resting(Distance::from_bits(bits));
         shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
         let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
-        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None });
+        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None, steady: None });
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }
@@ -192,16 +196,10 @@ fn quintic(travel: f64, [v0, v1]: [f64; 2], [w0, w1]: [f64; 2]) -> [f64; 5] {
     ]
 }
 
-/// Largest Bernstein coefficients of the first three derivatives over 0..1, and what rounding here may hide.
+/// Largest magnitudes of the first three derivatives over 0..1, and what rounding here may hide.
 fn largest(a: &[f64; 5]) -> [f32; 3] {
     let [a1, a2, a3, a4, a5] = a.map(|a| a as f32);
-    let most = |x: &[f32]| {
-        let top = x.iter().fold(0.0, |top, x| {
-            let size = if *x < 0.0 { -*x } else { *x };
-            if size > top { size } else { top }
-        });
-        top * (1.0 + 1.0 / 1_048_576.0)
-    };
+    let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, max(*x, -*x)));
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
     let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
@@ -212,10 +210,17 @@ fn largest(a: &[f64; 5]) -> [f32; 3] {
         p[0] + 3.0 * (q1 + q2) + q3,
         p[0] + p[1] + p[2] + p[3] + p[4],
     ];
-    let p = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
-    let (q1, q2) = (p[1] * (1.0 / 3.0), p[2] * (1.0 / 3.0));
-    let bend = [p[0], p[0] + q1, p[0] + 2.0 * q1 + q2, p[0] + p[1] + p[2] + p[3]];
-    let p = [6.0 * a3, 24.0 * a4, 60.0 * a5];
-    let twist = [p[0], p[0] + 0.5 * p[1], p[0] + p[1] + p[2]];
-    [most(&slope), most(&bend), most(&twist)]
+    let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
+    let bend = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
+    let twist = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
+    // The one has its extremes where the other vanishes: the roots of t² + …, of which one is found without a difference.
+    let root = sqrt_f32(max(b2 * b2 - 3.0 * b1 * b3, 0.0));
+    let sum = -(b2 + if b2 < 0.0 { -root } else { root });
+    let inside = |p: f32, q: f32| if q == 0.0 { 0.0 } else { min(max(p / q, 0.0), 1.0) };
+    let bends = [b0, bend(1.0), bend(inside(sum, 3.0 * b3)), bend(inside(b1, sum))];
+    let twists = [b1, twist(1.0), twist(inside(-b2, 3.0 * b3))];
+    // Sums of four numbers, at places that are known to 2^-11 where two of them are one.
+    let hidden = |p: [f32; 4]| p.iter().map(|p| max(*p, -*p)).sum::<f32>() * (1.0 / 1_048_576.0);
+    let (of_bend, of_twist) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
+    [most(&slope) * (1.0 + 1.0 / 1_048_576.0), most(&bends) + of_bend, most(&twists) + of_twist]
 }

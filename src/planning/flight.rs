@@ -89,6 +89,7 @@ pub(super) struct Flights {
 }
 
 impl Flights {
+    /// None; all bits zero.
     pub const fn new() -> Self {
         const { assert!(SLOTS.is_power_of_two()) };
         let blank = Flight {
@@ -100,10 +101,15 @@ impl Flights {
             enters: Speed::ZERO,
             leaves: Speed::ZERO,
             limit: 0.0,
-            pace: Pace::new(0),
+            pace: Pace::BLANK,
             released: (Distance::ZERO, Speed::ZERO, false),
         };
         Self { slots: [blank; SLOTS], front: 0, len: 0 }
+    }
+
+    /// Forgets all of them.
+    pub const fn clear(&mut self) {
+        (self.front, self.len) = (0, 0);
     }
 
     pub const fn len(&self) -> usize {

@@ -45,6 +45,7 @@ const fn reaches(number: u32, other: u32) -> bool {
 }
 
 impl Functions {
+    /// None; all bits zero.
     pub const fn new() -> Self {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
@@ -180,6 +181,11 @@ impl Functions {
     /// Forgets all of them.
     pub fn clear(&mut self, control: &Control) {
         control.acknowledgements().clear();
+        self.forget();
+    }
+
+    /// The same where none is planned.
+    pub fn forget(&mut self) {
         self.entries.clear();
         self.gates.clear();
         self.last = 0;

@@ -27,7 +27,7 @@ impl<const AXES: usize> Held<AXES> {
             is_held: false,
             long: false,
             curve: Curve::Line(Stretch::BLANK),
-            limits: (Limits::WIDEST, Share { j: 0.0, a: 0.0 }, Headroom::NONE),
+            limits: (Limits::WIDEST, Share::WHOLE, Headroom::NONE),
             pass: Pass { feed: None, n: 0, number: 0, stop: false },
         }
     }
@@ -80,7 +80,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) {
         self.let_go();
         if self.lookahead.ring.is_full() {
-            self.held =
+            *self.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
             self.entrance().0.push(element, limits, &pass, pass.number, Some(target));
@@ -111,7 +111,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let held = &mut self.held;
         let Curve::Line(stretch) = &mut held.curve else { return false };
         let Some(grown) = stretch.with(target, &self.measure) else { return false };
-        let limits = self.dynamics.line(grown.tangent(), grown.length(), pass.feed);
+        let limits = self.dynamics.line(grown.tangent(), pass.feed);
         let length = to_f32(grown.length().to_bits());
         if length > limits.0.v * SLOWEST {
             return false;
@@ -139,7 +139,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         match curve {
             Curve::Line(stretch) => {
                 let (shape, ends) = &stretch.line().parts();
-                let piece = Piece { shape, entry: ends, exit: ends, timed: false };
+                let piece = Piece { shape, entry: ends, exit: ends, timed: false, bent: false };
                 entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
             }
             Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, None),

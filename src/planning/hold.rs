@@ -12,10 +12,11 @@
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete. An abort ends a dwell.
+use super::descent::{Descent, Passed};
 use super::flight::Flight;
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Time, Unplannable,
-    Work,
+    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Time,
+    Unplannable, Work,
 };
 use super::{clock, max, min, speed_f32};
 use crate::queue::{Event, PHASES};
@@ -49,6 +50,8 @@ pub(super) struct Mode {
     /// The instant of the cut that may be pending, and the last one at which one was tried.
     pub(super) cut: Option<u32>,
     tried: Option<u32>,
+    /// What a way down passes, until its spans know.
+    pub(super) passed: Option<Passed>,
 }
 
 impl Mode {
@@ -62,6 +65,7 @@ impl Mode {
         standing: false,
         cut: None,
         tried: None,
+        passed: None,
     };
 
     /// From a standstill that was no command; what the commands are is to be looked at.
@@ -212,11 +216,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if flight.first == at {
                 next = k;
             } else if let Some(motion) = self.motion_at(at)
-                && let (end, v_out) = (flight.end(), flight.leaves.min(flight.span.v_out).to_bits())
-                && let Some(brake) =
-                    Brake::plan(&mut self.profile, &motion, end, v_out, flight.span.braking(), 0)
+                && let Some(descent) = self.descend(k, &motion)
             {
-                return self.stop_at(k, at, Some(brake));
+                if self.stage == Stage::Passing && descent.brake.v_out > 0 {
+                    // The way through the look-ahead is known when its plan is complete.
+                    return None;
+                }
+                return self.stop_at(k, at, Some(descent));
             }
         }
         // From the start of the next span that has a tick.
@@ -240,9 +246,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    fn stop_at(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
+    fn stop_at(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         self.mode.stopping = true;
-        let work = self.change(k, at, brake);
+        let work = self.change(k, at, descent);
         self.mode.stopping = work.is_some();
         work
     }
@@ -301,11 +307,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// From the instant `at` on the span `k` has another law: `brake`, which begins there, or a new one from its start. `None`,
+    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one from its start. `None`,
     /// and nothing has changed, if that came too late.
-    pub(super) fn change(&mut self, k: usize, at: u32, brake: Option<Brake>) -> Option<Work> {
+    pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         let flight = *self.flights.get(k)?;
         let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
+        let behind = self.reserve.behind;
         let gate = self.queue.phases.count();
         let drops = at != self.end;
         if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
@@ -318,31 +325,32 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.laid = k;
         self.mode.uneven = true;
         let mut laid = Ok(());
-        if let Some(brake) = brake {
+        if let Some(descent) = &descent {
             self.emitter.resume_at(0);
-            self.brake(k, &brake);
+            self.go_down(k, descent);
             self.hand_out();
         } else {
             self.emitter.resume_at(flight.next);
             self.speed = flight.enters;
         }
-        if brake.is_none() && self.mode.stopping && self.speed == Speed::ZERO {
+        if descent.is_none() && self.mode.stopping && self.speed == Speed::ZERO {
             // It stands before the span, and has no law to stand still by.
             (self.owed, self.stops) = (0, true);
         } else if self.end == at && self.laid == k && !self.mode.halting {
             // So short a slowing down that it has no tick leaves it to the rest.
-            laid = self.lay();
+            laid = self.make_law();
             if laid.is_ok() {
                 self.hand_out();
             }
         }
         if self.end == at && self.speed == Speed::ZERO {
             // It stands there already.
-            let stands = self.flights.get(k).map_or(flight.start, |flight| flight.start);
-            self.put_rest(stands, 1);
+            let in_span = self.flights.get(k).map_or(flight.start, |flight| flight.start);
+            let stands = self.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
+            self.put_rest(stands.unwrap_or(in_span), 1);
         }
         if !drops && laid.is_ok() {
-            self.flights.from(k + 1).for_each(Flight::restore);
+            self.changed(k);
             return Some(Work::Working);
         }
         if self.end != at {
@@ -350,7 +358,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let is_late = clock::is_before(at, self.queue.clock.now());
             // Late, it was taken or never will be.
             if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                self.flights.from(k + 1).for_each(Flight::restore);
+                self.changed(k);
                 self.mode.cut = Some(at);
                 return Some(Work::Working);
             }
@@ -359,14 +367,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // Everything as before; again at the next tick.
         self.queue.phases.withdraw(gate);
         (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode) = before;
+        self.reserve.behind = behind;
         if let Some(old) = self.flights.get_mut(k) {
             *old = flight;
         }
         None
     }
 
+    /// The span `k` has another law: those behind begin anew, but for those that a way down has passed.
+    fn changed(&mut self, k: usize) {
+        self.flights.from(k + 1).for_each(Flight::restore);
+        self.note_passed();
+    }
+
     /// Makes the law of the next span that has none.
     pub(super) fn lay(&mut self) -> Result<(), Unplannable> {
+        let made = self.make_law();
+        self.note_passed();
+        made
+    }
+
+    /// The same; spans behind it are left as they are ([`Self::note_passed`]).
+    fn make_law(&mut self) -> Result<(), Unplannable> {
         let (k, v_in) = (self.laid, self.speed);
         let (end, next) = (self.end, self.emitter.next());
         let Some(mut flight) = self.flights.get_mut(k) else { return Ok(()) };
@@ -459,20 +481,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let motion = Instant { distance: flight.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
         let planned = span.v_out.to_bits();
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
-        if self.mode.stopping || too_fast {
-            let target = if self.mode.stopping { 0 } else { speed_bits(v) };
-            let (profile, braking) = (&mut self.profile, span.braking());
-            let brake = if self.reserve.is_made() {
-                Brake::stop(profile, &motion, end, braking)
-            } else {
-                Brake::plan(profile, &motion, end, planned, braking, target)
-            };
-            if let Some(brake) = brake {
-                self.brake(k, &brake);
+        if self.mode.stopping {
+            if let Some(descent) = self.descend(k, &motion) {
+                self.go_down(k, &descent);
                 return None;
             }
+        } else if too_fast
+            && let Some(brake) =
+                Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), speed_bits(v))
+        {
+            self.brake(k, &brake);
+            return None;
+        }
+        if self.mode.stopping || too_fast {
             v = max(v, speed_f32(v_in.to_bits()));
         }
+        let span = &self.flights.get(k)?.span;
         let mut v_out = span.v_out;
         let mut reached = true;
         if lowered {
@@ -497,7 +521,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return None;
             }
         }
-        (flight.limit, flight.leaves) = (v, v_out);
+        if let Some(flight) = self.flights.get_mut(k) {
+            (flight.limit, flight.leaves) = (v, v_out);
+        }
         Some(if reached { Fit::Whole } else { Fit::Part })
     }
 
@@ -524,7 +550,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
-    fn lower(&mut self) {
+    pub(super) fn lower(&mut self) {
         if self.laid == self.flights.len() && !self.reserve.is_made() {
             self.flights.lower(self.laid, self.speed);
             self.lookahead.start_at(self.speed);
@@ -537,8 +563,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.mode.halting {
             self.mode.halting = false;
             self.mode.standing = true;
-            if let Some(flight) = self.flights.get(self.laid) {
-                self.put_rest(flight.start, 1);
+            let stands = self.reserve.behind.map(Distance::from_bits);
+            if let Some(stands) = self.flights.get(self.laid).map(|flight| flight.start).or(stands) {
+                self.put_rest(stands, 1);
             }
             return Ok(Some(Work::Working));
         }

@@ -46,7 +46,7 @@ pub(super) struct Pass {
 
 /// The way into the look-ahead.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
-    ring: &'a mut Ring<AXES, BLOCKS>,
+    ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,
@@ -125,7 +125,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
-                        let limits = self.dynamics.line(line.tangent(), line.length(), feed);
+                        let limits = self.dynamics.line(line.tangent(), feed);
                         Self::in_time(&limits, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);
@@ -201,6 +201,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Whether there is a master axis for DIST_MASTER.
     pub fn has_master(&self) -> bool {
         self.measure.master().is_some()
+    }
+
+    /// Whether the end of the block taken in last is to be rounded.
+    pub fn rounds(&self) -> bool {
+        self.contouring.rounds()
     }
 
     /// What is to be said about the curve that the last motion led to.

@@ -4,6 +4,7 @@
 //! slowing down to the new speed, or to a law without acceleration; the rest of the span then has a law of its own with the new
 //! speed. Where the motion slows down anyway, or too little of the span is left, the change begins with the next span. Spans
 //! that have no law yet get the right one when it is made.
+use super::descent::Descent;
 use super::flight::Flight;
 use super::{Brake, Commands, Planning, Work, min};
 use crate::slope::profile::speed_bits;
@@ -58,7 +59,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                         && let Some(brake) =
                             Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)
                     {
-                        return self.change(k, at, Some(brake));
+                        return self.change(k, at, Some(Descent::inside(brake)));
                     }
                 }
             }

@@ -14,7 +14,7 @@
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
 use super::flight::Flight;
 use super::hold::{Mode, NOTHING};
-use super::{Brake, Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use super::{Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in and planned: what a slow
 /// planner needs for that.
@@ -63,6 +63,8 @@ pub(super) struct Reserve {
     distance: Distance,
     /// The law with the emitter is all of it so far.
     as_planned: bool,
+    /// Path distance of its standstill, if that is in none of the spans at hand.
+    stands: Option<i64>,
     /// The instant of the last call that had nothing to do, and the time ahead of the interrupt at which a new one is made.
     waited: u32,
     pub near: u32,
@@ -80,6 +82,7 @@ impl Reserve {
             next: 0,
             distance: Distance::ZERO,
             as_planned: false,
+            stands: None,
             waited: 0,
             near: NEAR,
             failed: None,
@@ -95,6 +98,21 @@ impl Reserve {
     /// There is one.
     pub const fn is_kept(&self) -> bool {
         self.kept.is_some()
+    }
+
+    /// The next block of the look-ahead, and its path distance.
+    pub const fn ahead(&self) -> (usize, Distance) {
+        (self.next, self.distance)
+    }
+
+    /// The way being made goes on there.
+    pub const fn go_on_at(&mut self, next: usize, distance: i64) {
+        (self.next, self.distance) = (next, Distance::from_bits(distance));
+    }
+
+    /// The way being made ends there.
+    pub const fn stand_at(&mut self, distance: i64) {
+        self.stands = Some(distance);
     }
 
     /// Forgets all of it.
@@ -152,7 +170,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
         (self.reserve.next, self.reserve.distance) = (0, self.handed);
         self.mode = mode.stop();
-        self.reserve.as_planned = false;
+        (self.reserve.as_planned, self.reserve.stands) = (false, None);
         if self.emitter.has_piece() {
             self.slow_down();
         }
@@ -173,16 +191,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         };
         let k = self.span_at(motion.distance);
         self.touch(k);
-        let Some(flight) = self.flights.get(k) else { return };
         if motion.speed == 0 {
             // It has not begun.
             self.emitter.resume_at(0);
             (self.laid, self.speed, self.mode.halting) = (k, Speed::ZERO, true);
             return;
         }
-        if let Some(brake) = Brake::stop(&mut self.profile, &motion, flight.end(), flight.span.braking()) {
+        if let Some(descent) = self.descend(k, &motion) {
             self.emitter.resume_at(0);
-            self.brake(k, &brake);
+            self.go_down(k, &descent);
         } else if let Some(aside) = &self.reserve.aside {
             self.emitter = aside.emitter;
             self.reserve.as_planned = true;
@@ -296,8 +313,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(aside) = &self.reserve.aside else { return };
         let at = aside.end;
         let k = if self.mode.halting { self.laid } else { self.laid.wrapping_sub(1) };
-        let Some(flight) = self.flights.get(k) else { return };
-        let stands = if self.mode.halting { flight.start.to_bits() } else { flight.end() };
+        let in_span = |flight: &Flight| if self.mode.halting { flight.start.to_bits() } else { flight.end() };
+        let Some(stands) = self.reserve.stands.or_else(|| self.flights.get(k).map(in_span)) else { return };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
         if !self.queue.segments.is_known(rest.distance) {
             self.fail();

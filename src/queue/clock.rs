@@ -48,6 +48,12 @@ impl Clock {
         Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), first }
     }
 
+    /// Memory for one; all bits zero.
+    pub(super) const fn blank() -> Self {
+        let [now, at, to, end, first] = [const { AtomicU32::new(0) }; 5];
+        Self { now, at, to, end, first }
+    }
+
     /// Ticks of motion passed. For the interrupt.
     #[inline(always)]
     pub fn own(&self) -> u32 {

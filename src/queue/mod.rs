@@ -179,15 +179,15 @@ pub struct Receiver<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
-    /// Empty rings.
+    /// Memory for rings; all bits zero.
     pub const fn new() -> Self {
         Self {
             segments: Course::new(),
             phases: Ring::new(),
             reserve: Reserve::new(),
             events: Ring::new(),
-            control: Control::new(),
-            clock: Clock::new(),
+            control: Control::blank(),
+            clock: Clock::blank(),
         }
     }
 

@@ -5,7 +5,7 @@
 //! slots are used and no index needs a division (the queues of `heapless` forget `N` when they are split, which
 //! leaves one in the interrupt and a panic in its place if `N` were 0).
 //!
-//! This module and the ring of curves, [`super::course`], are the only ones with `unsafe` code.
+//! The modules with `unsafe` code are this one, the ring of curves ([`super::course`]) and the ways to a standstill ([`super::reserve`]).
 #![allow(unsafe_code)]
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -17,9 +17,10 @@ use super::area;
 use super::bend::Bend;
 use super::profile::{Change, Form, Profile, speed_bits, speed_f32};
 use super::ramp::{Bowed, Ramp};
-use crate::lookahead::{Law, Limits};
+use crate::lookahead::{Law, Limits, max};
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{size_f32, to_bits, to_f32};
+use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
 
 /// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
@@ -136,6 +137,70 @@ impl Brake {
         }
         let firm = Limits { a_down, ..*limits };
         Self::reach(profile, motion, room, &firm, Aim { v: 0, or_near: false })
+    }
+
+    /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little work.
+    pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {
+        let room = mm(end.wrapping_sub(motion.distance)) * part;
+        let v = speed_f32(motion.speed);
+        if motion.speed <= 0 || room <= 0.0 {
+            return false;
+        }
+        let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
+        let Law::Bowed { bend, j: [_, up_fall, down_rise, _], .. } = limits.law else {
+            return limits.brake().distance(0.0, v)[0] <= room;
+        };
+        if motion.accel >= -NO_ACCEL && v * v > 2.0 * limits.a_down * room {
+            return false;
+        }
+        let ramp = limits.brake().linear();
+        if motion.accel > NO_ACCEL {
+            let time = a / (up_fall * bend.peak_jerk());
+            let first = time * (v + a * time * (1.0 / 3.0));
+            first + ramp.distance(0.0, v + 0.5 * a * time)[0] <= room
+        } else if motion.accel < -NO_ACCEL {
+            let over = -a / down_rise;
+            let begun = v - 0.5 * a * over;
+            let before = over * (begun + a * over * (1.0 / 6.0));
+            ramp.distance(0.0, begun)[0] - before <= room
+        } else {
+            ramp.distance(0.0, v)[0] <= room
+        }
+    }
+
+    /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v` for good, mm.
+    pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
+        let down = &profile.down;
+        let [v0, va, vb, v1] = down.speeds.map(speed_f32);
+        let [t1, t2, t3] = down.times.map(|t| size_f32(t) * (1.0 / (1u64 << 36) as f32));
+        let [s1, s2, s3] = down.lengths.map(mm);
+        let top = if profile.up.length() > 0 { speed_f32(profile.up.speeds[3]) } else { v0 };
+        if v >= max(top, v0) {
+            return 0.0;
+        }
+        let before = mm(profile.up.length()) + size_f32(profile.cruise) * (1.0 / (1u64 << 36) as f32) * v0;
+        let stepped = matches!(down.form, Form::Stepped);
+        // Of a part from one speed to another with even acceleration.
+        let even = |from: f32, to: f32, time: f32| {
+            time * ((from - v) / max(from - to, f32::MIN_POSITIVE)) * (0.5 * (from + v))
+        };
+        if v < v1 {
+            f32::MAX
+        } else if v >= va {
+            if stepped {
+                return before + even(v0, va, t1);
+            }
+            let u = sqrt_f32((v0 - v) / max(v0 - va, f32::MIN_POSITIVE));
+            before + t1 * u * (v0 - (v0 - va) * u * u * (1.0 / 3.0))
+        } else if v >= vb {
+            before + s1 + even(va, vb, t2)
+        } else {
+            if stepped {
+                return before + s1 + s2 + even(vb, v1, t3);
+            }
+            let w = sqrt_f32((v - v1) / max(vb - v1, f32::MIN_POSITIVE));
+            before + s1 + s2 + s3 - t3 * w * (v1 + (vb - v1) * w * w * (1.0 / 3.0))
+        }
     }
 
     fn reach(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits, aim: Aim) -> Option<Self> {

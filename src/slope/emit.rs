@@ -182,6 +182,12 @@ impl Emitter {
         self.next = 0;
     }
 
+    /// Ticks of what is left to be handed out.
+    pub fn ticks(&self) -> u32 {
+        let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
+        (time.saturating_sub(self.next).saturating_add(TICK - 1) >> 36) as u32
+    }
+
     /// Time from the end of the block just begun to the next tick.
     pub fn wait(&self) -> Time {
         let time: u64 = self.parts.iter().take(self.count).map(|part| part.time).sum();

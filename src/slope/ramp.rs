@@ -30,6 +30,16 @@ impl Ramp {
     /// Of nothing.
     pub const NONE: Self = Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0 });
 
+    /// The same with linear ramps.
+    pub fn linear(self) -> Self {
+        match self {
+            Self::Bowed(ramp) => {
+                Self::Bowed(Bowed::new(Bend::Linear, ramp.a, ramp.a / ramp.rise, ramp.a / ramp.fall))
+            }
+            Self::Stepped(_) => self,
+        }
+    }
+
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         match self {
@@ -43,6 +53,17 @@ impl Ramp {
         match self {
             Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
             Self::Stepped(_) => 0.0,
+        }
+    }
+
+    /// Duration of the change by `dv` from `low` on.
+    pub fn duration(&self, low: f32, dv: f32) -> f32 {
+        match self {
+            Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
+            Self::Stepped(ramp) => {
+                let [below, above] = ramp.parts(low, dv);
+                below / ramp.a[0] + above / ramp.a[1]
+            }
         }
     }
 

@@ -57,6 +57,25 @@ pub fn panic_locations(file: &[u8]) -> Vec<String> {
     found
 }
 
+/// Bytes of flash: everything that is loaded.
+pub fn flash(file: &[u8]) -> Option<u64> {
+    Some(segments(file)?.iter().map(|(_, bytes)| bytes.len() as u64).sum())
+}
+
+/// Bytes that are loaded into flash and copied to RAM at the start: those whose address is another one when the program runs.
+pub fn copied(file: &[u8]) -> Option<u64> {
+    const LOAD: u32 = 1;
+    let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);
+    let headers = (0..u32::from(count)).map(|i| (table + i * u32::from(size)) as usize);
+    let mut bytes = 0;
+    for header in headers.filter(|&header| word(file, header) == Some(LOAD)) {
+        if word(file, header + 8)? != word(file, header + 12)? {
+            bytes += u64::from(word(file, header + 16)?);
+        }
+    }
+    Some(bytes)
+}
+
 /// Address and bytes of everything that is loaded.
 fn segments(file: &[u8]) -> Option<Vec<(u32, &[u8])>> {
     const LOAD: u32 = 1;

@@ -1,5 +1,5 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
-use crate::figures::{self, Figures};
+use crate::figures::{self, Figures, MemoryFigures};
 use crate::firmware::{Firmware, Place, artifact};
 use crate::host::{self, HostRun};
 use crate::shell::step;
@@ -10,11 +10,22 @@ const TESTS: &str = "hil-tests";
 const BOARD: &str = "boards/stm32f405";
 const BOARD_BINARY: &str = "glidepath-stm32f405";
 
-/// One for each number of axes: together they have no room in the memory.
-const SAME: [&str; 3] = ["same", "same_four", "same_six"];
+/// One for each configuration, in the order of [`host::run_all`]: together they have no room in the memory.
+pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
-/// What counts instructions and bytes.
-const COUNTED: &[&str] = &["--bin", SAME[0], "--bin", SAME[1], "--bin", SAME[2], "--bin", "sizes"];
+/// What counts instructions and bytes, besides.
+const COUNTED: [&str; 2] = ["counts", "nopanic"];
+
+/// Arguments of a build.
+fn binaries(names: &[&'static str]) -> Vec<&'static str> {
+    names.iter().flat_map(|name| ["--bin", name]).collect()
+}
+
+/// Most bytes of static memory that are copied from flash at the start, in any binary.
+const COPIED: u64 = 512;
+
+/// Most instructions of the board's interrupt: frame, tick and functions.
+const INTERRUPT: u64 = 600;
 
 /// Programs that the board's own firmware runs, besides the test firmware.
 const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
@@ -24,14 +35,19 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    firmware.build(TESTS, &[COUNTED, &["--bin", "interrupt"], features].concat(), &[])?;
+    let tests = binaries(&[&SAME[..], &COUNTED, &["interrupt", "overflow"]].concat());
+    firmware.build(TESTS, &[&tests, features].concat(), &[])?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
-    let runs = measure(&firmware, &host)?;
-    let sizes = firmware.report("sizes")?;
+    let (runs, mut memory) = measure(&firmware, &host)?;
+    counter(&firmware.report("counts")?)?;
     step("interpolator in the timer interrupt");
-    interrupt(&firmware.report("interrupt")?, &host)?;
-    let measured = Figures::measured(firmware.compiler(), &runs, &sizes)?;
+    let report = firmware.report("interrupt")?;
+    interrupt(&report, &host)?;
+    memory.interrupted = target::read_memory(&report)?;
+    step("an overflow of the stack");
+    overflow(&firmware)?;
+    let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     if place == Place::Probe {
         eprint!("{}", measured.table());
         return Ok(());
@@ -50,9 +66,11 @@ pub fn all(place: Place) -> Result<(), String> {
 pub fn bench(accept: bool) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
-    firmware.build(TESTS, COUNTED, &[])?;
-    let runs = measure(&firmware, &host::run_all()?)?;
-    let measured = Figures::measured(firmware.compiler(), &runs, &firmware.report("sizes")?)?;
+    firmware.build(TESTS, &binaries(&[&SAME[..], &COUNTED, &["interrupt"]].concat()), &[])?;
+    let (runs, mut memory) = measure(&firmware, &host::run_all()?)?;
+    counter(&firmware.report("counts")?)?;
+    memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
+    let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
     eprint!("{}", measured.table());
     if accept { figures::accept(&measured) } else { figures::compare(&measured) }
@@ -64,11 +82,16 @@ pub fn panic_proof() -> Result<(), String> {
     no_panic(&Firmware::prepare(Place::Emulator)?)
 }
 
-fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, String> {
+/// The programs of all configurations, and what memory they took.
+fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, MemoryFigures), String> {
     let (mut runs, mut said, mut success) = (Vec::new(), String::new(), true);
+    let mut memory = MemoryFigures::default();
     for name in SAME {
         let output = firmware.run(name)?;
-        runs.extend(target::read_runs(&String::from_utf8_lossy(&output.out))?);
+        let report = String::from_utf8_lossy(&output.out);
+        runs.extend(target::read_runs(&report)?);
+        memory.plain.extend(target::read_memory(&report)?);
+        static_memory(name)?;
         said = said + "\n" + &output.err;
         success &= output.success;
     }
@@ -80,12 +103,12 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, Stri
     for (ours, theirs) in host.iter().zip(&runs) {
         match difference(ours, theirs) {
             None => eprintln!(
-                "   {:<16} {:>7} ticks {:>5} blocks  {:016x}  same",
-                ours.name, theirs.ticks, theirs.blocks, theirs.digest
+                "   {:<16} {} × {:<3} {:>7} ticks {:>5} blocks  {:016x}  same",
+                ours.name, ours.axes, ours.blocks, theirs.ticks, theirs.blocks, theirs.digest
             ),
             Some(what) => {
                 different += 1;
-                eprintln!("   {:<16} DIFFERS: {what}", ours.name);
+                eprintln!("   {:<16} {} × {:<3} DIFFERS: {what}", ours.name, ours.axes, ours.blocks);
             }
         }
     }
@@ -95,13 +118,53 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<Vec<TargetRun>, Stri
     if !success {
         return Err(format!("{} ended with an error", SAME.join(" or ")));
     }
-    Ok(runs)
+    memory.flash = elf::flash(&binary("nopanic")?).ok_or("nopanic: no load segments")?;
+    Ok((runs, memory))
+}
+
+/// The channel takes no room in flash: next to nothing is copied from there at the start.
+fn static_memory(name: &str) -> Result<(), String> {
+    let copied = elf::copied(&binary(name)?).ok_or_else(|| format!("{name}: no load segments"))?;
+    if copied > COPIED {
+        return Err(format!(
+            "{name}: {copied} bytes of static memory are copied from flash, more than {COPIED}"
+        ));
+    }
+    Ok(())
+}
+
+/// That the emulator counts instructions exactly.
+fn counter(report: &str) -> Result<(), String> {
+    let mut lines = 0;
+    for line in report.lines().filter(|line| line.starts_with("nops ")) {
+        let row = target::fields(line);
+        let [nops, counted] = ["nops", "counted"].map(|key| target::number(&row, key, line));
+        if nops? != counted? && !report.starts_with("unit cycles") {
+            return Err(format!("the emulator does not count instructions exactly: {line}"));
+        }
+        lines += 1;
+    }
+    if lines == 0 { Err("nothing was counted".into()) } else { Ok(()) }
+}
+
+/// A stack that grows too large ends in a fault that says so.
+fn overflow(firmware: &Firmware) -> Result<(), String> {
+    let output = firmware.run("overflow")?;
+    let said = String::from_utf8_lossy(&output.out);
+    eprintln!("   {}", said.trim());
+    if output.success || !said.contains("stack overflow") {
+        return Err(format!("overflow did not end with its fault: {said} {}", output.err));
+    }
+    Ok(())
 }
 
 /// What is not the same, the first differing tick above all.
 fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
-    if host.name != target.name || host.axes != target.axes {
-        return Some(format!("the target ran {} with {} axes", target.name, target.axes));
+    if (host.name, host.axes, host.blocks) != (target.name.as_str(), target.axes, target.look_ahead) {
+        return Some(format!(
+            "the target ran {} with {} axes and {} blocks",
+            target.name, target.axes, target.look_ahead
+        ));
     }
     let ticks = |run: &[i64]| run.len() / host.axes;
     let mut pairs = host.set_points.chunks(host.axes).zip(target.set_points.chunks(host.axes));
@@ -141,7 +204,7 @@ fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
 fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     let mut preempted = 0;
     let mut lines = 0;
-    for line in report.lines() {
+    for line in report.lines().filter(|line| !line.starts_with("memory ")) {
         let Some(line) = line.strip_prefix("interrupt ") else { return Err(format!("interrupt: {line}")) };
         let (name, rest) = line.split_once(' ').ok_or(line)?;
         let values = target::fields(rest);
@@ -182,6 +245,13 @@ fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
         let good = digest == host.outcome.digest.value()
             && target::number(&values, "starved", &output.err)? == 0
             && target::number(&values, "missed", &output.err)? == 0;
+        let longest = target::number(&values, "longest", &output.err)?;
+        if longest > INTERRUPT {
+            return Err(format!(
+                "{program} on the board: an interrupt of {longest} instructions, limit {INTERRUPT}"
+            ));
+        }
+        static_memory(BOARD_BINARY)?;
         if !good || !output.success {
             return Err(format!("{program} on the board: host {:016x}", host.outcome.digest.value()));
         }
@@ -243,9 +313,9 @@ mod tests {
         let mut digest = Digest::new();
         digest.add(&[]);
         let outcome = Outcome { ticks: 3, starved: 0, blocks: 1, digest };
-        let host = HostRun { name: "a", axes: 2, set_points: vec![1, 2, 3, -4, 5, 6], outcome };
+        let host = HostRun { name: "a", axes: 2, blocks: 9, set_points: vec![1, 2, 3, -4, 5, 6], outcome };
         let report = format!(
-            "unit instructions\ncase a axes 2\ns {:016x}{:016x}\ns {:016x}{:016x}\ns {:016x}{:016x}\n\
+            "unit instructions\ncase a axes 2 blocks 9\ns {:016x}{:016x}\ns {:016x}{:016x}\ns {:016x}{:016x}\n\
              cost tick calls 3 sum 30 max 11\nend ticks 3 starved 0 blocks 1 digest {:016x}\n",
             1,
             2,

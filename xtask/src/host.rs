@@ -3,7 +3,8 @@ use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use hil_cases::{
-    AXES_3, AXES_4, AXES_6, BLOCKS, BLOCKS_6, CASES_3, CASES_4, CASES_6, Case, Outcome, Watch, run,
+    AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, CASES_3, CASES_3_OTHER, CASES_4,
+    CASES_6, CASES_6_OTHER, Case, DEEP, Outcome, SHORT, Watch, run,
 };
 
 /// A case as the host ran it.
@@ -12,6 +13,8 @@ pub struct HostRun {
     pub name: &'static str,
     /// Number of axes.
     pub axes: usize,
+    /// Blocks of look-ahead.
+    pub blocks: usize,
     /// Bits of the set points: every axis of the first tick, of the second, ….
     pub set_points: Vec<i64>,
     /// Ticks, blocks, digest.
@@ -28,12 +31,15 @@ impl<const AXES: usize> Watch<AXES> for Collector<'_> {
     }
 }
 
-/// Every case, in the order of the target's.
+/// Every case of every configuration, in the order of the target's ([`crate::hil::SAME`]).
 pub fn run_all() -> Result<Vec<HostRun>, String> {
     let three = CASES_3.iter().map(|case| run_one::<3, BLOCKS>(case, &AXES_3));
     let four = CASES_4.iter().map(|case| run_one::<4, BLOCKS>(case, &AXES_4));
-    let six = CASES_6.iter().map(|case| run_one::<6, BLOCKS_6>(case, &AXES_6));
-    three.chain(four).chain(six).collect()
+    let six = CASES_6.iter().map(|case| run_one::<6, BLOCKS>(case, &AXES_6));
+    let short_three = CASES_3_OTHER.iter().map(|case| run_one::<3, SHORT>(case, &AXES_3_SHORT));
+    let deep_three = CASES_3_OTHER.iter().map(|case| run_one::<3, DEEP>(case, &AXES_3_DEEP));
+    let short_six = CASES_6_OTHER.iter().map(|case| run_one::<6, SHORT>(case, &AXES_6_SHORT));
+    three.chain(four).chain(six).chain(short_three).chain(deep_three).chain(short_six).collect()
 }
 
 fn run_one<const AXES: usize, const BLOCKS: usize>(
@@ -44,5 +50,5 @@ fn run_one<const AXES: usize, const BLOCKS: usize>(
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
     let outcome = run(&mut channel, machine, case.text, &mut Collector(&mut set_points))
         .map_err(|failure| format!("programs/{}.nc on the host: {failure:?}", case.name))?;
-    Ok(HostRun { name: case.name, axes: AXES, set_points, outcome })
+    Ok(HostRun { name: case.name, axes: AXES, blocks: BLOCKS, set_points, outcome })
 }

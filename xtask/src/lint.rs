@@ -4,6 +4,9 @@ use crate::toolchain::{Toolchain, clippy_driver};
 
 const FIRMWARE: [&str; 2] = ["hil-tests", "boards/stm32f405"];
 
+/// Targets that can only load and store words.
+const SMALL: [&str; 2] = ["thumbv6m-none-eabi", "riscv32imc-unknown-none-elf"];
+
 /// All of it.
 pub fn all() -> Result<(), String> {
     step("format");
@@ -25,6 +28,12 @@ pub fn all() -> Result<(), String> {
     step("clippy, firmware");
     for folder in FIRMWARE {
         firmware(&toolchain, folder)?;
+    }
+    step("cores without compare-and-swap");
+    for target in SMALL {
+        if !toolchain.check(target)? {
+            eprintln!("   off: no library for {target} (`rustup target add {target}`)");
+        }
     }
     step("documentation");
     run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))

@@ -19,6 +19,8 @@ pub struct TargetRun {
     pub name: String,
     /// Number of axes.
     pub axes: usize,
+    /// Blocks of look-ahead.
+    pub look_ahead: usize,
     /// Bits of the set points, as on the host.
     pub set_points: Vec<i64>,
     /// The interpolator's calls.
@@ -46,13 +48,15 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
     let mut runs: Vec<TargetRun> = Vec::new();
     for line in report.lines() {
         let (kind, rest) = line.split_once(' ').unwrap_or((line, ""));
-        if kind == "unit" {
+        if kind == "unit" || kind == "memory" {
             continue;
         }
         if kind == "case" {
-            let (name, axes) = rest.split_once(" axes ").ok_or_else(|| unreadable(line))?;
-            let axes = axes.parse().map_err(|_| unreadable(line))?;
-            runs.push(TargetRun { name: name.into(), axes, ..TargetRun::default() });
+            let (name, rest) = rest.split_once(' ').ok_or_else(|| unreadable(line))?;
+            let values = fields(rest);
+            let value = |key| number(&values, key, line).map(|number| number as usize);
+            let (axes, look_ahead) = (value("axes")?, value("blocks")?);
+            runs.push(TargetRun { name: name.into(), axes, look_ahead, ..TargetRun::default() });
             continue;
         }
         let run = runs.last_mut().ok_or_else(|| unreadable(line))?;
@@ -88,6 +92,44 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
         }
     }
     Ok(runs)
+}
+
+/// What RAM a configuration needs, as the target reports it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Number of axes.
+    pub axes: u64,
+    /// Blocks of look-ahead.
+    pub blocks: u64,
+    /// Bytes of the channel: static.
+    pub channel: u64,
+    /// Bytes of the planner's half, on the stack.
+    pub planner: u64,
+    /// Bytes of the interpolator's half.
+    pub interpolator: u64,
+    /// Bytes of stack that the memory map has.
+    pub stack: u64,
+    /// Bytes of stack in use at its deepest.
+    pub depth: u64,
+}
+
+/// The lines of a report that tell of memory.
+pub fn read_memory(report: &str) -> Result<Vec<Memory>, String> {
+    let lines = report.lines().filter_map(|line| line.strip_prefix("memory "));
+    let read = |line: &str| {
+        let values = fields(line);
+        let value = |key| number(&values, key, line);
+        Ok(Memory {
+            axes: value("axes")?,
+            blocks: value("blocks")?,
+            channel: value("channel")?,
+            planner: value("planner")?,
+            interpolator: value("interpolator")?,
+            stack: value("stack")?,
+            depth: value("depth")?,
+        })
+    };
+    lines.map(read).collect()
 }
 
 /// `a 1 b 2` as a map.

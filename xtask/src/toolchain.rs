@@ -73,6 +73,26 @@ impl Toolchain {
         }
     }
 
+    /// Checks the crate for another target: it compiles there. `false` if this toolchain has no library for it.
+    pub fn check(&self, target: &str) -> Result<bool, String> {
+        let mut command = shell::cargo(&shell::root());
+        command.args(["check", "--package", "glidepath", "--lib", "--release", "--target", target]);
+        command.env("CARGO_TARGET_DIR", folder_of_artifacts());
+        match self {
+            Self::FromSource { rustc, .. } => {
+                command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
+            }
+            Self::Prebuilt { .. } => {
+                let rustc = PathBuf::from(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+                let sysroot = query(&rustc, &["--print", "sysroot"]).unwrap_or_default();
+                if !Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir() {
+                    return Ok(false);
+                }
+            }
+        }
+        shell::run(&mut command).map(|()| true)
+    }
+
     /// `cargo SUBCOMMAND` in `folder` for the target, in release.
     pub fn cargo(&self, folder: &Path, subcommand: &str) -> Command {
         let mut command = shell::cargo(folder);

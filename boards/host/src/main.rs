@@ -10,6 +10,7 @@ mod diagnose;
 mod events;
 mod files;
 mod machine;
+mod monitor;
 mod output;
 mod plot;
 mod program;
@@ -131,7 +132,7 @@ fn load(input: &Input) -> Result<Machine, Refusal> {
 fn run(arguments: &Run) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(&input.program)?;
-    let machine = load(input)?;
+    let mut machine = load(input)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let mut program = match program::decode(&files, &machine, input.max_commands) {
         Ok(program) => program,
@@ -147,6 +148,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
     }
+    program.warnings.splice(0..0, std::mem::take(&mut machine.warnings));
     // Only now all files of the program are known.
     let inputs = [&input.program].into_iter().chain(&input.machine).chain(&arguments.events).cloned();
     let mut outputs = Outputs::new(inputs.chain(files.called()));
@@ -196,7 +198,9 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     } else {
         say(&text)?;
     }
-    outputs.commit()
+    outputs.commit()?;
+    let excess = result.monitor.errors(&machine);
+    if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
 fn check(input: &Input) -> Result<(), Refusal> {
@@ -204,7 +208,7 @@ fn check(input: &Input) -> Result<(), Refusal> {
     let machine = load(input)?;
     let decoded = program::decode(&files, &machine, input.max_commands);
     let program = decoded.map_err(|(Undecoded::Refused(why) | Undecoded::Endless(why))| why)?;
-    for warning in &program.warnings {
+    for warning in machine.warnings.iter().chain(&program.warnings) {
         warning.print();
     }
     say(&format!("{}: {}\n", files.main.name, program.describe()))

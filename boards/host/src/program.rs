@@ -8,7 +8,8 @@ use glidepath::channel::Error;
 use glidepath::lookahead::Weights;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup, SlopeType, Step,
+    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup,
+    SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -105,6 +106,8 @@ pub struct Program {
     pub warnings: Vec<Diagnostic>,
     /// What each axis may do with the largest weights under which the program moves.
     pub limits: Vec<Limits>,
+    /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
+    pub free_curves: bool,
 }
 
 /// Why a program was not decoded to its end.
@@ -133,7 +136,8 @@ fn decode_axes<const AXES: usize>(
         .ok_or_else(|| Undecoded::Refused(vec![Diagnostic::error("wrong number of axes")]))?;
     let start = [Position::ZERO; AXES];
     let main = data.main_axes();
-    let mut decoder = Box::new(Decoder::new(Setup::new(&data, start), files));
+    let mut memory = Box::new(DecoderMemory::new());
+    let mut decoder = Decoder::new(&mut memory, Setup::new(&data, start), files);
     let mut at = start;
     let mut program = Program::empty(machine);
     let mut weights = Weights::new();
@@ -173,7 +177,7 @@ fn decode_axes<const AXES: usize>(
             }
             Step::Command(Command::Motion(motion)) => {
                 if std::mem::take(&mut changed) {
-                    program.allow(&axes, slope);
+                    program.allow(&axes, slope, machine);
                 }
                 program.add(&motion, &at, &main);
                 at = motion.target;
@@ -185,6 +189,10 @@ fn decode_axes<const AXES: usize>(
                 program.segments.push(segment);
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Contour(_, contour)) => {
+                let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);
+                program.free_curves |= check == 0;
+            }
             Step::Command(_) => {}
             Step::End => return Ok(program),
         }
@@ -264,13 +272,14 @@ impl Program {
             motions: 0,
             warnings: Vec::new(),
             limits: Vec::new(),
+            free_curves: false,
         }
     }
 
     /// Takes in what axes are allowed from a block on.
-    fn allow(&mut self, axes: &[AxisData], slope: SlopeType) {
+    fn allow(&mut self, axes: &[AxisData], slope: SlopeType, machine: &Machine) {
         for (k, axis) in axes.iter().enumerate() {
-            let now = limits(axis, slope);
+            let now = limits(&axis.planned(&machine.channel), slope);
             match self.limits.get_mut(k) {
                 Some(allowed) => *allowed = allowed.or(now),
                 None => self.limits.push(now),
@@ -280,7 +289,10 @@ impl Program {
 
     /// What the axis with this index may do.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
-        self.limits.get(axis).copied().unwrap_or_else(|| limits(&machine.axes[axis], machine.slope()))
+        self.limits
+            .get(axis)
+            .copied()
+            .unwrap_or_else(|| limits(&machine.axes[axis].planned(&machine.channel), machine.slope()))
     }
 
     fn add<const AXES: usize>(

@@ -4,6 +4,7 @@ use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
 use crate::machine::{Machine, with_axes};
+use crate::monitor::Monitor;
 use crate::output;
 use crate::plot::Picture;
 use crate::program::{self, Program};
@@ -67,8 +68,10 @@ fn simulate_axes<const AXES: usize>(
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
     let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
     let events = wanted.script.map_or(&[][..], |script| &script.events);
+    let mut statistics = Statistics::new(&start, events.len());
+    statistics.monitor = Monitor::new(machine, program);
     let recorder = Recorder {
-        statistics: Statistics::new(&start, events.len()),
+        statistics,
         trace,
         picture: wanted.picture.then(|| Picture::new(machine, program.shown_axes(machine))),
         cycle_s: machine.cycle_s(),

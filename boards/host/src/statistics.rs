@@ -1,6 +1,7 @@
 //! What a run was like: peaks by finite differences of the set points, distances, the digest.
 use crate::events::What;
 use crate::machine::Machine;
+use crate::monitor::Monitor;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::nc::NcWarning;
@@ -102,6 +103,8 @@ pub struct Statistics {
     pub outcomes: Vec<Outcome>,
     /// What the planner remarked about curves: once for each place of the program.
     pub remarks: Vec<NcWarning>,
+    /// All rows against the limits.
+    pub monitor: Monitor,
     /// Rows at rest up to now.
     pub rest: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
@@ -199,6 +202,7 @@ impl Statistics {
             distance: 0,
             spans: Vec::new(),
             remarks: Vec::new(),
+            monitor: Monitor::default(),
             transitions: Vec::new(),
             fastest: Speed::ZERO,
             functions: Vec::new(),
@@ -270,11 +274,12 @@ impl Statistics {
             let passed = block == self.last.block && self.ticks > 0;
             self.transitions.push(passed.then(|| telemetry.speed.min(self.last.speed)));
         }
+        if telemetry.block != self.last.block {
+            self.monitor.passes(self.ticks);
+        }
         self.fastest = self.fastest.max(telemetry.speed);
         self.last = *telemetry;
-        for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
-            axis.add(set_point);
-        }
+        self.add_points(self.ticks, set_points);
         self.react(moved);
         self.rest = if moved { 0 } else { self.rest + 1 };
         // The first row is the rest at the start.
@@ -309,10 +314,15 @@ impl Statistics {
     /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to its end.
     pub fn finish(&mut self, set_points: &[Position]) {
         self.react(false);
-        for _ in 0..3 {
-            for (axis, &set_point) in self.axes.iter_mut().zip(set_points) {
-                axis.add(set_point);
-            }
+        for row in 0..3 {
+            self.add_points(self.ticks + row, set_points);
+        }
+    }
+
+    fn add_points(&mut self, tick: u64, set_points: &[Position]) {
+        for (k, (axis, &set_point)) in self.axes.iter_mut().zip(set_points).enumerate() {
+            axis.add(set_point);
+            self.monitor.look(k, tick, self.last.n, &axis.latest);
         }
     }
 

@@ -2,6 +2,7 @@
 use crate::events::{Event, function_name};
 use crate::files::Files;
 use crate::machine::{Machine, slope_name};
+use crate::monitor::Step;
 use crate::program::{Program, Segment, plural};
 use crate::statistics::{Effect, Statistics};
 use anstyle::Style;
@@ -41,10 +42,28 @@ pub struct Summary {
     axes: Vec<(String, Axis)>,
     stops: usize,
     slowest_corners: Vec<Corner>,
+    /// Jerk that was not compared with its limit, and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    left_out: Option<String>,
+    /// Joints with a step of acceleration, and the largest one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Steps>,
+    /// Limits exceeded.
+    exceeded: usize,
     warnings: Vec<Warning>,
     functions: Vec<Output>,
     events: Vec<Happening>,
     plan: Vec<Span>,
+}
+
+/// Joints where the machine data permit a step of acceleration, and one has shown.
+#[derive(Serialize)]
+struct Steps {
+    count: u64,
+    largest: f64,
+    axis: String,
+    n: u32,
+    unit: &'static str,
 }
 
 /// An event from outside.
@@ -244,6 +263,19 @@ impl Summary {
             axes: axes.collect(),
             stops,
             slowest_corners,
+            left_out: statistics.monitor.left_out(),
+            steps: (statistics.monitor.stepped > 0).then(|| {
+                let Step { axis, n, size } = statistics.monitor.largest;
+                let data = &machine.axes[axis];
+                Steps {
+                    count: statistics.monitor.stepped,
+                    largest: size,
+                    axis: data.name.as_str().to_owned(),
+                    n,
+                    unit: if data.kind == AxisKind::Linear { "mm/s²" } else { "°/s²" },
+                }
+            }),
+            exceeded: statistics.monitor.excess.len(),
             warnings: warnings.collect(),
             functions: functions.collect(),
             events: events.collect(),
@@ -326,6 +358,16 @@ impl Summary {
                 share(axis.a_max, axis.a_limit, unit),
                 axis.j_max,
                 share(axis.j_max, axis.j_limit, unit),
+            )?;
+        }
+        if let Some(left_out) = &self.left_out {
+            writeln!(out, "  {left_out}")?;
+        }
+        if let Some(Steps { count, largest, axis, n, unit }) = &self.steps {
+            let joints = if *count == 1 { "joint" } else { "joints" };
+            writeln!(
+                out,
+                "  {count} {joints} with a step of acceleration, the largest one {largest:.1} {unit} of {axis} at N{n}"
             )?;
         }
         if !self.events.is_empty() {

@@ -227,6 +227,18 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             &["(P-AXIS-00221) = 300000: out of range", "1…200000 µm/s, limited by dynamik.vb_max"],
         ),
         (
+            "change-over-default",
+            "[axis.X]\nvb_eilgang = 50_000\ndynamik.vb_max = 50_000\n[axis.X.lslope_profil]\nvb_grenz_stufe_1_2 = 100000\n",
+            5,
+            &["(P-AXIS-00211) = 100000: out of range", "1…50000 µm/s, limited by dynamik.vb_max"],
+        ),
+        (
+            "rapid-ramp",
+            "[axis.X.slope_profil]\ntr_grenz = 1\n",
+            2,
+            &["(P-AXIS-00200) = 1: out of range", "10000…4294967295 µs, limited by dynamik.tr_min"],
+        ),
+        (
             "reduced",
             "[axis.X]\nvb_max_red = 200001\n",
             2,
@@ -317,6 +329,31 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
     assert!(machine_refusal("empty", slope).contains("a machine needs an axis"));
     let seven: String = ('A'..='G').map(|letter| format!("[axis.{letter}]\n")).collect();
     assert!(machine_refusal("seven", &seven).contains("7 axes: this simulator is built for 1 to 6"));
+}
+
+/// The worked value of P-AXIS-00212, and a ramp shorter than a cycle: taken, and it is said what is planned with.
+#[test]
+fn machine_data_beyond_a_tick_are_warned_of() {
+    let directory = directory("beyond-a-tick");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    let text = "[channel.prog_start.slope]\nprofile = 1\n[axis.X.dynamik]\nvb_max = 60_000_000\ntr_min = 400\n\
+        [axis.X.slope_profil]\ntr_grenz = 400\n";
+    let machine = file(&directory, "m.toml", text.as_bytes());
+    for command in ["check", "run"] {
+        let output = glidepath(&[command, &program, "--machine", &machine]);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{text}");
+        for expected in [
+            "axis.X.dynamik.vb_max (P-AXIS-00212) = 60000000: planned with 16000000 µm/s",
+            "limited by cycle_us: at most 16 mm per tick",
+            "axis.X.dynamik.tr_min (P-AXIS-00201) = 400: planned with 1000 µs",
+            "axis.X.slope_profil.tr_grenz (P-AXIS-00200) = 400: planned with 1000 µs",
+            "m.toml:4:",
+        ] {
+            assert!(text.contains(expected), "{expected}\n{text}");
+        }
+        assert_eq!(text.matches("warning").count(), 3, "{text}");
+    }
 }
 
 #[test]

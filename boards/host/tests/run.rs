@@ -77,6 +77,36 @@ fn digest_and_peaks_can_be_computed_from_the_trace() {
     }
 }
 
+/// P-CHAN-00009 = 0: a line that touches a circle of 10 mm, and leaves it, at 100 mm/s.
+#[test]
+fn joints_with_a_permitted_step_are_counted() {
+    let directory = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steps");
+    std::fs::create_dir_all(&directory).expect("a directory for the test");
+    let write = |name: &str, text: &str| {
+        std::fs::write(directory.join(name), text).expect("a file for the test");
+        directory.join(name).to_str().expect("plain characters").to_owned()
+    };
+    let program = write("touch.nc", "N10 G01 X50 F6000\nN20 G03 X60 Y10 I0 J10\nN30 G01 Y40\nM30\n");
+    let default = std::fs::read_to_string(shipped("machines/default.toml")).expect("a shipped machine");
+    assert!(default.contains("corr_v_trans_jerk = 1"));
+    let machine = write("free.toml", &default.replace("corr_v_trans_jerk = 1", "corr_v_trans_jerk = 0"));
+    let free = run("steps-free", &program, Some(&machine));
+    assert_eq!(free.summary["steps"]["count"], json!(2));
+    let largest = number(&free.summary["steps"]["largest"]);
+    assert!((largest / 1000.0 - 1.0).abs() < 0.05, "{largest} mm/s², v²/R is 1000");
+    assert!(number(&free.summary["axes"]["X"]["j_max"]) > number(&free.summary["axes"]["X"]["j_limit"]));
+    for expected in [
+        "2 joints with a step of acceleration, the largest one",
+        "jerk not compared at joints: P-CHAN-00009 = 0",
+    ] {
+        assert!(free.stdout.contains(expected), "{}", free.stdout);
+    }
+    let limited = run("steps-limited", &program, None);
+    assert_eq!((&limited.summary["steps"], &limited.summary["left_out"]), (&json!(null), &json!(null)));
+    assert_eq!((&free.summary["exceeded"], &limited.summary["exceeded"]), (&json!(0), &json!(0)));
+    assert!(number(&free.summary["program_time_s"]) < 0.9 * number(&limited.summary["program_time_s"]));
+}
+
 #[test]
 fn path_columns_belong_together() {
     let run = run("columns", &shipped("tests/programs/shapes.nc"), None);

@@ -11,7 +11,6 @@ mod machine;
 mod message;
 mod motion;
 mod output;
-#[cfg(feature = "hardware")]
 mod spi;
 
 use cortex_m::asm::wfi;
@@ -45,12 +44,10 @@ fn main() -> ! {
 fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS }>) {
     #[cfg(feature = "hardware")]
     clock::start(&board.RCC, &board.FLASH);
-    let axes = output::axes(board.SPI1, board.GPIOA, &board.RCC);
+    let Some(axes) = output::axes(board.SPI1, board.DMA2, board.GPIOA, &board.RCC) else { return };
     message::info!("{} bytes of program, cycle {} us", TEXT.len(), machine::MACHINE.channel.cycle_us);
-    // The planner is used where it is made: moved, it would be on the stack twice.
-    let mut halves = channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT);
-    let (planner, interpolator) = match halves {
-        Ok((ref mut planner, interpolator)) => (planner, interpolator),
+    let (mut planner, interpolator) = match channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT) {
+        Ok(halves) => halves,
         Err(_error) => {
             message::error!("machine data refused: {}", defmt::Debug2Format(&_error));
             return;

@@ -30,8 +30,9 @@ pub fn end(report: Report) {
     #[cfg(feature = "qemu")]
     {
         use cortex_m_semihosting::{debug, heprintln};
-        let Report { ticks, starved, missed, digest } = report;
-        heprintln!("ticks {} starved {} missed {} digest {:016x}", ticks, starved, missed, digest.value());
+        let Report { ticks, starved, missed, longest, digest } = report;
+        let digest = digest.value();
+        heprintln!("ticks {ticks} starved {starved} missed {missed} longest {longest} digest {digest:016x}");
         debug::exit(debug::EXIT_SUCCESS);
     }
     #[cfg(not(feature = "qemu"))]

@@ -31,6 +31,8 @@ pub struct Report {
     pub starved: u32,
     /// Ticks that came while the one before was still computed.
     pub missed: u32,
+    /// The longest interrupt, up to where its statistics begin: in the emulator instructions, otherwise periods of TIM2's clock.
+    pub longest: u32,
     /// Over all set points.
     pub digest: Digest,
 }
@@ -54,7 +56,7 @@ impl Technology for Nothing<'_> {
 
 static MAILBOX: Mutex<Cell<Option<Motion>>> = Mutex::new(Cell::new(None));
 static REPORT: Mutex<Cell<Report>> =
-    Mutex::new(Cell::new(Report { ticks: 0, starved: 0, missed: 0, digest: Digest::new() }));
+    Mutex::new(Cell::new(Report { ticks: 0, starved: 0, missed: 0, longest: 0, digest: Digest::new() }));
 static MOVING: AtomicBool = AtomicBool::new(false);
 
 /// Hands the interpolator to the interrupt and starts the timer.
@@ -90,12 +92,14 @@ fn TIM2() {
         *MOTION = critical_section::with(|cs| MAILBOX.borrow(cs).take());
     }
     let Some(motion) = MOTION else { return };
+    let begin = motion.timer.cnt().read().bits();
     motion.timer.sr().modify(|_, w| w.uif().clear_bit());
     // The set points of the cycle before: their moment does not depend on how long the next ones take.
     motion.axes.write(motion.interpolator.set_points());
     let state = motion.interpolator.tick();
     let control = motion.interpolator.control();
     motion.interpolator.deliver(&mut Nothing(control));
+    let took = motion.timer.cnt().read().bits().wrapping_sub(begin);
     let late = motion.timer.sr().read().uif().bit_is_set();
     critical_section::with(|cs| {
         let mut report = REPORT.borrow(cs).get();
@@ -110,6 +114,7 @@ fn TIM2() {
             State::Idle if report.ticks > 0 => *IDLE = IDLE.wrapping_add(1),
             State::Idle => {}
         }
+        report.longest = report.longest.max(took);
         report.missed = report.missed.wrapping_add(u32::from(late));
         REPORT.borrow(cs).set(report);
     });

@@ -5,14 +5,16 @@
 mod machines;
 mod run;
 
-pub use machines::{AXES_3, AXES_4, AXES_6};
+pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
 
-/// Blocks of look-ahead with three and four axes, the default of the language.
+/// Blocks of look-ahead, the default of the language.
 pub const BLOCKS: usize = 120;
 
-/// The same with six axes: a planner is there twice while it is made, and the target has 128 KiB.
-pub const BLOCKS_6: usize = 30;
+/// A short look-ahead, and a deep one.
+pub const SHORT: usize = 30;
+/// See [`SHORT`].
+pub const DEEP: usize = 190;
 
 /// A program and its name in reports.
 pub struct Case {
@@ -41,6 +43,7 @@ pub const CASES_3: &[Case] = cases!(
     "micro",
     "short_arcs",
     "cam",
+    "cam_dev",
     "rapid_and_feed",
     "dwell",
     "step",
@@ -52,7 +55,13 @@ pub const CASES_3: &[Case] = cases!(
 );
 
 /// Programs for [`AXES_4`].
-pub const CASES_4: &[Case] = cases!("rotary");
+pub const CASES_4: &[Case] = cases!("rotary", "rotary_corners");
 
 /// Programs for [`AXES_6`].
 pub const CASES_6: &[Case] = cases!("six", "six_corners");
+
+/// Programs for three axes with another look-ahead.
+pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", "corners");
+
+/// Programs for six axes with another look-ahead.
+pub const CASES_6_OTHER: &[Case] = cases!("six", "six_corners");

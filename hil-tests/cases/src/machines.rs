@@ -1,5 +1,5 @@
 //! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms; two stages for STEP.
-use super::BLOCKS_6;
+use super::{DEEP, SHORT};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 
 const fn name(letter: &str) -> AxisName {
@@ -37,7 +37,8 @@ const fn rotary(letter: &str) -> AxisData {
     axis(AxisData { vb_eilgang: 120_000, vb_max: 120_000, a_max: 2_000, ..data }, 2_000, 60_000)
 }
 
-const CHANNEL: ChannelData = ChannelData { slope_profile: 1, ..ChannelData::new() };
+/// Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
+const CHANNEL: ChannelData = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
 
 /// X, Y and Z.
 pub const AXES_3: MachineData<3> =
@@ -50,5 +51,17 @@ pub const AXES_4: MachineData<4> =
 /// X, Y, Z and the rotary axes A, B and C, with PTP.
 pub const AXES_6: MachineData<6> = MachineData {
     axes: [linear("X"), linear("Y"), linear("Z"), rotary("A"), rotary("B"), rotary("C")],
-    channel: ChannelData { ptp: true, look_ahead: BLOCKS_6 as _, ..CHANNEL },
+    channel: ChannelData { ptp: true, ..CHANNEL },
 };
+
+/// The same with a short look-ahead.
+pub const AXES_3_SHORT: MachineData<3> =
+    MachineData { channel: ChannelData { look_ahead: SHORT as _, ..CHANNEL }, ..AXES_3 };
+
+/// The same with a deep one.
+pub const AXES_3_DEEP: MachineData<3> =
+    MachineData { channel: ChannelData { look_ahead: DEEP as _, ..CHANNEL }, ..AXES_3 };
+
+/// Six axes with a short look-ahead.
+pub const AXES_6_SHORT: MachineData<6> =
+    MachineData { channel: ChannelData { look_ahead: SHORT as _, ..AXES_6.channel }, ..AXES_6 };

@@ -64,7 +64,7 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     text: &'static [u8],
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
-    // Used where it was made: a board has no room for two planners.
+    // By reference: the stack holds the planner's half once.
     let mut halves = channel.split(machine, [Position::ZERO; AXES], text);
     let (planner, interpolator) = match &mut halves {
         Ok((planner, interpolator)) => (planner, interpolator),

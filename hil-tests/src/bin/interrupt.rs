@@ -13,7 +13,7 @@ use glidepath::digest::Digest;
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
 use hil_cases::{AXES_3, BLOCKS, CASES_3, Case};
-use hil_tests::{Report, exit};
+use hil_tests::{Report, exit, report_memory};
 use panic_semihosting as _;
 use static_cell::ConstStaticCell;
 
@@ -25,7 +25,8 @@ type Memory = ConstStaticCell<Channel<3, BLOCKS>>;
 /// Case and time between two interrupts. Ticks are the program's time, so that a shorter one changes no set point: it
 /// preempts the planner more often.
 /// A thousand blocks of a few micrometres a second, with as many instructions for a tick as 168 MHz has in 1 ms.
-const RUNS: [(&str, u32); 3] = [("subroutine", 1000), ("short_blocks", 200), ("micro", MICRO_US)];
+const RUNS: [(&str, u32); 4] =
+    [("subroutine", 1000), ("short_blocks", 200), ("micro", MICRO_US), ("corners", 1000)];
 
 /// The emulator executes an instruction in 1 ns.
 const MICRO_US: u32 = if cfg!(feature = "hardware") { 1000 } else { 168 };
@@ -82,10 +83,8 @@ fn motion(
     period_us: u32,
     report: &mut Report,
 ) -> bool {
-    // In its place: there is no room for another planner.
-    let mut halves = channel.split(&AXES_3, [Position::ZERO; 3], case.text);
-    let (planner, interpolator) = match halves {
-        Ok((ref mut planner, interpolator)) => (planner, interpolator),
+    let (mut planner, interpolator) = match channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
+        Ok(halves) => halves,
         Err(error) => {
             let _ = writeln!(report, "failed {error:?}");
             return false;
@@ -149,6 +148,7 @@ fn main() -> ! {
         let case = CASES_3.iter().find(|case| case.name == *name);
         case.is_some_and(|case| motion(channel, case, &mut core.SYST, *period_us, &mut report))
     });
+    report_memory::<3, BLOCKS>(&mut report);
     report.flush();
     exit(good)
 }

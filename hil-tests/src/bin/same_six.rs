@@ -3,12 +3,12 @@
 #![no_main]
 use cortex_m_rt::entry;
 use glidepath::channel::Channel;
-use hil_cases::{AXES_6, BLOCKS_6, CASES_6};
+use hil_cases::{AXES_6, BLOCKS, CASES_6};
 use hil_tests::record_all;
 use panic_semihosting as _;
 use static_cell::ConstStaticCell;
 
-static CHANNEL: ConstStaticCell<Channel<6, BLOCKS_6>> = ConstStaticCell::new(Channel::new());
+static CHANNEL: ConstStaticCell<Channel<6, BLOCKS>> = ConstStaticCell::new(Channel::new());
 
 #[entry]
 fn main() -> ! {

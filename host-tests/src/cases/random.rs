@@ -59,6 +59,8 @@ pub struct Mix {
     pub rapids: u64,
     /// One exact stop in this many blocks; 0 for none.
     pub stops: u64,
+    /// Smallest and largest radius of an arc, mm.
+    pub radius: [f64; 2],
     /// Most of the knees below this angle, rad; one in eight is arbitrary.
     pub knee: f64,
 }
@@ -74,6 +76,7 @@ impl Mix {
             arcs: 4,
             rapids: 7,
             stops: 20,
+            radius: [0.3, 60.0],
             knee: 0.3,
         }
     }
@@ -88,6 +91,7 @@ impl Mix {
             arcs: 0,
             rapids: 0,
             stops: 0,
+            radius: [0.3, 60.0],
             knee: 0.05,
         }
     }
@@ -150,7 +154,7 @@ pub fn program(seed: u64, mix: Mix) -> Program {
             to[3] += nanometres(r.between(1.0, 90.0));
         }
         let kind = if linear >= 2 && once(&mut r, mix.arcs) {
-            arc(&mut r, &from, &mut to, linear)
+            arc(&mut r, &from, &mut to, linear, mix.radius)
         } else if once(&mut r, mix.rapids) {
             Kind::Rapid
         } else {
@@ -167,7 +171,7 @@ pub fn program(seed: u64, mix: Mix) -> Program {
 }
 
 /// An arc that starts in `from`; sets the plane's coordinates of `to`. The third main axis keeps its travel (helix).
-fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize) -> Kind {
+fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize, [least, most]: [f64; 2]) -> Kind {
     let plane = match (linear, r.bits() % 4) {
         (3, 0) => Plane::Zx,
         (3, 1) => Plane::Yz,
@@ -175,7 +179,7 @@ fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize) -> Kind {
     };
     let axes = plane.axes();
     let clockwise = r.once_in(2);
-    let radius = r.magnitude(0.3, 60.0);
+    let radius = r.magnitude(least, most);
     let start = r.between(0.0, TAU);
     let full = r.once_in(6);
     let by_radius = !full && r.once_in(3);

@@ -43,7 +43,7 @@ fn length(element: &Element) -> f64 {
 }
 
 /// The length that speeds count along: the same, or that of other feed axes.
-fn measured(element: &Element) -> f64 {
+pub(super) fn measured(element: &Element) -> f64 {
     if element.feed_axes == element.main { length(element) } else { path_length(element) }
 }
 

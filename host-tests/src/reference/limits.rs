@@ -5,6 +5,8 @@
 //! - every limit of a straight block is that of the axis that reaches its own first;
 //! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part of it;
 //! - a ramp of SIN2 has π/2 times the jerk of a linear one;
+//! - a knee with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have any jerk; with it, it has the part of the
+//!   joint's jerk that P-AXIS-00154 gives. Knee, curvature and slope together keep the largest acceleration;
 //! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter of the largest
 //!   acceleration, which lines beside it and all arcs leave to it;
 //! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`].
@@ -136,19 +138,26 @@ pub struct AxisLimits {
     change_over: f64,
     /// B.
     jerk: f64,
-    /// Step of speed at a knee.
+    /// Step of speed at a knee, and whether its jerk is free.
     knee: f64,
+    free_knee: bool,
+    /// Jerk of a step of acceleration.
+    bend: f64,
+    /// Acceleration of knee and curvature together, and speed gained in a tick beside them.
+    beside_turn: [f64; 2],
     a_beside: f64,
     a_max: f64,
 }
 
 impl AxisLimits {
     /// Of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
-    pub fn new(axis: &AxisData, cycle_us: u32, slope: u8, rapid: bool) -> Self {
+    pub fn new(axis: &AxisData, channel: &ChannelData, rapid: bool) -> Self {
+        let (cycle_us, slope) = (channel.cycle_us, channel.slope_profile);
         let cycle = f64::from(cycle_us) * 1e-6;
         let keep = 1.0 - tolerance::SPEED_MARGIN;
         let acceleration = |mm_s2: u32| f64::from(mm_s2) * cycle * cycle * keep;
-        let ticks = |us: u32| f64::from(us) / f64::from(cycle_us);
+        // No ramp is shorter than a cycle.
+        let ticks = |us: u32| (f64::from(us) / f64::from(cycle_us)).max(1.0);
         let (v, up, down, ramps) = if rapid {
             (axis.vb_eilgang, axis.a_grenz, axis.a_grenz, [axis.tr_grenz; 4])
         } else {
@@ -170,12 +179,19 @@ impl AxisLimits {
         };
         let over = |shortest: f64| std::array::from_fn(|k| jerk_with(k, ticks(ramps[k]).min(shortest)));
         let j: [f64; 4] = over(f64::INFINITY);
-        let shared: [f64; 4] = over(ticks(axis.tr_geom).max(1e-9 / cycle));
+        let shared: [f64; 4] = over(ticks(if axis.tr_geom == 0 { axis.tr_min } else { axis.tr_geom }));
         let longest = ramps.into_iter().map(ticks).fold(0.0, f64::max);
         let weight =
             if axis.a_trans_weight == 0 { 1.0 / longest } else { f64::from(axis.a_trans_weight) * 1e-3 };
         let shortest = ramps.into_iter().map(ticks).fold(f64::INFINITY, f64::min);
         let a_max = acceleration(axis.a_max);
+        let jerk = shared.into_iter().fold(f64::INFINITY, f64::min);
+        let peak = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
+        let near = (peak * j.into_iter().fold(0.0, f64::max)).min(JOINT * jerk);
+        let left = if slope == 3 { a_max } else { a_max - near / 3.0 };
+        let free_knee = axis.a_trans_weight > 0;
+        let most = if free_knee && slope != 3 { left } else { KNEE * a_max };
+        let part = if axis.r_trans_weight == 0 { 1.0 } else { f64::from(axis.r_trans_weight) * 1e-3 };
         let mut limits = Self {
             v: f64::from(v) * 1e-3 * cycle * keep,
             a_up,
@@ -184,8 +200,11 @@ impl AxisLimits {
             up: accelerate,
             down: brake,
             change_over: f64::from(change_over.min(axis.vb_max)) * 1e-3 * cycle * keep,
-            jerk: shared.into_iter().fold(f64::INFINITY, f64::min),
-            knee: (a_up.min(a_down) * weight).min(KNEE * a_max),
+            jerk,
+            knee: (a_up.min(a_down) * weight).min(most),
+            free_knee,
+            bend: if channel.corr_v_trans_jerk { part * JOINT * jerk } else { f64::INFINITY },
+            beside_turn: [left, near / 2.0],
             a_beside: (1.0 - if shortest < LONG_RAMP { KNEE } else { KNEE * SLIGHT }) * a_max,
             a_max,
         };
@@ -193,6 +212,7 @@ impl AxisLimits {
             let least = accelerate.into_iter().chain(brake).fold(f64::INFINITY, f64::min);
             limits.knee = least.min(KNEE * a_max);
             limits.jerk = limits.knee / JOINT;
+            (limits.free_knee, limits.bend) = (false, f64::INFINITY);
             limits.a_beside = (1.0 - KNEE) * a_max;
         }
         limits
@@ -216,7 +236,7 @@ impl Machine {
     /// From its data.
     pub fn new(axes: &[AxisData], channel: &ChannelData) -> Self {
         let (cycle_us, slope) = (channel.cycle_us, channel.slope_profile);
-        let of = |rapid| axes.iter().map(|a| AxisLimits::new(a, cycle_us, slope, rapid)).collect();
+        let of = |rapid| axes.iter().map(|a| AxisLimits::new(a, channel, rapid)).collect();
         Self { feed: of(false), rapid: of(true), cycle_us, slope }
     }
 
@@ -338,8 +358,12 @@ impl Machine {
             let unseen = |step: f64| step <= smooth * axis.jerk;
             let knee = if unseen(fastest * knee) { 0.0 } else { knee };
             let bend = if self.slope == 0 || unseen(fastest * fastest * bend) { 0.0 } else { bend };
-            let both = if knee > 0.0 && bend > 0.0 { 0.5 } else { 1.0 };
-            let part = both * JOINT * axis.jerk;
+            let counts = bend > 0.0 && axis.bend < f64::INFINITY;
+            let part = match axis.free_knee {
+                true => axis.knee,
+                false if counts => 0.5 * JOINT * axis.jerk,
+                false => JOINT * axis.jerk,
+            };
             if knee > 0.0 {
                 // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks apart.
                 let alone = part.min(axis.knee) / knee;
@@ -358,7 +382,16 @@ impl Machine {
                 let close = (product / (half + half.hypot(product)).sqrt()).min(0.25 * part / knee);
                 v = v.min(alone.min(slow).max(alone.min(close)));
             }
-            if bend > 0.0 {
+            let curvature = begin.curvature[k].abs().max(end.curvature[k].abs());
+            if knee > 0.0 && curvature > 0.0 && self.slope != 0 {
+                // knee·v + curvature·(v + gained)² = left
+                let [left, gained] = axis.beside_turn;
+                let root = (knee * knee + 4.0 * curvature * left).sqrt();
+                let together = 2.0 * left / (knee + root) - gained;
+                v = v.min(together.max((left - ACROSS * axis.a_max) / knee).max(0.0));
+            }
+            if counts {
+                let part = if knee > 0.0 { 0.5 * axis.bend } else { axis.bend };
                 v = v.min((part / bend).sqrt());
             }
         }

@@ -10,6 +10,8 @@ pub mod merge;
 
 pub mod planner;
 
+pub mod stop;
+
 pub mod motion;
 
 pub mod optimum;

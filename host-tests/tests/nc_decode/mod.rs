@@ -1,7 +1,7 @@
 //! A program in, everything the decoder says about it out.
 #![allow(dead_code, reason = "every test binary uses its part")]
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use glidepath::nc::{Command, Decoder, Motion, NcError, NcWarning, Setup, Step, Text};
+use glidepath::nc::{Command, Decoder, DecoderMemory, Motion, NcError, NcWarning, Setup, Step, Text};
 use glidepath::quantity::Position;
 
 /// X, Y, Z linear, A, C rotary.
@@ -27,7 +27,8 @@ pub fn decode_text<const AXES: usize>(
     text: impl Text,
     limit: usize,
 ) -> (Vec<Command<AXES>>, Vec<NcWarning>, Option<NcError>, usize) {
-    let mut decoder: Decoder<_, AXES> = Decoder::new(setup, text);
+    let mut memory = DecoderMemory::new();
+    let mut decoder: Decoder<_, AXES> = Decoder::new(&mut memory, setup, text);
     let (mut commands, mut warnings) = (Vec::new(), Vec::new());
     for steps in 1..=limit {
         match decoder.step() {

@@ -169,7 +169,7 @@ impl Dip {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// One step.
     pub(super) fn dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
         match step {
@@ -499,7 +499,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
         block.length = distance;
         piece.marks = Marks::default();
         piece.marks.set(Marks::LONG, block.is(Marks::LONG));
-        piece.marks.set(Marks::CHECKED, true);
+        piece.marks.set(Marks::CHECKED | Marks::SMOOTH, true);
         block.marks.set(Marks::LONG, false);
         piece.give_way();
         if self.insert(k + 1, piece) {

@@ -19,7 +19,7 @@ const LAWS: usize = 2;
 /// An anchor moves only for so much: less is better gained without it.
 const WORTH: f32 = 0.995;
 
-impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// An anchor that is slower than it may be.
     pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let (from, at) = (pass.from, pass.at);

@@ -2,7 +2,9 @@
 use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT};
 use crate::lookahead::limits::{Ramps, TRANSITION_PART, max, min};
 use crate::machine::{AxisData, ChannelData, Stages};
+use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
+use crate::slope::bend::Bend;
 
 /// What a slight transition takes of the largest acceleration.
 const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
@@ -25,6 +27,8 @@ pub struct Set {
     pub ramp_budget: f32,
     /// Acceleration left to the slope beside a knee.
     pub a_shared: f32,
+    /// The same where acceleration is zero at the knee.
+    pub a_resting: f32,
 }
 
 /// What an axis permits at a transition.
@@ -34,8 +38,14 @@ pub struct Joint {
     pub budget: f32,
     /// Speed step permitted at a knee (P-AXIS-00013).
     pub knee: f32,
-    /// Acceleration step permitted at a tangential transition (P-AXIS-00154), where P-CHAN-00009 asks for it.
+    /// P-AXIS-00013 is given: the jerk of such a step is not limited.
+    pub is_weighted: bool,
+    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` where it is not limited.
     pub bend: f32,
+    /// Acceleration for knee and curvature together: the slope has the rest within a tick of the transition.
+    pub left: f32,
+    /// Speed that the slope gains within a tick of the transition.
+    pub gained: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +62,22 @@ impl Joint {
         Self {
             budget: min(self.budget, other.budget),
             knee: min(self.knee, other.knee),
+            is_weighted: self.is_weighted && other.is_weighted,
             bend: min(self.bend, other.bend),
+            left: min(self.left, other.left),
+            gained: max(self.gained, other.gained),
         }
+    }
+}
+
+impl Joint {
+    /// Highest speed at which the step of speed at a knee, and the acceleration across the path on either side of it, are no more than
+    /// `left` together. The curvature acts at the speed that the slope has a tick later:
+    ///
+    /// knee·v + curvature·(v + gained)² ≤ left.
+    pub(super) fn beside_turn(&self, knee: f32, curvature: f32) -> f32 {
+        let both = knee + sqrt_f32(knee * knee + 4.0 * curvature * self.left);
+        2.0 * self.left / both - self.gained
     }
 }
 
@@ -84,7 +108,8 @@ impl Axis {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
         let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
         let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
-        let ticks = |us: u32| max(us as f32 * 1e-6, 1e-9) / cycle_s;
+        let data = &data.planned(channel);
+        let ticks = |us: u32| us as f32 * 1e-6 / cycle_s;
         let geometric = ticks(data.tr_geom);
         let a_max = accel(data.a_max);
         let stepped = slope == SlopeType::Step;
@@ -108,7 +133,20 @@ impl Axis {
             }
             let a = min(a_up, a_down);
             // Of `a`, in 0.1 %; 0: cycle time / ramp time.
-            let part = |weight: u32| a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
+            let weight = data.a_trans_weight;
+            let knee = a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
+            // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of it counts in the middle.
+            let peak = if slope == SlopeType::Sin2 { Bend::SineSquare.peak_jerk() } else { 1.0 };
+            let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
+            // With HSC acceleration passes a knee.
+            let passes = slope == SlopeType::Hsc;
+            let left = if passes { a_max } else { a_max - near * (1.0 / 3.0) };
+            let most = if passes || weight == 0 { KNEE_PART * a_max } else { left };
+            let jerk = match data.r_trans_weight {
+                0 => 1000,
+                weight => weight,
+            };
+            let bend = jerk as f32 * 1e-3 * TRANSITION_PART * budget;
             let mut set = Set {
                 v: speed(v),
                 a_up,
@@ -118,21 +156,29 @@ impl Axis {
                 j,
                 joint: Joint {
                     budget,
-                    knee: min(part(data.a_trans_weight), KNEE_PART * a_max),
-                    bend: if channel.corr_v_trans_jerk { part(data.r_trans_weight) } else { f32::MAX },
+                    knee: min(knee, most),
+                    is_weighted: weight > 0,
+                    bend: if channel.corr_v_trans_jerk { bend } else { f32::MAX },
+                    left,
+                    gained: 0.5 * near,
                 },
                 ramp_budget: min(ramp_budget, budget),
-                a_shared: (1.0 - SLIGHT_KNEE) * a_max,
+                a_shared: (1.0 - KNEE_PART) * a_max,
+                a_resting: (1.0 - SLIGHT_KNEE) * a_max,
             };
             if stepped {
                 // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
                 let knee = min(set.least(), KNEE_PART * a_max);
-                set.joint = Joint { budget: knee / TRANSITION_PART, knee, bend: f32::MAX };
+                set.joint.budget = knee / TRANSITION_PART;
+                (set.joint.knee, set.joint.is_weighted, set.joint.bend) = (knee, false, f32::MAX);
             } else {
                 set.upper = [f32::MAX; 2];
             }
-            if stepped || shortest < LONG_RAMP || slope == SlopeType::Hsc {
-                set.a_shared = (1.0 - KNEE_PART) * a_max;
+            if stepped || shortest < LONG_RAMP {
+                set.a_resting = set.a_shared;
+            }
+            if slope != SlopeType::Hsc {
+                set.a_shared = set.a_resting;
             }
             set
         };

@@ -22,19 +22,17 @@ mod polynomial;
 mod transition;
 
 pub(super) use axis::Set;
-pub use polynomial::Curving;
+pub use polynomial::{Curving, Steady};
 
-use super::limits::{Joins, Law, Limits, Share, magnitude, min};
+use super::limits::{Joins, Law, Limits, Share, magnitude, max, min};
 use super::pace::Headroom;
 use super::vector::{PathLimits, TooLow};
 use super::weights::Weights;
 use crate::machine::MachineData;
-use crate::math::float::{size_f32, to_f32};
+use crate::math::float::size_f32;
 use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
-use crate::quantity::Distance;
 use crate::slope::bend::Bend;
-use crate::tick::SKIP_PER_TICK;
 use axis::{Axis, Joint};
 
 /// Factor on speeds and accelerations.
@@ -49,11 +47,8 @@ const NORMAL_PART: f32 = 0.8;
 const KNEE_PART: f32 = 0.25;
 /// Part of what a transition may show that passes for none.
 const SLIGHT: f32 = 1.0 / 64.0;
-/// Element lengths per tick, so that a tick never has to pass more elements than it may.
-const SKIP: f32 = (SKIP_PER_TICK - 1) as f32;
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// A jerk that is none, mm/tick³.
 const NO_LIMIT: f32 = 1e20;
@@ -163,29 +158,22 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
         match &element.circle {
-            None => self.line(&element.entry.tangent, element.shape.length, feed),
-            circle => self.permitted(&element.entry.tangent, element.shape.length, circle, feed),
+            None => self.line(&element.entry.tangent, feed),
+            circle => self.permitted(&element.entry.tangent, circle, feed),
         }
     }
 
-    /// The same for a straight line: its direction (LSB 2^-40) and its length.
+    /// The same for a straight line: its direction (LSB 2^-40).
     #[inline(never)]
-    pub(crate) fn line(&self, tangent: &[i64; AXES], length: Distance, feed: Option<f32>) -> Permitted {
-        self.permitted(tangent, length, &None, feed)
+    pub(crate) fn line(&self, tangent: &[i64; AXES], feed: Option<f32>) -> Permitted {
+        self.permitted(tangent, &None, feed)
     }
 
     #[inline(always)]
-    fn permitted(
-        &self,
-        tangent: &[i64; AXES],
-        length: Distance,
-        circle: &Option<Circle>,
-        feed: Option<f32>,
-    ) -> Permitted {
+    fn permitted(&self, tangent: &[i64; AXES], circle: &Option<Circle>, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
-        let length = to_f32(length.to_bits()) * LSB_44;
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
+        let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
         let turns = |k: usize| circle.filter(|circle| circle.plane.contains(&k));
         let shares = || {
@@ -254,6 +242,16 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         [a, j]
+    }
+
+    /// The longest ramp time, in ticks, of the axes that move in proportion to `parts`.
+    pub fn longest_ramp(&self, parts: &[f32; AXES], rapid: bool) -> f32 {
+        let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
+        axes.fold(0.0, |longest, (axis, _)| {
+            let set = axis.set(rapid);
+            let [up, up_end, down, down_end] = set.j;
+            max(longest, JERK_MARGIN * max(set.a_up / min(up, up_end), set.a_down / min(down, down_end)))
+        })
     }
 
     /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.

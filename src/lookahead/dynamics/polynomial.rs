@@ -1,6 +1,6 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
-use super::{Dynamics, KNEE_PART, LSB_44, NORMAL_PART, Permitted, SKIP};
+use super::{Dynamics, KNEE_PART, NORMAL_PART, Permitted};
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
@@ -9,11 +9,24 @@ use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element};
 
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
-/// Jerks tried there, each by that factor less: down to a thousandth.
+/// Jerks tried there, each by that factor less: down to a thousandth. A 145th of the highest one is always low enough, see
+/// [`Dynamics::timed`].
 const TIMED_STEPS: usize = 44;
 const TIMED_STEP: f32 = 0.85;
+/// Jerks passed over at most before the first one is tried: 10^-14 of the ramps' own.
+const SKIPPED: usize = 200;
+/// 1 / (3 · 0.385).
+const EVENLY: f32 = 0.866;
+/// In place of a zero in a denominator.
+const TINY: f32 = 1e-12;
+
+/// The same of the curvature in an element that is passed at one speed, and what is left of `B` to its slope.
+const STEADY_PART: f32 = 0.95;
+const STEADY_SLOPE_PART: f32 = 0.02;
 
 /// What limits a curve that replaces a corner, beside the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +34,26 @@ pub struct Curving {
     /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
     pub jerk: u8,
     /// CONST_VEL: its speed does not change.
-    pub constant: bool,
+    pub constant: Option<Steady>,
 }
 
-/// Largest change of the speed's square inside an element where the speed is to stay, relative.
-const CONSTANT: f32 = 1.0 / 8192.0;
+/// One speed for all of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steady {
+    /// The largest that every element permits, mm/tick.
+    pub v: f32,
+    /// Path length of all elements, mm.
+    pub length: f32,
+}
+
+impl Steady {
+    /// Any speed, for an element by itself.
+    pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
+}
+
+/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their arc length
+/// adds to that.
+const CONSTANT: f32 = 3e-4;
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
@@ -33,7 +61,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// As in an arc, of five speeds the one is taken with which the element alone is fastest.
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to be passed at one speed, the
+    /// highest, and what is left to its acceleration is for an operator's command.
     pub fn polynomial(
         &self,
         element: &Element<AXES>,
@@ -46,12 +75,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         if let Some(speed) = bounds.timed {
             return self.timed(bounds, speed, feed);
         }
-        let mut limits = Limits { v: min(SKIP * length, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
+        let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
-        limits.v = min(limits.v, feed * self.level);
+        limits.v = min(min(limits.v, bounds.steady.unwrap_or(f32::MAX)), feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
@@ -63,6 +92,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
+        let [normal_part, curve_part, slope_part] = if bounds.steady.is_some() {
+            [TIMED_PART, STEADY_PART, STEADY_SLOPE_PART]
+        } else {
+            [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
+        };
+        let speeds = if bounds.steady.is_some() { 1 } else { ARC_SPEEDS };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
@@ -70,22 +105,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 v_reduced = min(v_reduced, axis.v_reduced / slope);
             }
             if *bend > 0.0 {
-                let normal = min(set.least(), NORMAL_PART * a_max(axis));
+                let normal = min(set.least(), normal_part * a_max(axis));
                 limits.v = min(limits.v, sqrt_f32(normal / bend));
             }
             let budget = budget_of(set);
             if budget < f32::MAX {
                 if *twist > 0.0 {
-                    limits.v = min(limits.v, cbrt_f32(ARC_PART * budget / twist));
+                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / twist));
                 }
                 if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0, &mut limits.law) {
-                    lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / slope; 4]);
+                    lower(j, [slope_part / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
-        for _ in 0..ARC_SPEEDS {
+        for _ in 0..speeds {
             let mut a = min(limits.a_up, limits.a_down);
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
@@ -93,7 +128,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
                 let budget = budget_of(axis.set(rapid));
                 if *bend > 0.0 && budget < f32::MAX {
-                    let left = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+                    let left = (1.0 - slope_part) * budget - twist * v * v * v;
                     a = min(a, left / (3.0 * v * bend));
                 }
             }
@@ -104,9 +139,11 @@ impl<const AXES: usize> Dynamics<AXES> {
             v *= ARC_SPEED_STEP;
         }
         limits.v = best.1;
-        if curving.constant {
+        if let Some(Steady { v, length }) = curving.constant {
+            // No faster than the element that is slowest.
+            limits.v = min(limits.v, v);
             // Over its length the square of the speed changes by 2·a·length.
-            best.2 = min(best.2, CONSTANT * best.1 * best.1 / length);
+            best.2 = min(best.2, CONSTANT * limits.v * limits.v / length);
         }
         limits.lower_accelerations(best.2);
         self.path.lower(&mut limits, rapid, true);
@@ -125,10 +162,15 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
     /// e·(1 − e²) is at most 0.385.
+    ///
+    /// The search for j begins where one of the terms alone takes all: |x'|·j ≤ B, |x'|·√(2·j·V) ≤ a_max and
+    /// 0.385·3·|x''|·V·√(2·j·V) ≤ B. With ρ of that jerk, and the curve's own acceleration and jerk at their largest ([`TIMED_PART`] of
+    /// a_max and B), the conditions above ask for ρ ≤ 0.08 and, of the jerk, for ρ ≤ 0.0069: so the search ends, however short
+    /// the ramps are against the time in which V is reached.
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
-        let mut share_left = Share { j: f32::MAX, a: f32::MAX };
+        let mut share_left = Share::WHOLE;
         let feed = self.programmed(feed);
         limits.v = min(limits.v, feed * self.level);
         let mut v_reduced = f32::MAX;
@@ -150,6 +192,19 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         let v = limits.v;
+        let mut highest = f32::MAX;
+        for (axis, ((slope, bend), _)) in self.axes.iter().zip(derivatives()) {
+            let along = axis.a_max / max(*slope, TINY);
+            let across = EVENLY * axis.set(rapid).joint.budget / max(bend * v, TINY);
+            let root = min(along, across);
+            highest = min(highest, 0.5 * root * root / v);
+        }
+        for _ in 0..SKIPPED {
+            if jerk <= highest {
+                break;
+            }
+            jerk *= TIMED_STEP;
+        }
         for _ in 0..TIMED_STEPS {
             let root = sqrt_f32(2.0 * jerk * v);
             let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {

@@ -1,6 +1,6 @@
 //! Speed of a transition from one element to the next.
 use super::axis::Joint;
-use super::{Dynamics, LSB_40, MARGIN, SLIGHT};
+use super::{Dynamics, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
 use crate::lookahead::limits::{TRANSITION_PART, magnitude, max, min};
 use crate::math::float::size_f32;
 use crate::math::root::sqrt_f32;
@@ -23,9 +23,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
     /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
     ///
-    /// With P-CHAN-00009 the step of acceleration at a tangential transition is at most the part of the axis'
-    /// acceleration that P-AXIS-00154 gives. Without it, and where it gives more, the jerk budget alone decides: unlike
-    /// ISG's kernel, which then takes no notice of the jerk, limits of jerk hold here in any case.
+    /// Jerk is not limited in two places, because the machine data say so. A step of acceleration is free without P-CHAN-00009; with it,
+    /// it has the part of the transition's jerk that P-AXIS-00154 gives. A step of speed is limited by acceleration
+    /// alone where P-AXIS-00013 is given. Acceleration is limited everywhere.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
     /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
@@ -39,8 +39,6 @@ impl<const AXES: usize> Dynamics<AXES> {
         (fastest, a): (f32, f32),
     ) -> Option<f32> {
         let mut v = f32::MAX;
-        let mut tangential = true;
-        let mut square = f32::MAX;
         for k in 0..AXES {
             let (axis, [t0, t1]) = (&self.axes[k], [from.tangent[k], to.tangent[k]]);
             let [c0, c1] = [from.curvature[k], to.curvature[k]];
@@ -60,9 +58,13 @@ impl<const AXES: usize> Dynamics<AXES> {
             let knee = if fastest * knee <= unseen { 0.0 } else { knee };
             let bend = if stepped || fastest * fastest * bend <= unseen { 0.0 } else { bend };
             let part = TRANSITION_PART * joint.budget;
+            let is_free = joint.bend == f32::MAX;
             if knee > 0.0 {
-                tangential = false;
-                let part = if bend > 0.0 { 0.5 * part } else { part };
+                let part = match joint.is_weighted {
+                    true => joint.knee,
+                    false if bend > 0.0 && !is_free => 0.5 * part,
+                    false => part,
+                };
                 let alone = min(part, joint.knee) / knee;
                 if stepped {
                     v = min(v, beside_others(alone, 0.25 * part / knee, shorter, a));
@@ -73,16 +75,44 @@ impl<const AXES: usize> Dynamics<AXES> {
                     v = min(v, alone);
                 }
             }
-            if bend > 0.0 {
-                let part = if knee > 0.0 { 0.5 * part } else { part };
+            let curvature = max(magnitude(c0), magnitude(c1));
+            if knee > 0.0 && curvature > 0.0 && !stepped {
+                // Arcs leave a part of the acceleration beside them, of which the slope needs some.
+                let rest = (joint.left - NORMAL_PART * axis.a_max) / knee;
+                v = min(v, max(joint.beside_turn(knee, curvature), max(rest, 0.0)));
+            }
+            if bend > 0.0 && !is_free {
+                let part = if knee > 0.0 { 0.5 * joint.bend } else { joint.bend };
                 v = min(v, sqrt_f32(part / bend));
-                square = min(square, joint.bend / bend);
             }
         }
-        if tangential && square < f32::MAX {
-            v = min(v, sqrt_f32(square));
-        }
         if v == f32::MAX { None } else { Some(v * MARGIN) }
+    }
+
+    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the transition's part of the jerk
+    /// budget: with a block between both that takes less than a tick, steps at its two ends are one.
+    pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
+        let bends = from.curvature.iter().zip(&to.curvature);
+        let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
+            let bend = magnitude(c1 - c0);
+            let part = TRANSITION_PART * axis.set(rapid).joint.budget;
+            if part < square * bend { part / bend } else { square }
+        });
+        sqrt_f32(square) * MARGIN
+    }
+
+    /// Highest speed at which a change of direction is rounding of coordinates: all of the limits are left to the slope.
+    pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
+        let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
+        let mut v = f32::MAX;
+        for (k, (axis, (t0, t1))) in self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).enumerate() {
+            let knee = size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
+            let before = self.before.as_ref().and_then(|axes| axes.get(k));
+            let before = before.map_or(f32::MAX, |joints| joints[usize::from(rapid)].budget);
+            let unseen = smooth * min(axis.set(rapid).joint.budget, before);
+            v = if unseen < v * knee { unseen / knee } else { v };
+        }
+        v * MARGIN
     }
 
     /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where

@@ -1,22 +1,86 @@
-//! Which of the two kinds of curve a corner between lines gets: over time, as the dynamic methods ask for it or where it is
-//! faster, or over arc length.
+//! Which kind of curve a corner gets: over time, as the dynamic methods ask for it or where it is faster, over arc length, or with DEV
+//! none.
+//!
+//! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all of the path that the corner
+//! may have: a smaller deviation where that is faster, and at last a standstill in the corner. So a corner is never slower than
+//! a stop in it, and no faster with less tolerance.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
 use super::held::Held;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise};
-use crate::lookahead::{max, min};
+use crate::lookahead::{Dynamics, max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::nc::{ContourMethod, SlopeType};
+use crate::nc::ContourMethod;
+use crate::slope::ramp::Ramp;
+
+/// The two blocks of a corner, seen from it: how long their parts take beside a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// From the speed in the corner to that of the block and back.
+    slopes: [Ramp; 2],
+    /// Speeds, mm/tick, and what the corner may have of both, mm.
+    v: [f32; 2],
+    room: [f32; 2],
+}
+
+impl Approach {
+    /// Of two blocks of which the corner may have so much.
+    pub fn new<const AXES: usize>(
+        blocks: [&Held<AXES>; 2],
+        room: [f32; 2],
+        dynamics: &Dynamics<AXES>,
+    ) -> Self {
+        let [first, second] =
+            blocks.map(|Held { block, .. }| dynamics.element(&block.element, block.data.feed).0);
+        Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room }
+    }
+
+    /// Ticks over all of it with a curve at the speed `v` which begins and ends at the distances `c`, and takes `inside` ticks.
+    fn time(&self, v: f32, c: [f32; 2], inside: f32) -> f32 {
+        let sides = self.slopes.iter().zip(self.v).zip(self.room.iter().zip(c));
+        sides.fold(inside, |sum, ((slope, fastest), (room, c))| {
+            let way = max(room - c, 0.0);
+            let gain = max(min(fastest - v, slope.reach(v, way)), 0.0);
+            let cruise = max(way - slope.distance(v, gain)[0], 0.0);
+            sum + slope.duration(v, gain) + cruise / max(v + gain, f32::MIN_POSITIVE)
+        })
+    }
+
+    /// With a standstill in the corner.
+    pub fn stop(&self) -> f32 {
+        self.time(0.0, [0.0; 2], 0.0)
+    }
+
+    /// With a curve over time.
+    fn overlapping(&self, way: &Overlap) -> f32 {
+        self.time(way.rise.v as f32, [way.rise.distance() as f32; 2], way.duration() as f32)
+    }
+
+    /// With the curve over arc length that has these distances.
+    pub fn even<const AXES: usize>(
+        &self,
+        corner: &Corner<'_, AXES>,
+        distances: [f32; 2],
+        rapid: bool,
+        setting: &Setting<'_, AXES>,
+    ) -> f32 {
+        let curve = corner.between(distances);
+        let length = corner.path(&curve);
+        let [v1, v2] = self.v;
+        let through = speed(&curve, length, min(v1, v2), rapid, setting);
+        self.time(through, distances, length / through)
+    }
+}
 
 /// A curve over time for a corner between two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// How both motions overlap.
     pub way: Overlap,
-    /// Speed, acceleration and jerk of the lines, where a curve over arc length may be the faster one.
-    pub limits: Option<[f32; 3]>,
+    /// Its ticks in [`Approach`]; none where no other curve comes into question.
+    pub time: Option<f32>,
 }
 
 impl Candidate {
@@ -28,13 +92,14 @@ impl Candidate {
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
         (most, tolerance): (f32, &Tolerance),
+        approach: &Approach,
     ) -> Option<Self> {
         let dynamics = setting.dynamics;
         let [first, second] = [&held.block, &next.block];
         let led = corner.led(rule, setting.measure);
         let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {
-            ContourMethod::Dev => dynamics.slope() == SlopeType::Hsc && !setting.parameters.const_vel,
+            ContourMethod::Dev => !setting.parameters.const_vel,
             ContourMethod::Ptp => true,
             _ => soft,
         };
@@ -53,15 +118,20 @@ impl Candidate {
             *x = 0.0;
         }
         // Both at once: every axis changes its speed evenly.
-        let of = if rule.method == ContourMethod::Ptp { PART_PTP } else { PART };
+        let of = match rule.method {
+            ContourMethod::Ptp => PART_PTP,
+            ContourMethod::Dev => PART_DEV,
+            _ => PART,
+        };
         let [a, j] = dynamics.together(&change, rapid, of);
         if soft {
             let mut distance = rule.distances([most; 2])[0];
             if tracks(&setting.measure.main, &change) {
                 distance = min(distance, rule.track_distance());
             }
-            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j])?);
-            return way.is_long().then_some(Self { way, limits: None });
+            let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
+            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
+            return way.is_long().then_some(Self { way, time: None });
         }
         // How far both may be from the corner when they are equally far from it.
         let turn = f64::from(size(&setting.measure.main, &change));
@@ -74,6 +144,9 @@ impl Candidate {
         }
         let reach = f64::from(rule.ptp_distance());
         let whole = Rise::within(most, v, a, j);
+        let quickest = |a: Overlap, b: Overlap| {
+            if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
+        };
         let way = if whole.half_way() <= off && whole.distance() <= reach {
             // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
             let most = f64::min(off / whole.half_way(), f64::from(most) / whole.distance());
@@ -91,32 +164,18 @@ impl Candidate {
                 if by_off.time < by_reach.time { by_off } else { by_reach }
             };
             let way = overlap(brief);
-            if way.is_brief() { way } else { overlap([min(brief[0], a), min(brief[1], j)]) }
+            // Beyond their ramps both share what the axes have: less of the tolerance may be faster.
+            if way.is_brief() {
+                way
+            } else {
+                quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
+            }
         };
-        Some(Self { way, limits: Some([v, min(a1, a2), min(j1, j2)]) })
-    }
-
-    /// Whether it is quicker than the curve over arc length with the part of these distances that keeps the tolerance. Where
-    /// the corner is not slower than the feed, that is shorter.
-    pub fn is_better<const AXES: usize>(
-        &self,
-        corner: &Corner<'_, AXES>,
-        [distance, part]: [f32; 2],
-        rapid: bool,
-        setting: &Setting<'_, AXES>,
-    ) -> bool {
-        let quicker = |limits: [f32; 3]| {
-            let c = distance * part;
-            let curve = corner.between([c; 2]);
-            let length = corner.path(&curve);
-            let through = speed(&curve, length, limits[0], rapid, setting);
-            (self.way.duration() as f32) < even_time([through, c, length], &self.way, limits)
-        };
-        (part == 0.0 || self.limits.is_none_or(quicker)) && self.way.is_long()
+        way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
     }
 }
 
-/// About the speed at which a curve over arc length is passed.
+/// About the speed at which a curve over arc length is passed, no more than `v`.
 fn speed<const AXES: usize>(
     curve: &Quintic<AXES>,
     length: f32,
@@ -124,14 +183,23 @@ fn speed<const AXES: usize>(
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {
-    let mut through = v;
-    for u in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        let [a, _] = setting.dynamics.together(&curve.at(u)[2], rapid, [1.0; 2]);
-        let j = setting.dynamics.across(&curve.third(u), rapid, setting.parameters.check_jerk);
-        let slowest = min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)));
-        through = min(through, slowest * length);
-    }
-    through
+    let slowest = |u: f32| length * passes(&curve.at(u)[2], &curve.third(u), rapid, setting);
+    PLACES.iter().fold(v, |v, u| min(v, slowest(*u)))
+}
+
+/// Where a curve is looked at.
+pub const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Speed over its parameter with which a curve passes a place with these second and third derivatives.
+pub fn passes<const AXES: usize>(
+    second: &[f32; AXES],
+    third: &[f32; AXES],
+    rapid: bool,
+    setting: &Setting<'_, AXES>,
+) -> f32 {
+    let [a, _] = setting.dynamics.together(second, rapid, [1.0; 2]);
+    let j = setting.dynamics.across(third, rapid, setting.parameters.check_jerk);
+    min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)))
 }
 
 /// Whether other than main axes change their direction.
@@ -148,29 +216,20 @@ const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 /// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
 /// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
 const PART: [f32; 2] = [0.93, 0.85];
+/// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves.
+const PART_DEV: [f32; 2] = [0.96, 0.92];
 /// See [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];
 
-/// Parts of acceleration and jerk that a curve over arc length takes; of the jerk half, and of the speed for it four fifths.
-const NORMAL: f32 = 0.8;
-const TWISTED: f32 = 0.25;
-
-/// How long it takes to go through a corner at the speed `through` on a curve over arc length that begins and ends at the
-/// distance `c` and is so long, from where the curve over time begins to where it ends: with the speed, acceleration and jerk
-/// of the lines.
-fn even_time([through, c, length]: [f32; 3], way: &Overlap, [v, a, j]: [f32; 3]) -> f32 {
-    let reach = way.rise.distance() as f32;
-    let change = v - through;
-    let time = if change >= a * a / j { change / a + a / j } else { 2.0 * sqrt_f32(max(change, 0.0) / j) };
-    let ramps = 0.5 * (v + through) * time;
-    2.0 * (time + (reach - c - ramps) / v) + length / through
-}
+/// Parts of acceleration and jerk that a curve over arc length takes, a little less than it does.
+const NORMAL: f32 = 0.97;
+const TWISTED: f32 = 0.935;
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
-/// speed if ACC_MAX is not enough.
-fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3]) -> Option<Rise> {
+/// speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change their speed, ticks.
+fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<Rise> {
     let [least, most] = rule.acc;
-    let ramp = max(rule.ramp_time, 1e-4) * a / j;
+    let ramp = max(rule.ramp_time, 1e-4) * ramp;
     // D = v·T/2 with T = v/a' + ramp, or 2·√(v·ramp/a') if a' is not reached.
     let mut part = v * v * v * ramp / (a * distance * distance);
     let hold = distance - 0.5 * v * ramp;

@@ -4,9 +4,10 @@
 //! curvatures, and with a speed over its parameter that makes it even: through a corner of 90° its arc length
 //! goes with the parameter to 0.2 %. Its deviation grows with the corner distances. Those with which it takes all of a tolerance are
 //! searched for, a few trials per call.
-use super::curve::{Deviation, Main, Quintic, Side, dot, even_speed, plus, size};
+use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
 use crate::lookahead::{max, min};
+use crate::math::root::sqrt_f32;
 use crate::nc::ContourMethod;
 use crate::path::Measure;
 
@@ -68,12 +69,71 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 
     /// The curve with these corner distances.
-    pub fn between(&self, [c1, c2]: [f32; 2]) -> Quintic<AXES> {
+    pub fn between(&self, reach: [f32; 2]) -> Quintic<AXES> {
+        let ([begin, end], speed) = self.ends(reach);
+        Quintic::new(&begin, &end, speed)
+    }
+
+    /// Its ends and its speed there, mm per u.
+    fn ends(&self, [c1, c2]: [f32; 2]) -> ([Site<AXES>; 2], f32) {
         let (begin, mut end) = (self.before.at(-c1), self.behind.at(c2));
         if let Some(gap) = &self.gap {
             end.offset = plus(&end.offset, 1.0, gap);
         }
-        Quintic::new(&begin, &end, even_speed(self.main, &begin, &end, mean(self.paces())))
+        let speed = even_speed(self.main, &begin, &end, mean(self.paces()));
+        ([begin, end], speed)
+    }
+
+    /// How far such a curve takes an axis that is not a main one from the contour at most.
+    ///
+    /// Which place of the contour belongs to a place of the curve: the one as far on along the path, s = −c1 … c2 about the corner. Of
+    /// a quintic with the same ends that is s(u), and an axis with the slopes g1 and g2 is (g2 − g1)·y(u) off before the corner and
+    /// (g1 − g2)·x(u) behind it, with x and y the quintics from −c1 to rest at 0, and from there to c2. With equal distances
+    /// both are largest at the corner, which is at u = 1/2. With unequal ones the shorter motion begins by swinging out to the other
+    /// side where the speed is more than 2.5 times its distance: there its third coefficient is negative.
+    ///
+    /// With blocks left out their line is the contour between both, and the places looked at are evenly spaced, too.
+    fn track_deviation(&self, curve: &Quintic<AXES>, reach: [f32; 2]) -> f32 {
+        let [c1, c2] = reach;
+        if self.gap.is_none() && c1 == c2 {
+            return aside(self.main, &curve.at(0.5)[0]);
+        }
+        let (_, v) = self.ends(reach);
+        let unmoved = [0.0; AXES];
+        let gap = self.gap.as_ref().unwrap_or(&unmoved);
+        let way = size(self.main, gap) / mean(self.paces());
+        let along = |u: f32| u * v - c1 + (c1 + c2 + way - v) * u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+        let (g1, g2) = (self.before.tangent(), self.behind.tangent());
+        let off = |u: f32| {
+            let (s, [at, ..]) = (along(u), curve.at(u));
+            let off = if s <= 0.0 {
+                plus(&at, -s, g1)
+            } else if s < way {
+                plus(&at, -s / way, gap)
+            } else {
+                plus(&plus(&at, -1.0, gap), way - s, g2)
+            };
+            aside(self.main, &off)
+        };
+        let mut most = 0.0;
+        for place in [0.0, way] {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..HALVINGS {
+                let u = 0.5 * (low + high);
+                if along(u) < place { low = u } else { high = u }
+            }
+            most = max(most, off(0.5 * (low + high)));
+        }
+        if let Some(u) = swing(c1 / v) {
+            most = max(most, off(1.0 - u));
+        }
+        if let Some(u) = swing(c2 / v) {
+            most = max(most, off(u));
+        }
+        if self.gap.is_some() {
+            most = (1..TRACK_PLACES).fold(most, |most, i| max(most, off(i as f32 / TRACK_PLACES as f32)));
+        }
+        most
     }
 
     /// Path length of such a curve.
@@ -81,6 +141,18 @@ impl<const AXES: usize> Corner<'_, AXES> {
         curve.length(self.main, 0.0, 1.0) / mean(self.paces())
     }
 }
+
+/// Where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other side of 0, if it is there at all.
+fn swing(distance: f32) -> Option<f32> {
+    // u³·(a + b·u + c·u²) has its extremes at 3a + 4b·u + 5c·u² = 0.
+    let (a, b, c) = (10.0 * distance - 4.0, 7.0 - 15.0 * distance, 6.0 * distance - 3.0);
+    let square = 4.0 * b * b - 15.0 * a * c;
+    (a < 0.0 && square >= 0.0).then(|| -3.0 * a / (2.0 * b + sqrt_f32(square)))
+}
+
+/// How often the search for a place is halved, and places in all of a curve.
+const HALVINGS: u32 = 20;
+const TRACK_PLACES: u32 = 16;
 
 /// Of the paces on both sides of a corner.
 pub fn mean([before, behind]: [f32; 2]) -> f32 {
@@ -137,10 +209,8 @@ impl<const AXES: usize> Search<AXES> {
             most = max(curve.distance(corner.main, &[0.0; AXES], 0.5), elsewhere) / path;
         }
         if tolerance.track > 0.0 {
-            let [middle, ..] = curve.at(0.5);
-            for (_, x) in middle.iter().enumerate().filter(|(k, _)| !corner.main.contains(&Some(*k))) {
-                most = max(most, max(*x, -*x) / tolerance.track);
-            }
+            let reach = self.distances.map(|c| c * self.part);
+            most = max(most, corner.track_deviation(curve, reach) / tolerance.track);
         }
         Some((most, slack))
     }
@@ -252,9 +322,6 @@ pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &
     let unit = |side: &Side<AXES>| side.tangent().map(|t| t / side.pace);
     let (before, behind) = (unit(before), unit(behind));
     let (change, both) = (plus(&behind, -1.0, &before), plus(&behind, 1.0, &before));
-    let mut track = 0.0;
-    for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
-        track = max(track, max(*x, -*x));
-    }
+    let track = aside(main, &change);
     Some(Turn { sine: 0.5 * size(main, &change), cosine: min(0.5 * size(main, &both), 1.0), track })
 }

@@ -16,17 +16,21 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 
-/// Largest relative difference between path speed and speed along the curve; half of it where the speed is to be
+/// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where the speed is to be
 /// constant.
 pub const EVEN: f32 = 9e-4;
 /// See [`EVEN`].
-pub const CONSTANT: f32 = 4e-4;
+pub const CONSTANT: f32 = 3e-4;
 
 /// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
 const HEAVIEST: f32 = 4096.0;
 
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
+
+/// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
+const STEPS: u16 = 256;
+const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
@@ -47,10 +51,66 @@ pub struct Course<const AXES: usize> {
     /// Elements of each half, and those of both that are found fine, later those handed out.
     parts: u32,
     done: u32,
-    /// Through a given point: the curve is what it is, as evenly as it can be.
-    given: bool,
+    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are the shorter.
+    given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
+}
+
+/// Where a curve through a given point is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cuts {
+    /// Steps of each element, less one.
+    steps: [u8; MOST_CUTS],
+    /// How many elements there are, and steps of the one that is tried behind them.
+    count: u8,
+    step: u16,
+}
+
+impl Cuts {
+    /// Both halves are tried whole.
+    const NEW: Self = Self { steps: [0; MOST_CUTS], count: 0, step: STEPS };
+
+    /// Evenly, as often as any other curve.
+    const EVEN: Self = Self {
+        steps: [(STEPS / MOST_PARTS as u16 - 1) as u8; MOST_CUTS],
+        count: 2 * MOST_PARTS as u8,
+        step: 0,
+    };
+
+    /// Both ends of element `i`, in steps over both halves.
+    fn ends(&self, i: u32) -> [u16; 2] {
+        let whole = self.steps.iter().take(i.min(u32::from(self.count)) as usize);
+        let from = whole.fold(0, |sum, steps| sum + u16::from(*steps) + 1);
+        let steps = if i < u32::from(self.count) {
+            self.steps.get(i as usize).map_or(0, |steps| u16::from(*steps) + 1)
+        } else {
+            self.step
+        };
+        [from, from + steps]
+    }
+
+    /// What is tried is fine: the next one may be twice as long, as far as its half goes. Whether there is no next one.
+    fn accept(&mut self) -> bool {
+        let [_, to] = self.ends(u32::from(self.count));
+        if let Some(steps) = self.steps.get_mut(usize::from(self.count)) {
+            *steps = (self.step - 1) as u8;
+            self.count += 1;
+        }
+        self.step = (2 * self.step).min(STEPS - to % STEPS);
+        to >= 2 * STEPS
+    }
+
+    /// It is not: half as long. Whether it can be tried.
+    fn shorten(&mut self) -> bool {
+        self.step /= 2;
+        self.step > 0
+    }
+
+    /// Whether there is no room for another element.
+    fn is_full(&self) -> bool {
+        usize::from(self.count) >= MOST_CUTS
+    }
 }
 
 /// How fitting goes on.
@@ -99,7 +159,8 @@ impl<const AXES: usize> Course<AXES> {
             let u = if lead.is_some() { 0.5 } else { nearest() };
             ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
         };
-        let (at, last, given) = (*from, *to, interim.is_some());
+        let (at, last) = (*from, *to);
+        let given = interim.map(|_| Cuts::NEW);
         let path = (!measure.is_space()).then_some(path);
         let (parts, done, any) = (1, 0, false);
         let (measure, origin) = (*measure, *origin);
@@ -109,6 +170,9 @@ impl<const AXES: usize> Course<AXES> {
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
     /// `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
+        if let (Some(cuts), false) = (self.given, self.any) {
+            return self.fit_given(cuts, even);
+        }
         if self.is_fine(self.done, even, slack) {
             self.done += 1;
             if !self.is_done() {
@@ -117,30 +181,56 @@ impl<const AXES: usize> Course<AXES> {
             self.done = 0;
             return Fit::Ready;
         }
-        if self.any || (self.parts >= MOST_PARTS && !self.given) {
+        if self.any || self.parts >= MOST_PARTS {
             return Fit::Failed;
         }
         self.done = 0;
-        if self.parts < MOST_PARTS {
-            self.parts *= 2;
-        } else {
-            self.any = true;
-        }
+        self.parts *= 2;
         Fit::Working
+    }
+
+    /// The same through a given point. What no number of elements makes even is as even as it can be.
+    fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
+        let fits = !cuts.is_full() && self.is_fine(u32::from(cuts.count), even, f32::MAX);
+        let fit = if fits && cuts.accept() { Fit::Ready } else { Fit::Working };
+        if !fits && (cuts.is_full() || !cuts.shorten()) {
+            (self.any, cuts) = (true, Cuts::EVEN);
+        }
+        self.given = Some(cuts);
+        fit
+    }
+
+    /// Elements of both halves.
+    fn count(&self) -> u32 {
+        self.given.map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
     /// The curve of element `i`, and its parameter at the share `t` of the element.
     fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
         let [first, second] = &self.halves;
+        if let Some(cuts) = &self.given {
+            let [from, to] = cuts.ends(i);
+            let ((curve, [u0, u1]), start) = if from < STEPS { (first, 0) } else { (second, STEPS) };
+            let steps = f32::from(from - start) + f32::from(to.saturating_sub(from)) * t;
+            return (curve, u0 + (u1 - u0) * (steps / f32::from(STEPS)));
+        }
         let ((curve, [u0, u1]), within) = if i < self.parts { (first, i) } else { (second, i - self.parts) };
         (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
+    }
+
+    /// Whether element `i` belongs to the first half.
+    fn is_first(&self, i: u32) -> bool {
+        match &self.given {
+            Some(cuts) => cuts.ends(i)[0] < STEPS,
+            None => i < self.parts,
+        }
     }
 
     /// Ends and path length of element `i`.
     fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
         let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
         if let Some([first, second]) = self.path {
-            let path = if i < self.parts { first } else { second };
+            let path = if self.is_first(i) { first } else { second };
             return ([u0, u1].map(|u| curve.site_over(path, u)), path * (u1 - u0));
         }
         let main = &self.measure.main;
@@ -180,16 +270,37 @@ impl<const AXES: usize> Course<AXES> {
 
     /// Whether the next element belongs to the first half.
     pub fn is_before(&self) -> bool {
-        self.done < self.parts
+        self.is_first(self.done)
     }
 
     /// Whether all elements are handed out.
     pub fn is_done(&self) -> bool {
-        self.done >= 2 * self.parts
+        self.done >= self.count()
     }
 }
 
 impl<const AXES: usize> Course<AXES> {
+    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None` behind the last one, or
+    /// where it cannot be made.
+    pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
+        if i >= self.count() {
+            return None;
+        }
+        let ([a, b], length) = self.part(i);
+        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
+        let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
+        let (mut element, mut draft) = Draft::new(&from, &to, length, Self::fastest(above))?;
+        while !draft.is_done() {
+            draft.go_on(&mut element)?;
+        }
+        Some((self.is_first(i), element))
+    }
+
+    /// Speed along an element per path speed at most, from what is seen of it at some places.
+    fn fastest(above: f32) -> f32 {
+        1.0 + 1.25 * above + 1e-6
+    }
+
     /// The next element, with its axes to be made.
     pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         if self.is_done() {
@@ -200,7 +311,7 @@ impl<const AXES: usize> Course<AXES> {
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
-        Draft::new(&from, &to, length, 1.0 + 1.25 * above + 1e-6)
+        Draft::new(&from, &to, length, Self::fastest(above))
     }
 }
 

@@ -41,11 +41,21 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
     sum
 }
 
-/// Distance of a point from the straight line to `end`; both from its start.
-pub fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
+/// The largest magnitude of any axis but the main ones.
+pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
+    let others = a.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+    others.fold(0.0, |most, (_, x)| max(most, max(*x, -*x)))
+}
+
+/// The share of the straight line to `end` at which it is nearest to a point; both from its start.
+pub fn foot<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
     let square = dot(main, end, end);
-    let part = if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 };
-    size(main, &plus(point, -part, end))
+    if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 }
+}
+
+/// Distance of a point from that line.
+fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
+    size(main, &plus(point, -foot(main, end, point), end))
 }
 
 /// A point with direction and curvature.

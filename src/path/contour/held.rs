@@ -1,5 +1,5 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
-use super::curve::{Main, direction, pace, segment_distance, size};
+use super::curve::{Main, aside, direction, foot, pace, plus, size};
 use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
 use crate::lookahead::{Dynamics, max, min};
 use crate::math::float::to_f32;
@@ -15,8 +15,8 @@ pub(super) struct Held<const AXES: usize> {
     pub length: i64,
     /// How its end is rounded; not at all without.
     pub rule: Option<Parameters>,
-    /// How far the contour that a line stands for may be from it, mm.
-    pub stray: f32,
+    /// How far the contour that a line stands for may be from it.
+    pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
     pub previous: Option<i64>,
     /// The blocks left out behind it.
@@ -31,19 +31,56 @@ pub(super) struct Skipped<const AXES: usize> {
     /// What goes with the last of them.
     pub data: Data,
     /// How far they may be from the straight line over them, and from its start, mm.
-    pub stray: f32,
+    pub stray: Stray,
     pub radius: f32,
+    /// No more of them come: their line is the block behind the corner.
+    pub over: bool,
+}
+
+/// How far blocks may be from a line that stands for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stray {
+    /// In space, mm.
+    pub path: f32,
+    /// Each of the other axes, at the place of the line that is nearest in space.
+    pub track: f32,
+}
+
+impl Stray {
+    /// The line itself.
+    pub const NONE: Self = Self { path: 0.0, track: 0.0 };
+
+    /// How far a point is from the line to `end`; both from its start.
+    fn of<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> Self {
+        let off = plus(point, -foot(main, end, point), end);
+        Self { path: size(main, &off), track: aside(main, &off) }
+    }
+
+    /// One upon the other.
+    fn and(self, other: Self) -> Self {
+        Self { path: self.path + other.path, track: self.track + other.track }
+    }
+
+    /// The larger of both.
+    pub fn or(self, other: Self) -> Self {
+        Self { path: max(self.path, other.path), track: max(self.track, other.track) }
+    }
+
+    fn is_within(&self, most: Self) -> bool {
+        self.path <= most.path && self.track <= most.track
+    }
 }
 
 /// A line that stands for several blocks.
 pub(super) struct Standing {
     /// It begins where the one held back begins, not where that ends.
     pub whole: bool,
-    /// How far they may be from it, mm.
-    pub stray: f32,
+    /// How far they may be from it.
+    pub stray: Stray,
 }
 
-/// A block below 16 µm behind blocks left out is replaced by a line from where they began.
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began; before a corner it is joined to the block
+/// behind it.
 const SYSTEM_LEAST: f32 = 0.016;
 
 /// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much the direction may
@@ -69,9 +106,8 @@ impl<const AXES: usize> Held<AXES> {
     /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);
-        let mut others = travel.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
         let [path, track] = rule.relevant();
-        size(main, &travel) <= path && others.all(|(_, x)| max(*x, -*x) <= track)
+        size(main, &travel) <= path && aside(main, &travel) <= track
     }
 
     /// A length of path of a block in space, mm.
@@ -100,39 +136,48 @@ impl<const AXES: usize> Held<AXES> {
         }
         // An arc is no further from its chord than half its length.
         let bent = if arc { 0.5 * length } else { 0.0 };
+        let turned = if arc { aside(main, &travel(&next.from, &next.to)) } else { 0.0 };
         let over = travel(&self.block.to, &next.to);
         let radius = max(size(main, &over), self.skipped.map_or(0.0, |skipped| skipped.radius)) + bent;
-        let before = self.skipped.map_or(0.0, |skipped| {
-            skipped.stray + segment_distance(main, &over, &travel(&self.block.to, &skipped.to))
+        let before = self.skipped.map_or(Stray::NONE, |skipped| {
+            skipped.stray.and(Stray::of(main, &over, &travel(&self.block.to, &skipped.to)))
         });
-        let stray = min(max(before, bent), radius);
-        (stray <= rule.stray()).then_some(Skipped { to: next.to, data: next.data, stray, radius })
+        let stray = before.or(Stray { path: bent, track: turned });
+        let stray = Stray { path: min(stray.path, radius), ..stray };
+        let skipped = Skipped { to: next.to, data: next.data, stray, radius, over: false };
+        stray.is_within(rule.stray()).then_some(skipped)
     }
 
     /// Whether a line stands for blocks held back or left out together with the next one: this one is too
-    /// short to begin a curve, or the next one is to end it.
+    /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every other axis.
     pub fn stands(&self, next: &Self, rule: &Parameters, measure: &Measure) -> Option<Standing> {
         let (main, to) = (&measure.main, &next.block.to);
-        let short = Self::in_space(&self.block.element, self.length, measure) <= rule.relevant()[0];
-        let whole = next.is_line() && self.is_line() && short && rule.method != ContourMethod::Pos;
+        let [path, track] = rule.relevant();
+        let is_short = |held: &Self, path: f32| {
+            let Block { element, from, to, .. } = &held.block;
+            Self::in_space(element, held.length, measure) <= path && aside(main, &travel(from, to)) <= track
+        };
+        // A curve that ends in this block goes on in its direction.
+        let entered = self.block.element.shape.length.to_bits() < self.length;
+        let lines = next.is_line() && self.is_line() && !entered;
+        // RELEVANT_PATH is for both neighbours of a corner with DEV alone.
+        let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
+        let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
         let standing = match &self.skipped {
             _ if whole => {
                 let over = travel(&self.block.from, to);
-                let off = |point: &[Position; AXES]| {
-                    segment_distance(main, &over, &travel(&self.block.from, point))
-                };
-                let behind = self.skipped.map_or(0.0, |skipped| skipped.stray + off(&skipped.to));
-                let corner = off(&self.block.to);
-                Standing { whole, stray: max(self.stray + corner, behind + corner) }
+                let off = |point: &[Position; AXES]| Stray::of(main, &over, &travel(&self.block.from, point));
+                let behind = self.skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
+                Standing { whole, stray: self.stray.or(behind).and(off(&self.block.to)) }
             }
-            Some(skipped) if Self::in_space(&next.block.element, next.length, measure) < SYSTEM_LEAST => {
+            Some(skipped) if is_short(next, SYSTEM_LEAST) => {
                 let over = travel(&self.block.to, to);
-                let off = segment_distance(main, &over, &travel(&self.block.to, &skipped.to));
-                Standing { whole, stray: skipped.stray + off }
+                let off = Stray::of(main, &over, &travel(&self.block.to, &skipped.to));
+                Standing { whole, stray: skipped.stray.and(off) }
             }
             _ => return None,
         };
-        (standing.stray <= rule.stray()).then_some(standing)
+        standing.stray.is_within(rule.stray()).then_some(standing)
     }
 
     /// The line over this block and the next one, if PTP makes one of both: the next one goes straight on with the same feed.
@@ -167,12 +212,30 @@ impl<const AXES: usize> Held<AXES> {
         let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
         // No longer than what one block may take.
         let in_time = to_f32(both) * LSB_44 < dynamics.element(&element, data.feed).0.v * LONGEST_TICKS;
-        let stray = max(self.stray, next.stray) + STRAIGHT_MM;
-        if !on_it || turns > TURN || both <= first.max(next.length) || !in_time || stray > MERGED_STRAY {
+        let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
+        if !on_it
+            || turns > TURN
+            || both <= first.max(next.length)
+            || !in_time
+            || max(stray.path, stray.track) > MERGED_STRAY
+        {
             return None;
         }
         let block = Block { element, from: self.block.from, ..*block };
         Some(Self { block, length: self.length.saturating_add(next.length), stray, ..*next })
+    }
+
+    /// What came last has no curve at its end: this block, or those left out behind it.
+    pub fn end(&mut self) {
+        match &mut self.skipped {
+            Some(skipped) => skipped.over = true,
+            None => self.rule = None,
+        }
+    }
+
+    /// Whether the end of what came last is to be rounded.
+    pub fn goes_on(&self) -> bool {
+        self.rule.is_some() && self.skipped.is_none_or(|skipped| !skipped.over)
     }
 
     /// Whether its part of the corner before it depends on the block behind it.
@@ -194,6 +257,22 @@ impl<const AXES: usize> Held<AXES> {
     pub fn outgoing(&self) -> Outgoing<AXES> {
         let Block { element, data, .. } = self.block;
         Outgoing { element, data, curving: None, due: data.number }
+    }
+
+    /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose end is where it
+    /// was programmed.
+    pub fn behind(&mut self, measure: &Measure) -> Option<Self> {
+        let Skipped { to, data, stray, .. } = self.skipped.take()?;
+        let from = self.block.to;
+        let Ok(Some(element)) = line(&from, &to, measure) else {
+            // They led back.
+            self.rule = None;
+            self.block.data.stop |= data.stop;
+            return None;
+        };
+        let length = element.shape.length.to_bits();
+        let block = Block { element, from, to, form: Form::Line, data };
+        Some(Self { block, length, rule: None, stray, previous: None, skipped: None })
     }
 
     /// The line in place of the blocks left out.

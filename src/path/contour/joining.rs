@@ -1,13 +1,13 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
 //! it reaches into the blocks, and the elements that it is cut into.
-use super::choice::Candidate;
+use super::choice::{Approach, Candidate};
 use super::corner::{Corner, Reach, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
-use super::held::{Held, travel};
+use super::held::{Held, Stray, travel};
 use super::timed::{Overlap, Timed};
 use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
-use crate::lookahead::{Curving, Dynamics, max, min};
+use crate::lookahead::{Curving, Dynamics, Steady, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
@@ -27,12 +27,20 @@ const HALVED: i64 = 64;
 
 /// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
+/// See [`UNSEEN`].
+const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
 
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
+
+/// A curve is to be quicker than a standstill by that part.
+const KNOWN: f32 = 1.0 + 1.0 / 256.0;
+
+/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
+const BESIDE: i64 = 4;
 
 /// π/2.
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
@@ -64,21 +72,31 @@ struct Cut {
     behind: i64,
 }
 
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rivals {
+    approach: Approach,
+    candidate: Option<Candidate>,
+    stop: Option<f32>,
+}
+
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage<const AXES: usize> {
     /// Blocks and rule say which curves come into question.
     Choosing(Room),
     /// Corner distances are searched for, those of a curve over arc length.
-    Reaching { room: Room, reach: Reach<AXES>, candidate: Option<Candidate> },
-    /// The curve over time is better, if it is quicker than the other with this part of the distances.
-    Comparing { room: Room, candidate: Candidate, found: Option<(f32, f32)> },
+    Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
+    /// What is quickest is taken: the curve with this part of the distances, or one of these.
+    Comparing { room: Room, rivals: Rivals, found: Option<(f32, f32)> },
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
+    Timing { cut: Cut, course: Course<AXES>, element: u32, steady: Steady },
     /// They are: both blocks become what is left of them.
-    Joining { cut: Cut, course: Course<AXES> },
+    Joining { cut: Cut, course: Course<AXES>, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// There is no curve.
@@ -134,8 +152,7 @@ impl<const AXES: usize> Joining<AXES> {
             }
         } else {
             let turn = turn(setting.measure, before, behind)?;
-            let position = rule.method == ContourMethod::Pos;
-            if !position && !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            if !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
                 return None;
             }
             match rule.method {
@@ -148,16 +165,17 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
-        if rule.weighs() {
-            // The corner before may have had another weight.
-            let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
-            room.most[0] = min(room.most[0], left);
+        // The corner before may have had another weight, or a little more than its half.
+        let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
+        if left < room.most[0] {
+            room.most[0] = left;
             room.distances = rule.distances(room.most);
         }
         Some(Stage::Choosing(room))
     }
 
     /// Which kinds of curve come into question.
+    #[inline(never)]
     fn choose(
         held: &Held<AXES>,
         next: &Held<AXES>,
@@ -167,16 +185,19 @@ impl<const AXES: usize> Joining<AXES> {
     ) -> Option<Stage<AXES>> {
         let corner = corner(held, next, setting.measure);
         let mut tolerance = rule.tolerance();
+        // What straight lines that stand for several blocks have already taken.
+        let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
+        let [unseen, unseen_track] = if corner.gap.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
-            // What straight lines that stand for several blocks have already taken.
-            let left_out = held.skipped.map_or(0.0, |skipped| skipped.stray);
-            *path -= max(max(held.stray, next.stray), left_out);
-            if corner.gap.is_some() {
-                *path *= 1.0 - UNSEEN;
-            }
+            *path = (*path - stray.path) * (1.0 - unseen);
         }
-        let candidate = Candidate::new([held, next], &corner, rule, setting, (room.least(), &tolerance));
-        if let Some(Candidate { way, limits: None }) = candidate {
+        if tolerance.track > 0.0 {
+            tolerance.track = max((tolerance.track - stray.track) * (1.0 - unseen_track), f32::MIN_POSITIVE);
+        }
+        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let limits = (room.least(), &tolerance);
+        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
+        if let Some(Candidate { way, time: None }) = candidate {
             return Some(Stage::Overlapping(way));
         }
         let position = rule.method == ContourMethod::Pos;
@@ -185,7 +206,11 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
-        Some(Stage::Reaching { room, reach, candidate })
+        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        let may_stop =
+            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let stop = may_stop.then(|| approach.stop());
+        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
 
     /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
@@ -198,18 +223,24 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = held.rule else { return Some(None) };
         let following = match stage {
             Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
-            Stage::Reaching { room, reach, candidate } => {
+            Stage::Reaching { room, reach, rivals } => {
                 let found = reach.go_on(&corner(held, next, setting.measure))?;
-                match *candidate {
-                    Some(candidate) => Some(Stage::Comparing { room: *room, candidate, found }),
-                    None => found.and_then(|found| room.cut(held, next, &rule, Some(found))),
-                }
+                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
             }
-            Stage::Comparing { room, candidate, found } => {
-                let corner = corner(held, next, setting.measure);
-                let part = found.map_or(0.0, |(part, _)| part);
-                if candidate.is_better(&corner, [room.distances[0], part], held.is_rapid(), setting) {
-                    Some(Stage::Overlapping(candidate.way))
+            Stage::Comparing { room, rivals, found } => {
+                let Rivals { approach, candidate, stop } = *rivals;
+                let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
+                    let distances = room.distances.map(|c| c * part);
+                    approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
+                });
+                let over_time = candidate.and_then(|candidate| candidate.time);
+                let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+                // Times are known to a tick, and to the speeds at which the parts of other corners begin.
+                if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
+                    None
+                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest))
+                {
+                    Some(Stage::Overlapping(way))
                 } else {
                     found.and_then(|found| room.cut(held, next, &rule, Some(found)))
                 }
@@ -226,44 +257,88 @@ impl<const AXES: usize> Joining<AXES> {
                 match course.fit(even, *slack) {
                     Fit::Working => return None,
                     Fit::Failed => Some(cut.smaller(*slack, *smaller)),
-                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course }),
-                }
-            }
-            Stage::Joining { cut, course } => {
-                let (cut, course) = (*cut, *course);
-                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                return Some(Some(ends.join(held, next, Curve::Even(course), setting)));
-            }
-            Stage::Overlapping(overlap) => {
-                let mut overlap = *overlap;
-                let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
-                let left = held.block.element.shape.length.to_bits();
-                let half = if rule.weighs() { next.length } else { next.length / 2 };
-                // What rounding leaves of a block between two curves would be too short for their speed.
-                for all in [half, left] {
-                    let more = all - reach;
-                    if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(HALVED) {
-                        overlap = overlap.stretched(all as f64 / reach as f64);
-                        reach = all;
+                    Fit::Ready if setting.parameters.const_vel => {
+                        let steady = Steady { length: 0.0, ..Steady::FREE };
+                        Some(Stage::Timing { cut: *cut, course: *course, element: 0, steady })
                     }
+                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course, steady: None }),
                 }
-                // What is left of a halved line may be some LSB less than its half, or more.
-                let before = if left - reach <= HALVED { left } else { reach };
-                let cut = Cut { before, behind: reach.min(half) };
-                let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return Some(None) };
-                if overlap.rise.v <= 0.0 {
-                    return Some(None);
-                }
-                let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
-                return Some(Some(ends.join(held, next, course, setting)));
             }
+            Stage::Timing { cut, course, element: i, steady } => {
+                let Some((is_before, element)) = course.rehearse(*i) else {
+                    *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+                    return None;
+                };
+                let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
+                let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
+                if let Some(bounds) = &element.bounds {
+                    let bounds = crate::path::Bounds { steady: Some(f32::MAX), ..*bounds };
+                    let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
+                    steady.v = min(steady.v, limits.v);
+                    steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
+                }
+                *i += 1;
+                return None;
+            }
+            Stage::Joining { cut, course, steady } => {
+                return Some(Self::join(held, next, *cut, (course, *steady), setting));
+            }
+            Stage::Overlapping(overlap) => return Some(Self::overlap(held, next, *overlap, &rule, setting)),
             Stage::Sharp => return Some(None),
         };
         *stage = following.unwrap_or(Stage::Sharp);
         None
     }
 
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// The curve over arc length, and both blocks without what it takes of them.
+    #[inline(never)]
+    fn join(
+        held: &mut Held<AXES>,
+        next: &mut Held<AXES>,
+        cut: Cut,
+        (course, steady): (&Course<AXES>, Option<Steady>),
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Turning<AXES>> {
+        let ends = Ends::new(held, next, cut, setting.measure)?;
+        Some(ends.join(held, next, Curve::Even(*course), steady, setting))
+    }
+
+    /// The same of a curve over time.
+    #[inline(never)]
+    fn overlap(
+        held: &mut Held<AXES>,
+        next: &mut Held<AXES>,
+        mut overlap: Overlap,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Turning<AXES>> {
+        let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+        let left = held.block.element.shape.length.to_bits();
+        let half = if rule.weighs() { next.length } else { next.length / 2 };
+        // What rounding leaves of a block between two curves would be too short for their speed.
+        let most = half.saturating_add((half >> SCRAP).max(HALVED));
+        for all in [half, left] {
+            let more = all - reach;
+            if more > 0 && more <= all >> SCRAP && all <= most {
+                overlap = overlap.stretched(all as f64 / reach as f64);
+                reach = all;
+            }
+        }
+        // What is left of a halved line may be some LSB less than its half, or more.
+        let before = if left - reach <= HALVED { left } else { reach };
+        let cut = Cut { before, behind: reach.min(most) };
+        let ends = Ends::new(held, next, cut, setting.measure)?;
+        if overlap.rise.v <= 0.0 {
+            return None;
+        }
+        let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
+        Some(ends.join(held, next, course, None, setting))
+    }
+
     /// The curve over arc length with a cut, if there is one; nothing at all if nothing can be cut.
+    #[inline(never)]
     fn course(
         held: &Held<AXES>,
         next: &Held<AXES>,
@@ -356,7 +431,8 @@ impl Cut {
 
 /// Where a curve leaves one block and enters the other.
 struct Ends<const AXES: usize> {
-    /// What is left of the block before, LSB 2^-44 mm.
+    /// The larger corner distance, and what is left of the block before, LSB 2^-44 mm.
+    reach: i64,
     rest: i64,
     from: Knot<AXES>,
     /// What is left of the block behind, and where it begins.
@@ -379,7 +455,7 @@ impl<const AXES: usize> Ends<AXES> {
             next.block.element.shape.at(cut.behind, &next_base, &mut begin);
         }
         let renewed = next.renewed(&begin, measure).ok()?;
-        Some(Self { rest, from, renewed, begin })
+        Some(Self { reach: cut.before.max(cut.behind), rest, from, renewed, begin })
     }
 
     fn to(&self) -> Knot<AXES> {
@@ -392,6 +468,7 @@ impl<const AXES: usize> Ends<AXES> {
         held: &mut Held<AXES>,
         next: &mut Held<AXES>,
         course: Curve<AXES>,
+        steady: Option<Steady>,
         setting: &Setting<'_, AXES>,
     ) -> Turning<AXES> {
         let [first, second] = [held.block.data, next.block.data];
@@ -406,8 +483,12 @@ impl<const AXES: usize> Ends<AXES> {
         if self.rest > 0 {
             held.block.element.exit = self.from.end;
         }
-        let Parameters { check_jerk, const_vel, .. } = *setting.parameters;
-        let curving = Curving { jerk: check_jerk, constant: const_vel };
-        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, draft: None }
+        let constant = setting.parameters.const_vel;
+        let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
+        // The next corner may take half of the block behind this one.
+        let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
+        let at_one_speed = matches!(course, Curve::Even(_)) && (constant || beside >= self.reach / BESIDE);
+        let steady = at_one_speed.then_some(f32::MAX);
+        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, steady, draft: None }
     }
 }

@@ -1,20 +1,29 @@
 //! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
 //! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV with HSC): `timed.rs` says why and where.
+//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is quickest): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
 //! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
 //! behind the corner is made anew from where the corner's curve ends.
 //!
 //! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
-//! to the first one that ends beyond the limit. A short block to begin with is joined to the line behind it. Where no
+//! to the first one that ends beyond the limit. A short line to begin with is joined to the line behind it: with DEV where it is short by
+//! RELEVANT_PATH, with the others below 16 µm. Where no
 //! curve comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources leave out; so
 //! RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a given corner distance.
 //!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
 //! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
 //! corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and POST_ACTION count as they stood when the
-//! block before the corner came.
+//! block before the corner came. A keyword that the method in force does not have counts as if it had never been given.
+//!
+//! A dwell, or whatever else demands a standstill between two blocks, is at the programmed corner: the motion cannot rest in
+//! a curve that stands for it. So there is no curve there, and a warning says so for a dwell. (The sources print a program with a dwell
+//! behind G61 and do not say what becomes of the corner.)
+//!
+//! A row of blocks left out ends where contouring is switched off or gets other parameters, at a standstill, and at the program end: the
+//! corner before them is rounded, with the line over them as the block behind it, whose end is passed exactly. What changes
+//! nothing, as a second G261, ends nothing.
 mod choice;
 mod corner;
 mod course;
@@ -27,7 +36,7 @@ mod timed;
 pub use parameters::Parameters;
 
 use self::course::Course;
-use self::held::Held;
+use self::held::{Held, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use super::poly::Draft;
@@ -101,6 +110,8 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
+    /// It is passed at one speed, at most this (mm/tick): the blocks beside it have the way to change theirs, or it is to be constant.
+    steady: Option<f32>,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
 }
@@ -109,7 +120,10 @@ impl<const AXES: usize> Turning<AXES> {
     /// The next element, which is not made yet.
     fn begin(&mut self) -> Option<Outgoing<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let (element, draft) = self.course.next_element()?;
+        let (mut element, draft) = self.course.next_element()?;
+        if let Some(bounds) = &mut element.bounds {
+            bounds.steady = self.steady;
+        }
         self.draft = Some(draft);
         let data = Data { stop: false, ..data };
         Some(Outgoing { element, data, curving: Some(self.curving), due })
@@ -219,11 +233,12 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
-        if self.waiting.is_none() && self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
-            // Blocks left out: the corner ends here.
+        let before = self.parameters;
+        self.parameters.update(contour);
+        if self.parameters != before && self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
+            // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
-        self.parameters.update(contour);
         match contour.switch {
             None => {}
             Some(ContourSwitch::Block) => self.once = true,
@@ -237,10 +252,10 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// No curve at the end of the block held back.
+    /// No curve at the end of the last block. If that is left out, the corner before it stays.
     pub fn cancel(&mut self) {
         if let Some(last) = self.last() {
-            last.rule = None;
+            last.end();
         }
     }
 
@@ -267,8 +282,8 @@ impl<const AXES: usize> Contouring<AXES> {
         let next = Held {
             block: *block,
             length: block.element.shape.length.to_bits(),
-            rule: if rounds { Some(self.parameters) } else { None },
-            stray: 0.0,
+            rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
+            stray: Stray::NONE,
             previous: None,
             skipped: None,
         };
@@ -337,9 +352,9 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Lets go of the block held back; `stop` demands a standstill at its end.
     pub fn release(&mut self, stop: bool) {
-        if let Some(held) = self.last() {
-            held.rule = None;
-            held.skipped.as_mut().map_or(&mut held.block.data, |skipped| &mut skipped.data).stop |= stop;
+        if let Some(last) = self.last() {
+            last.end();
+            last.skipped.as_mut().map_or(&mut last.block.data, |skipped| &mut skipped.data).stop |= stop;
         }
     }
 
@@ -352,7 +367,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether the end of the last block is to be rounded.
     pub fn rounds(&self) -> bool {
-        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.rule.is_some())
+        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())
     }
 
     /// Whether a block is held back.
@@ -369,19 +384,29 @@ impl<const AXES: usize> Contouring<AXES> {
         self.held.is_none() && self.bridge.is_none()
     }
 
+    /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no curve.
+    #[inline(never)]
+    fn joined(&mut self) {
+        let Some(joining) = &self.joining else { return };
+        self.before = Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
+        if self.course.is_none() {
+            self.bridge = joining.held.bridge(&self.measure);
+        }
+        self.joining = None;
+    }
+
     /// Goes on with the corner before the block held back: a bounded piece of work. `false` if nothing is to be done, and only then
     /// [`Self::outgoing`] knows what goes on.
+    #[inline(never)]
     pub fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
-            let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
-            let Some(course) = joining.go_on(next, &setting) else { return true };
-            self.before =
-                Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
-            if course.is_none() {
-                self.bridge = joining.held.bridge(&self.measure);
+            let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
+            let parameters = &self.parameters.by(method);
+            let setting = Setting { measure: &self.measure, parameters, dynamics };
+            if let Some(course) = joining.go_on(next, &setting) {
+                self.course = course;
+                self.joined();
             }
-            self.course = course;
-            self.joining = None;
             return true;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
@@ -402,14 +427,22 @@ impl<const AXES: usize> Contouring<AXES> {
         true
     }
 
-    /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; whether it does.
+    /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; or the line over blocks
+    /// left out, when no more of them come. Whether one does.
+    #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let goes_on = self.before.is_some() || self.bridge.is_some();
-        if goes_on || self.waiting.is_none_or(|waiting| waiting.weighs()) {
+        if self.before.is_some() || self.bridge.is_some() {
             return false;
         }
-        let Some(waiting) = self.waiting.take() else { return false };
-        self.enter(waiting, None, true, dynamics);
+        let over = self.held.as_mut().filter(|held| held.skipped.is_some_and(|skipped| skipped.over));
+        let next = match over {
+            Some(held) => held.behind(&self.measure),
+            None if self.waiting.is_none_or(|waiting| waiting.weighs()) => return false,
+            None => self.waiting.take(),
+        };
+        if let Some(next) = next {
+            self.enter(next, None, true, dynamics);
+        }
         true
     }
 
@@ -425,8 +458,6 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.held.as_ref()?.rule.is_some() {
             return None;
         }
-        let held = self.held.take()?;
-        self.bridge = held.bridge(&self.measure);
-        Some(held.outgoing())
+        Some(self.held.take()?.outgoing())
     }
 }

@@ -1,5 +1,6 @@
 //! What #CONTOUR MODE sets, each until it is set again.
 use super::corner::{Tolerance, Turn};
+use super::held::Stray;
 use super::{REVERSAL, TANGENTIAL};
 use crate::lookahead::{max, min};
 use crate::math::float::to_f32;
@@ -24,8 +25,10 @@ pub struct Parameters {
     pub relevant_track: f32,
     /// Largest part of a block that one corner takes: from REMAIN_PART.
     pub share: f32,
-    /// CHECK_JERK.
+    /// CHECK_JERK, and what it is where a method has no such keyword: P-CHAN-00110.
     pub check_jerk: u8,
+    /// See there.
+    pub of_channel: u8,
     /// Sine of half of MAX_ANGLE.
     pub max_angle: f32,
     /// CONST_VEL.
@@ -82,6 +85,7 @@ impl Parameters {
             relevant_track: 0.0,
             share: 0.5,
             check_jerk,
+            of_channel: check_jerk,
             max_angle: half_sine(Position::const_from_int(178)),
             const_vel: false,
             dist: [1.0; 2],
@@ -111,9 +115,11 @@ impl Parameters {
             }
             self.method = method;
         }
-        let [dev, dist] = &mut self.given;
-        *dev |= contour.path_dev.is_some();
-        *dist |= contour.path_dist.is_some();
+        if self.method == ContourMethod::Ptp {
+            let [dev, dist] = &mut self.given;
+            *dev |= contour.path_dev.is_some();
+            *dist |= contour.path_dist.is_some();
+        }
         set(&mut self.path_dev, contour.path_dev);
         set(&mut self.track_dev, contour.track_dev);
         set(&mut self.relevant_path, contour.relevant_path);
@@ -161,8 +167,30 @@ impl Parameters {
         }
     }
 
+    /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is here as if it had never
+    /// been given.
+    pub(super) fn by(&self, method: ContourMethod) -> Self {
+        let unset = Self::new(self.of_channel);
+        let mut own = Self { method, ..*self };
+        if !matches!(method, ContourMethod::Dev | ContourMethod::Dist) {
+            own.track_dev = unset.track_dev;
+            own.relevant_path = unset.relevant_path;
+            own.relevant_track = unset.relevant_track;
+            own.share = unset.share;
+            own.max_angle = unset.max_angle;
+        }
+        if !matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
+            own.check_jerk = unset.check_jerk;
+            own.const_vel = unset.const_vel;
+        }
+        if matches!(method, ContourMethod::DistSoft | ContourMethod::DistMaster) {
+            own.action = unset.action;
+        }
+        own
+    }
+
     /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between lines, beyond
-    /// the largest angle.
+    /// the largest angle, which POS does not have.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
         let tolerated = match self.method {
@@ -170,7 +198,8 @@ impl Parameters {
             ContourMethod::Ptp => self.deviation().is_none_or(|dev| dev > 0.0),
             _ => true,
         };
-        tolerated && !tangential && turn.cosine >= REVERSAL && (with_arc || turn.sine <= self.max_angle)
+        let far = !with_arc && self.method != ContourMethod::Pos && turn.sine > self.max_angle;
+        tolerated && !tangential && turn.cosine >= REVERSAL && !far
     }
 
     /// Corner distances that are asked for, or allowed where a tolerance decides.
@@ -239,8 +268,10 @@ impl Parameters {
     }
 
     /// How far blocks may be from a straight line that stands for them: a part of a tolerance.
-    pub(super) fn stray(&self) -> f32 {
-        self.deviation().map_or(f32::MAX, |dev| STRAY * dev)
+    pub(super) fn stray(&self) -> Stray {
+        let Tolerance { path, track } = self.tolerance();
+        let path = path.map_or(f32::MAX, |dev| STRAY * dev);
+        Stray { path, track: if track > 0.0 { STRAY * track } else { f32::MAX } }
     }
 
     /// What the curve has to keep.

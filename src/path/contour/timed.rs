@@ -182,6 +182,11 @@ impl Overlap {
         Self { rise: self.rise.stretched(by), time: self.time * by }
     }
 
+    /// The same with no more than the ramps.
+    pub fn brief(self) -> Self {
+        Self { time: f64::min(self.time, self.rise.ramp), ..self }
+    }
+
     /// Only ramps overlap.
     pub fn is_brief(&self) -> bool {
         self.time <= self.rise.ramp

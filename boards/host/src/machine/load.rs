@@ -2,8 +2,8 @@
 use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::run::BLOCKS;
-use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis};
-use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
+use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis, check_given_stages};
+use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -107,10 +107,10 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Machine, Vec<Diagnosti
             return Err(vec![Diagnostic::error(message).at(&source, line, column, 1)]);
         }
     };
-    let mut loader = Loader { source: &source, overrides, refused: Vec::new() };
+    let mut loader = Loader { source: &source, overrides, refused: Vec::new(), warnings: Vec::new() };
     let machine = loader.machine(text);
     if loader.refused.is_empty() {
-        Ok(Machine { name: source.name.clone(), ..machine })
+        Ok(Machine { name: source.name.clone(), warnings: loader.warnings, ..machine })
     } else {
         Err(loader.refused)
     }
@@ -127,6 +127,7 @@ struct Loader<'a> {
     source: &'a Source,
     overrides: &'a Overrides,
     refused: Vec<Diagnostic>,
+    warnings: Vec<Diagnostic>,
 }
 
 impl Loader<'_> {
@@ -138,7 +139,12 @@ impl Loader<'_> {
     }
 
     fn machine(&mut self, text: &str) -> Machine {
-        let mut machine = Machine { axes: Vec::new(), channel: ChannelData::new(), name: String::new() };
+        let mut machine = Machine {
+            axes: Vec::new(),
+            channel: ChannelData::new(),
+            name: String::new(),
+            warnings: Vec::new(),
+        };
         let document = match DeTable::parse(text) {
             Ok(document) => document,
             Err(error) => {
@@ -237,7 +243,8 @@ impl Loader<'_> {
             }
         }
         if self.refused.len() == before {
-            self.check(&table_name, key, &entries, &axis, &machine.channel);
+            self.check(&table_name, key, &entries, &axis);
+            self.remark(&table_name, key, &entries, &axis, &machine.channel);
         }
         Some(axis)
     }
@@ -393,9 +400,9 @@ impl Loader<'_> {
         key: &Spanned<toml::de::DeString<'_>>,
         entries: &[Entry<'_>],
         axis: &AxisData,
-        channel: &ChannelData,
     ) {
-        let Err(error) = check_axis(axis, channel) else { return };
+        let is_given = |known: &Parameter<AxisData>| entries.iter().any(|entry| entry.name == known.name);
+        let Err(error) = check_axis(axis).and_then(|()| check_given_stages(axis, is_given)) else { return };
         let unit = AXIS.iter().find(|parameter| parameter.name == error.name).map_or("", |known| known.unit);
         let entry = entries.iter().find(|entry| entry.name == error.name);
         let origin = if entry.is_some() { "" } else { " (the default)" };
@@ -406,6 +413,27 @@ impl Loader<'_> {
         let message = format!("{label} = {}{origin}: out of range", error.value);
         let expected = format!("{}…{} {unit}, limited by {}", error.min, error.max, error.because);
         self.refuse(&at, message, &expected);
+    }
+
+    /// Values that are not planned with as they are.
+    fn remark(
+        &mut self,
+        table: &str,
+        key: &Spanned<toml::de::DeString<'_>>,
+        entries: &[Entry<'_>],
+        axis: &AxisData,
+        channel: &ChannelData,
+    ) {
+        for Adjusted { id, name, unit, value, used, because } in axis.adjusted(channel) {
+            let entry = entries.iter().find(|entry| entry.name == name);
+            let origin = if entry.is_some() { "" } else { " (the default)" };
+            let at = entry.map_or_else(|| key.span(), |entry| entry.value.span());
+            let label = label(table, id, name);
+            let message = format!("{label} = {value}{origin}: planned with {used} {unit}");
+            let (line, column) = self.source.position(at.start);
+            let warning = Diagnostic::warning(message).at(self.source, line, column, at.len());
+            self.warnings.push(warning.expected(format!("limited by {because}")));
+        }
     }
 
     fn text(&self, span: &Range<usize>) -> &str {

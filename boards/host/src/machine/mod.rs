@@ -6,12 +6,12 @@
 mod later;
 mod load;
 
+use crate::diagnose::Diagnostic;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
-#[derive(Debug, PartialEq)]
 pub struct Machine {
     /// The axes, in the order of the file; 1…[`MAX_AXES`].
     pub axes: Vec<AxisData>,
@@ -19,6 +19,8 @@ pub struct Machine {
     pub channel: ChannelData,
     /// What to call it: the file name.
     pub name: String,
+    /// What was remarked about its data.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -44,8 +46,9 @@ impl Machine {
             ..AxisData::new(name, AxisKind::Linear)
         };
         let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
-        let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
-        Self { axes, channel, name: "built-in three-axis machine".into() }
+        // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
+        let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
+        Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
     }
 
     /// The same for a known number of axes; `None` where it is another.
@@ -145,7 +148,7 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
         ([axis.a_beschl, axis.a_brems], axis.a_grenz)
     };
     let fastest = accel.max(brake).max(rapid);
-    let contour = if axis.tr_geom == 0 { 0.0 } else { over(fastest, axis.tr_geom) };
+    let contour = over(fastest, axis.geometric_ramp());
     let ramp_feed = shape * over(accel, up).max(over(brake, down));
     let ramp_rapid = shape * over(rapid, axis.tr_grenz);
     Limits {

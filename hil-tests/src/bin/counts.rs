@@ -1,26 +1,10 @@
-//! Bytes of RAM of a channel's parts on the target, and the proof that the counter counts instructions.
+//! The proof that the counter counts instructions.
 #![no_std]
 #![no_main]
 use core::fmt::Write;
-use core::mem::size_of;
 use cortex_m_rt::entry;
-use glidepath::channel::{Channel, Planner};
-use glidepath::tick::Interpolator;
 use hil_tests::{Counter, Report, UNIT, exit};
 use panic_semihosting as _;
-
-macro_rules! sizes {
-    ($report:ident: $($axes:literal $blocks:literal),+ $(,)?) => {$(
-        let _ = writeln!(
-            $report,
-            "size axes {} blocks {} channel {} planner {} interpolator {}",
-            $axes, $blocks,
-            size_of::<Channel<$axes, $blocks>>(),
-            size_of::<Planner<'static, &'static [u8], $axes, $blocks>>(),
-            size_of::<Interpolator<'static, $axes>>(),
-        );
-    )+};
-}
 
 macro_rules! nops {
     ($report:ident $counter:ident: $($count:literal),+) => {$(
@@ -46,7 +30,6 @@ fn main() -> ! {
     let counter = Counter::start();
     let _ = writeln!(report, "unit {UNIT}");
     nops!(report counter: 0, 1, 10, 100, 1000);
-    sizes!(report: 3 30, 3 120, 3 190, 6 30, 6 120, 6 190);
     report.flush();
     exit(true)
 }

@@ -1,0 +1,216 @@
+//! Compares every row with the limits of the machine data: speed, acceleration and jerk of every axis.
+//!
+//! Jerk is left out where the machine data permit a step: at joints of blocks without P-CHAN-00009 or with P-AXIS-00013, and in all of a
+//! program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 = 0). Joints where a step shows are counted.
+use crate::diagnose::Diagnostic;
+use crate::machine::Machine;
+use crate::program::Program;
+use glidepath::machine::AxisKind;
+
+/// What is compared.
+const NAMES: [&str; 3] = ["speed", "acceleration", "jerk"];
+
+/// Rows that a third difference covers.
+const COVERED: u64 = 3;
+
+/// The first value beyond a limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Excess {
+    /// Index of the axis.
+    pub axis: usize,
+    /// 0 speed, 1 acceleration, 2 jerk.
+    pub order: usize,
+    /// Row of the trace.
+    pub tick: u64,
+    /// N number of the block.
+    pub n: u32,
+    /// Per second, in mm or degrees.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+}
+
+/// A step of acceleration at a joint that the machine data permit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Index of the axis.
+    pub axis: usize,
+    /// N number of the block behind the joint.
+    pub n: u32,
+    /// mm/s² or °/s².
+    pub size: f64,
+}
+
+/// The comparison.
+#[derive(Debug, Default)]
+pub struct Monitor {
+    /// Per axis, of each order: the limit per second, and the largest difference in LSB of a position.
+    axes: Vec<[(f64, i128); 3]>,
+    cycle_s: f64,
+    /// Steps are permitted at joints.
+    steps: bool,
+    /// Jerk of curves is not limited.
+    curves: bool,
+    /// The last joint that a row came behind, and whether a step has shown there.
+    joint: Option<(u64, bool)>,
+    /// Sum of the third differences since that row, per axis: a step lies in two or three of them.
+    sums: Vec<i128>,
+    /// The first excess of each axis and order.
+    pub excess: Vec<Excess>,
+    /// Joints where a step has shown.
+    pub stepped: u64,
+    /// The largest of these steps.
+    pub largest: Step,
+}
+
+const LSB_PER_MM: f64 = (1_u64 << 32) as f64;
+
+impl Monitor {
+    /// For a program on a machine.
+    pub fn new(machine: &Machine, program: &Program) -> Self {
+        let cycle_s = machine.cycle_s();
+        let axes = (0..machine.axes.len()).map(|k| {
+            let allowed = program.allowed(k, machine);
+            let mut scale = LSB_PER_MM;
+            // Rounding adds half an LSB for each of the points, weighted 1 1, 1 2 1, 1 3 3 1.
+            [(allowed.speed, 1), (allowed.accel, 2), (allowed.jerk, 4)].map(|(limit, rounding)| {
+                scale *= cycle_s;
+                let bound = limit * scale * (1.0 + 1e-12);
+                (limit, if bound < 1e30 { bound as i128 + rounding } else { i128::MAX })
+            })
+        });
+        Self {
+            axes: axes.collect(),
+            cycle_s,
+            steps: !machine.channel.corr_v_trans_jerk
+                || machine.axes.iter().any(|axis| axis.a_trans_weight > 0),
+            curves: program.free_curves,
+            sums: vec![0; machine.axes.len()],
+            ..Self::default()
+        }
+    }
+
+    /// The row with this number is the first one behind a joint.
+    pub fn passes(&mut self, tick: u64) {
+        self.joint = Some((tick, false));
+        self.sums.fill(0);
+    }
+
+    /// The latest first, second and third difference of an axis, LSB, in a block.
+    pub fn look(&mut self, axis: usize, tick: u64, n: u32, differences: &[i128; 3]) {
+        let (Some(bounds), Some(sum)) = (self.axes.get(axis), self.sums.get_mut(axis)) else { return };
+        *sum += differences[2];
+        let mut scale = LSB_PER_MM;
+        for (order, (difference, (limit, bound))) in differences.iter().zip(*bounds).enumerate() {
+            scale *= self.cycle_s;
+            if difference.unsigned_abs() <= bound.unsigned_abs() {
+                continue;
+            }
+            let value = difference.unsigned_abs() as f64 / scale;
+            if order == 2 {
+                if self.curves {
+                    continue;
+                }
+                if let (true, Some((at, seen))) = (self.steps, &mut self.joint)
+                    && tick < *at + COVERED
+                {
+                    self.stepped += u64::from(!*seen);
+                    *seen = true;
+                    // A step of speed shows to both sides.
+                    let size =
+                        sum.unsigned_abs().max(difference.unsigned_abs()) as f64 / scale * self.cycle_s;
+                    if size > self.largest.size {
+                        self.largest = Step { axis, n, size };
+                    }
+                    continue;
+                }
+            }
+            if !self.excess.iter().any(|other| other.axis == axis && other.order == order) {
+                self.excess.push(Excess { axis, order, tick, n, value, limit });
+            }
+        }
+    }
+
+    /// What to say about jerk that was not compared; nothing where all was.
+    pub fn left_out(&self) -> Option<String> {
+        if self.curves {
+            return Some("jerk not compared: CHECK_JERK = 0".to_owned());
+        }
+        self.steps.then(|| "jerk not compared at joints: P-CHAN-00009 = 0 or P-AXIS-00013 given".to_owned())
+    }
+
+    /// One message for each excess.
+    pub fn errors(&self, machine: &Machine) -> Vec<Diagnostic> {
+        let messages = self.excess.iter().map(|excess| {
+            let Excess { axis, order, tick, n, value, limit } = excess;
+            let data = &machine.axes[*axis];
+            let unit = if data.kind == AxisKind::Linear { "mm" } else { "°" };
+            let per = ["/s", "/s²", "/s³"][*order];
+            let (name, what, at) = (data.name.as_str(), NAMES[*order], *tick as f64 * self.cycle_s);
+            Diagnostic::error(format!(
+                "axis {name}: {what} {value:.3} {unit}{per} exceeds its limit {limit:.3} {unit}{per} at tick {tick} ({at:.4} s), in block N{n}"
+            ))
+        });
+        messages.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn monitor(machine: &Machine) -> Monitor {
+        Monitor::new(machine, &Program::empty(machine))
+    }
+
+    /// A difference of so many mm or mm/s² …, in LSB.
+    fn lsb(mm: f64) -> i128 {
+        (mm * LSB_PER_MM) as i128
+    }
+
+    #[test]
+    fn each_limit_is_compared_with_its_difference() {
+        let machine = Machine::built_in();
+        // 1000 mm/s, 6000 mm/s², 200 000 mm/s³ at 1 ms.
+        let most = [1.0, 6e-3, 2e-4];
+        for order in 0..3 {
+            let mut monitor = monitor(&machine);
+            let mut differences = [0; 3];
+            differences[order] = -lsb(most[order]) - [1, 2, 4][order];
+            monitor.look(1, 7, 20, &differences);
+            assert_eq!(monitor.excess, []);
+            differences[order] -= 100_000;
+            monitor.look(1, 8, 20, &differences);
+            monitor.look(1, 9, 30, &differences);
+            let [Excess { axis: 1, tick: 8, n: 20, order: seen, value, limit }] = monitor.excess[..] else {
+                panic!("{:?}", monitor.excess)
+            };
+            assert_eq!(seen, order);
+            assert!(value > limit && value < limit * 1.2, "{value} of {limit}");
+            let text = &monitor.errors(&machine)[0].message;
+            for part in ["axis Y", NAMES[order], "tick 8 (0.0080 s)", "block N20"] {
+                assert!(text.contains(part), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_counted_where_they_are_permitted_alone() {
+        let mut machine = Machine::built_in();
+        machine.channel.corr_v_trans_jerk = false;
+        let mut monitor = monitor(&machine);
+        let jerk = [0, 0, lsb(1e-3)];
+        monitor.passes(10);
+        monitor.look(0, 12, 20, &jerk);
+        monitor.passes(50);
+        monitor.look(2, 51, 40, &jerk);
+        monitor.look(2, 52, 40, &jerk);
+        assert_eq!((monitor.stepped, monitor.excess.len()), (2, 0));
+        assert_eq!((monitor.largest.axis, monitor.largest.n), (2, 40));
+        assert!((monitor.largest.size - 2000.0).abs() < 1e-3, "{:?}", monitor.largest);
+        // Acceleration is limited there too, and jerk elsewhere.
+        monitor.look(0, 52, 40, &[0, lsb(7e-3), 0]);
+        monitor.look(0, 53, 40, &jerk);
+        assert_eq!(monitor.excess.iter().map(|excess| excess.order).collect::<Vec<_>>(), [1, 2]);
+    }
+}

@@ -1,0 +1,80 @@
+//! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as many as wanted:
+//! `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls]`; with `stalls` the planner gets no time now and
+//! then. `machines -- SEED` shows one seed. Two threads.
+use host_tests::soak::{Outcome, setup, soak};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::Instant;
+
+const THREADS: usize = 2;
+
+fn show<const AXES: usize>(seed: u64, stalls: bool) {
+    let setup = setup::<AXES>(seed, stalls);
+    println!("{:#?}\n{}\n{:?}, {} polls", setup.machine, setup.text(), setup.acts, setup.polls);
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let stalls = arguments.iter().any(|word| word == "stalls");
+    let seeds: Vec<u64> = arguments.iter().filter_map(|word| word.parse().ok()).collect();
+    let (first, last) = match seeds[..] {
+        [seed] => {
+            match seed % 4 {
+                0 => show::<3>(seed, stalls),
+                1 => show::<4>(seed, stalls),
+                2 => show::<5>(seed, stalls),
+                _ => show::<6>(seed, stalls),
+            }
+            (seed, seed + 1)
+        }
+        [first, last, ..] => (first, last),
+        [] => (0, 1000),
+    };
+    println!("seeds {first} to {last}, {}", if stalls { "with stalls" } else { "without stalls" });
+    let (next, done) = (AtomicU64::new(first), AtomicU64::new(0));
+    let (faults, skipped, ticks) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    let begun = Instant::now();
+    let every = if std::io::stderr().is_terminal() { 50 } else { 1000 };
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Relaxed);
+                    if seed >= last {
+                        break;
+                    }
+                    match std::panic::catch_unwind(|| soak(seed, stalls)) {
+                        Ok(Outcome::Good(count)) => _ = ticks.fetch_add(count as u64, Relaxed),
+                        Ok(Outcome::Skipped) => _ = skipped.fetch_add(1, Relaxed),
+                        Ok(Outcome::Fault(fault)) => {
+                            faults.fetch_add(1, Relaxed);
+                            println!("seed {seed}: {fault}");
+                        }
+                        Err(_) => {
+                            faults.fetch_add(1, Relaxed);
+                            println!("seed {seed}: panicked");
+                        }
+                    }
+                    let count = done.fetch_add(1, Relaxed) + 1;
+                    if count.is_multiple_of(every) {
+                        let left =
+                            (last - first - count) as f64 * begun.elapsed().as_secs_f64() / count as f64;
+                        eprintln!(
+                            "{count} of {}, {} faults, {left:.0} s to go",
+                            last - first,
+                            faults.load(Relaxed)
+                        );
+                    }
+                }
+            });
+        }
+    });
+    let faults = faults.into_inner();
+    println!(
+        "{} programs, {} ticks, {faults} faults, {} longer than a million ticks",
+        last - first,
+        ticks.into_inner(),
+        skipped.into_inner()
+    );
+    std::process::exit(i32::from(faults > 0));
+}

@@ -1,0 +1,593 @@
+//! One disturbance before each tick of a program: a planner that gets no time, or a feed hold. The judge sees every tick of each run.
+//!
+//! A [`Case`] is a path in one form of contour mode, a [`Slope`] its time law. [`Track::new`] runs it undisturbed and, at a low
+//! override, so slowly that its set points show the path. [`Track::disturb`] runs it again with one disturbance and checks:
+//!
+//! - speed, acceleration and jerk of every axis at every tick, so that no set point jumps;
+//! - the path distance never goes back, and each set point lies on the path of the slow run;
+//! - the motion ends at the end to the bit, with the same path distance, and says once at most that its planner was late;
+//! - a stall leads to a standstill, and so does a hold.
+//!
+//! What a feed hold needs is compared with the closed form, [`Stop`].
+use crate::check::{self, Limits};
+use crate::reference::profile::Ramps;
+use crate::reference::stop::Stop;
+use crate::trace::Trace;
+use glidepath::channel::{Channel, Progress};
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+use glidepath::quantity::Position;
+use glidepath::tick::State;
+use std::fmt::Write;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Speed of every axis, mm/s and degrees/s.
+const V: f64 = 1000.0;
+/// Acceleration of every axis, mm/s² and degrees/s².
+const A: f64 = 2000.0;
+/// Every ramp time, and the geometric one, s.
+const RAMP: f64 = 0.15;
+const RAMP_GEOMETRIC: f64 = 0.01;
+/// Decelerations of STEP below and above its change-over speed, and that speed.
+const STAGES: [f64; 2] = [2000.0, 1200.0];
+const CHANGE_OVER: f64 = 250.0;
+/// Seconds per tick.
+const CYCLE: f64 = 0.001;
+
+/// Degrees that the rotary axis moves at most over a millimetre of path.
+const STEEPEST: f64 = 16.0;
+
+/// Ticks of rest behind which it counts as a standstill that the planner has to end.
+const STANDS: usize = 3;
+
+/// Ticks from a command to the first one that differs: it is seen with the next call, and acts four ticks behind that.
+pub const REACTION: usize = 5;
+
+/// Most ticks of a run.
+const LONGEST: usize = 200_000;
+
+/// A time law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slope {
+    /// As `#SLOPE` names it.
+    pub word: &'static str,
+    /// P-CHAN-00071.
+    pub number: u8,
+}
+
+/// The slopes. NO_OPT=0 has its own name here: HSC0.
+pub const SLOPES: [(&str, Slope); 5] = [
+    ("TRAPEZ", Slope { word: "TRAPEZ", number: 1 }),
+    ("SIN2", Slope { word: "SIN2", number: 2 }),
+    ("HSC", Slope { word: "HSC", number: 3 }),
+    ("STEP", Slope { word: "STEP", number: 0 }),
+    ("HSC0", Slope { word: "HSC NO_OPT=0", number: 3 }),
+];
+
+/// A path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Chords of this many µm along a curve, at F6000.
+    Chords(u32),
+    /// Corners of many angles.
+    Corners,
+    /// Arcs and lines with tangential and other joints.
+    Arcs,
+    /// Lines with a rotary axis, which also moves alone.
+    Rotary,
+}
+
+/// A path in one form of contour mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Case {
+    /// For the command line and messages.
+    pub name: &'static str,
+    /// The path.
+    pub path: Path,
+    /// What `#CONTOUR MODE` is given; empty: it is off.
+    pub contour: &'static str,
+}
+
+const fn case(name: &'static str, path: Path, contour: &'static str) -> Case {
+    Case { name, path, contour }
+}
+
+/// Paths with contour mode off and on, with curves over length and over time.
+pub const CASES: [Case; 14] = [
+    case("chords", Path::Chords(280), ""),
+    case("chords-dev", Path::Chords(280), "DEV PATH_DEV=0.02"),
+    case("chords-ptp", Path::Chords(280), "PTP PATH_DEV=0.02"),
+    case("corners", Path::Corners, ""),
+    case("corners-dev", Path::Corners, "DEV PATH_DEV=0.1"),
+    case("corners-ptp", Path::Corners, "PTP PATH_DEV=0.1"),
+    case("corners-soft", Path::Corners, "DIST_SOFT PATH_DIST=1"),
+    case("arcs", Path::Arcs, ""),
+    case("arcs-dev", Path::Arcs, "DEV PATH_DEV=0.05"),
+    case("rotary", Path::Rotary, ""),
+    case("rotary-dev", Path::Rotary, "DEV PATH_DEV=0.1 TRACK_DEV=0.5"),
+    case("rotary-soft", Path::Rotary, "DIST_SOFT PATH_DIST=1"),
+    case("mm-dev", Path::Chords(1000), "DEV PATH_DEV=0.02"),
+    case("mm-soft", Path::Chords(1000), "DIST_SOFT PATH_DIST=0.5"),
+];
+
+impl Case {
+    /// The case of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        CASES.into_iter().find(|case| case.name == name)
+    }
+
+    /// Axes of its machine.
+    pub fn axes(&self) -> usize {
+        if self.path == Path::Rotary { 4 } else { 3 }
+    }
+
+    /// Its program with a slope, of so many blocks.
+    pub fn text(&self, slope: Slope, blocks: usize) -> String {
+        let mut text = format!("%{}\n#SLOPE [TYPE={}]\nG90\n", self.name, slope.word);
+        if !self.contour.is_empty() {
+            let _ = writeln!(text, "#CONTOUR MODE [{}]\nG261", self.contour);
+        }
+        self.path.write(&mut text, blocks);
+        if !self.contour.is_empty() {
+            text.push_str("G260\n");
+        }
+        text + "M30\n"
+    }
+}
+
+impl Path {
+    /// Blocks of a program that is longer than the queue and the look-ahead of its machine.
+    pub fn blocks(self) -> usize {
+        match self {
+            Self::Chords(_) => 300,
+            Self::Corners => 24,
+            Self::Arcs => 24,
+            Self::Rotary => 24,
+        }
+    }
+
+    /// Blocks of look-ahead.
+    fn look_ahead(self) -> u32 {
+        if matches!(self, Self::Chords(_)) { 120 } else { 10 }
+    }
+
+    fn write(self, text: &mut String, blocks: usize) {
+        match self {
+            Self::Chords(um) => {
+                text.push_str("G01 F6000\n");
+                // Evenly along a curve that bends to both sides, with radii down to 2 m, 100 mm once.
+                let (mut x, mut y, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
+                let chord = f64::from(um) * 1e-3;
+                for k in 0..blocks {
+                    let radius = if (200..220).contains(&k) { 100.0 } else { 2000.0 };
+                    turn += chord / radius * (k as f64 * 0.05).cos();
+                    (x, y) = (x + chord * turn.cos(), y + chord * turn.sin());
+                    let z = 0.05 * (k as f64 * 0.01).sin();
+                    let _ = writeln!(text, "N{} X{x:.4} Y{y:.4} Z{z:.4}", 10 * k + 10);
+                }
+            }
+            Self::Corners => {
+                let (mut x, mut y, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
+                for k in 0..blocks {
+                    let length = [6.0, 2.5, 9.0, 4.0, 1.5][k % 5];
+                    turn += [30.0_f64, -90.0, 135.0, 10.0, -45.0, 3.0, 60.0][k % 7].to_radians();
+                    (x, y) = (x + length * turn.cos(), y + length * turn.sin());
+                    let feed = [12_000, 6000, 9000][k % 3];
+                    let _ = writeln!(text, "N{} G01 X{x:.4} Y{y:.4} Z{} F{feed}", 10 * k + 10, k % 2);
+                }
+            }
+            Self::Arcs => {
+                let mut x = 0.0_f64;
+                for k in 0..blocks / 3 {
+                    let radius = [2.0, 3.5, 1.25][k % 3];
+                    let feed = [9000, 6000][k % 2];
+                    let word = ["G02", "G03"][k % 2];
+                    // A line, a half circle that leaves it at a right angle or goes on from it, and a line on.
+                    let _ = writeln!(text, "N{} G01 X{:.3} Y{} F{feed}", 30 * k + 10, x + 4.0, k % 2);
+                    let _ =
+                        writeln!(text, "N{} {word} X{:.3} I{radius}", 30 * k + 20, x + 4.0 + 2.0 * radius);
+                    let _ = writeln!(text, "N{} G01 Y{:.3}", 30 * k + 30, [-5.0, 4.0][k % 2]);
+                    x += 4.0 + 2.0 * radius;
+                }
+            }
+            Self::Rotary => {
+                let mut x = 0.0_f64;
+                for k in 0..blocks {
+                    if k % 6 == 5 {
+                        let _ = writeln!(text, "N{} G01 A{} F6000", 10 * k + 10, 6 * k);
+                        continue;
+                    }
+                    x += [5.0, 3.0, 8.0][k % 3];
+                    let y = [0.0, 1.0, 2.5, -1.0][k % 4];
+                    let turn = 6 * k as i32 + [5, -20, 40][k % 3];
+                    let _ = writeln!(text, "N{} G01 X{x} Y{y} A{turn} F9000", 10 * k + 10);
+                }
+            }
+        }
+    }
+}
+
+/// The machine of all cases.
+pub fn machine<const AXES: usize>(case: Case, slope: Slope) -> MachineData<AXES> {
+    let [v, a] = [V * 1e3, A].map(|x| x as u32);
+    let [ramp, geometric] = [RAMP, RAMP_GEOMETRIC].map(|s| (s * 1e6) as u32);
+    let axes = std::array::from_fn(|k| {
+        let kind = if k < 3 { AxisKind::Linear } else { AxisKind::Rotary };
+        let mut axis = AxisData::new(AxisName::new(["X", "Y", "Z", "A"][k % 4]).expect("a letter"), kind);
+        (axis.vb_max, axis.vb_eilgang) = (v, v);
+        axis.a_max = a;
+        (axis.a_beschl, axis.a_brems, axis.a_grenz) = (a, a, a);
+        (axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab) = (ramp, ramp, ramp, ramp);
+        (axis.tr_grenz, axis.tr_geom) = (ramp, geometric);
+        axis.a_stufe = STAGES.map(|a| a as u32);
+        axis.vb_stufe_1_2 = (CHANGE_OVER * 1e3) as u32;
+        axis
+    });
+    let channel = ChannelData {
+        cycle_us: (CYCLE * 1e6) as u32,
+        slope_profile: slope.number,
+        look_ahead: case.path.look_ahead(),
+        // A step of acceleration at a joint is not permitted: the jerk is limited everywhere.
+        corr_v_trans_jerk: true,
+        ptp: true,
+        ..ChannelData::new()
+    };
+    MachineData { axes, channel }
+}
+
+/// What every axis may show. The ramps of the slope are longer than the geometric one, by more than π/2.
+fn limits(slope: Slope, axes: usize) -> Vec<Limits> {
+    let jerk = if slope.number == 0 { f64::INFINITY } else { A / RAMP_GEOMETRIC };
+    vec![Limits { v: V, a: A, jerk }; axes]
+}
+
+/// What happens before a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// Nothing.
+    None,
+    /// The planner gets no time until the motion stands.
+    Stall,
+    /// It gets no time for so many ticks.
+    ShortStall(usize),
+    /// A feed hold, until the motion stands.
+    Hold,
+    /// An override for all of the run, 0.1 %.
+    Override(u16),
+}
+
+/// A run.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// Set points of all ticks, those of rest included.
+    pub trace: Trace,
+    /// Path distance after each of them, LSB 2^-44 mm.
+    pub distances: Vec<i64>,
+    /// Tick behind which it stood, for a stall or hold.
+    pub stood: Option<usize>,
+    /// How often the planner said that it came late.
+    pub late: usize,
+}
+
+/// Runs a text with a disturbance before tick `at`. The planner is called until it has nothing to do.
+///
+/// # Errors
+/// What the library refused, or a motion that does not end.
+pub fn run<const AXES: usize>(
+    text: &str,
+    machine: &MachineData<AXES>,
+    at: usize,
+    disturbance: Disturbance,
+) -> Result<Run, String> {
+    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
+    let start = [Position::ZERO; AXES];
+    let (mut planner, mut interpolator) =
+        channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
+    let mut run = Run { trace: Trace::empty(CYCLE, AXES), ..Run::default() };
+    let (mut idle, mut over) = (0, disturbance == Disturbance::None);
+    for tick in 0..LONGEST {
+        let mut stalled = false;
+        match disturbance {
+            Disturbance::Override(factor) if tick == 0 => planner.control().set_override(factor),
+            Disturbance::Hold if tick == at => planner.control().feed_hold(),
+            Disturbance::Hold if tick > at && !over && planner.is_holding() => {
+                if idle >= STANDS {
+                    run.stood = Some((tick - 1).saturating_sub(idle));
+                    planner.control().resume();
+                    over = true;
+                }
+            }
+            Disturbance::Stall if tick >= at && !over => {
+                stalled = tick < at + STANDS || idle < STANDS;
+                over = !stalled;
+                run.stood = over.then(|| (tick - 1).saturating_sub(idle));
+            }
+            Disturbance::ShortStall(ticks) => stalled = (at..at + ticks).contains(&tick),
+            _ => {}
+        }
+        let mut done = false;
+        while !stalled {
+            match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
+                Progress::Waiting => break,
+                Progress::Done => {
+                    done = true;
+                    break;
+                }
+                Progress::Late => run.late += 1,
+                _ => {}
+            }
+        }
+        let state = interpolator.tick();
+        idle = if state == State::Idle { idle + 1 } else { 0 };
+        run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        run.distances.push(interpolator.telemetry().distance.to_bits());
+        if done && state == State::Idle {
+            return Ok(run);
+        }
+    }
+    Err(format!("does not end within {LONGEST} ticks"))
+}
+
+/// A case with a slope, undisturbed, and its path.
+pub struct Track<const AXES: usize> {
+    /// Case and slope.
+    pub name: String,
+    /// Its program.
+    pub text: String,
+    machine: MachineData<AXES>,
+    limits: Vec<Limits>,
+    slope: Slope,
+    /// What an undisturbed planner makes of it.
+    pub plain: Run,
+    /// So slow that its set points show the path.
+    scan: Run,
+}
+
+/// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at hand there the shortest
+/// stop.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Held {
+    /// The tick of the command.
+    pub tick: usize,
+    /// Speed, mm/s, and acceleration, mm/s², where it acts.
+    pub motion: [f64; 2],
+    /// As it was: s and mm.
+    pub seen: Stop,
+    /// The closed form.
+    pub wanted: Stop,
+}
+
+impl Held {
+    /// Times over the closed form. A tick and 10 µm are not counted.
+    pub fn ratios(&self) -> [f64; 2] {
+        let ratio = |seen: f64, wanted: f64, free: f64| (seen - free).max(0.0) / wanted.max(free);
+        [ratio(self.seen.time, self.wanted.time, CYCLE), ratio(self.seen.way, self.wanted.way, 0.01)]
+    }
+}
+
+impl<const AXES: usize> Track<AXES> {
+    /// Runs a program of so many blocks undisturbed and slowly, and judges it.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn new(case: Case, slope: Slope, blocks: usize) -> Result<Self, String> {
+        let name = format!("{} with {}", case.name, slope.word);
+        let (text, machine) = (case.text(slope, blocks), machine::<AXES>(case, slope));
+        let fault = |what: String| format!("{name}: {what}");
+        let plain = run(&text, &machine, 0, Disturbance::None).map_err(fault)?;
+        let scan = run(&text, &machine, 0, Disturbance::Override(50)).map_err(fault)?;
+        let track =
+            Self { text, machine, limits: limits(slope, AXES), slope, plain, scan, name: name.clone() };
+        track.judge(&track.plain).map_err(fault)?;
+        track.judge(&track.scan).map_err(fault)?;
+        Ok(track)
+    }
+
+    /// Ticks of motion.
+    pub fn ticks(&self) -> usize {
+        self.plain.distances.len()
+    }
+
+    /// Runs it with a disturbance before tick `at` and judges it.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn disturb(&self, at: usize, disturbance: Disturbance) -> Result<Run, String> {
+        let run = run(&self.text, &self.machine, at, disturbance)?;
+        self.judge(&run)?;
+        if run.stood.is_none() && matches!(disturbance, Disturbance::Stall | Disturbance::Hold) {
+            // A hold behind the last motion stops nothing.
+            if at + STANDS + REACTION < self.ticks() {
+                return Err("does not stand".to_owned());
+            }
+        }
+        Ok(run)
+    }
+
+    /// Limits, path, order and end.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn judge(&self, run: &Run) -> Result<(), String> {
+        check::limits(&run.trace, &self.limits)?;
+        if let Some(tick) = run.distances.windows(2).position(|w| w[1] < w[0]) {
+            return Err(format!("goes back at tick {tick}"));
+        }
+        if run.late > 1 {
+            return Err(format!("says {} times that it is late", run.late));
+        }
+        let last = |run: &Run| {
+            (run.distances.last().copied(), run.trace.row(run.trace.len() - 1).collect::<Vec<_>>())
+        };
+        let [seen, wanted] = [run, &self.plain].map(last);
+        if seen != wanted {
+            return Err(format!("ends at {seen:?}, not at {wanted:?}"));
+        }
+        // Both go forward, so the place on the path is found by going along.
+        let (scan, mut next) = (&self.scan, 0);
+        for tick in 0..run.distances.len() {
+            let at = run.distances[tick];
+            while scan.distances[next] < at && next + 1 < scan.distances.len() {
+                next += 1;
+            }
+            let before = next.saturating_sub(1);
+            let [from, to] = [before, next].map(|row| scan.distances[row]);
+            let part = if to > from { (at - from) as f64 / (to - from) as f64 } else { 1.0 };
+            let off: f64 = (0..AXES)
+                .map(|k| {
+                    let [a, b, x] = [
+                        scan.trace.columns[k][before],
+                        scan.trace.columns[k][next],
+                        run.trace.columns[k][tick],
+                    ];
+                    let off = (x - a) as f64 - (b - a) as f64 * part;
+                    off * off
+                })
+                .sum::<f64>()
+                .sqrt()
+                / (1u64 << 32) as f64;
+            // No further than from one point of the slow run to the next.
+            let apart = (to - from) as f64 / 2.0_f64.powi(44) * if AXES > 3 { STEEPEST } else { 1.0 };
+            if off > apart + 1e-6 {
+                return Err(format!("tick {tick}: {off} mm off the path, {apart} at most"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Way along the path of the main axes in the tick behind a row, mm.
+    fn step(&self, run: &Run, row: usize) -> f64 {
+        let next = (row + 1).min(run.trace.len() - 1);
+        let step = |axes: std::ops::Range<usize>| -> f64 {
+            let x = axes.map(|k| (run.trace.columns[k][next] - run.trace.columns[k][row]) as f64);
+            x.map(|x| x * x).sum::<f64>().sqrt() / (1u64 << 32) as f64
+        };
+        let main = step(0..3);
+        if main > 0.0 { main } else { step(3..AXES.max(3)) }
+    }
+
+    /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of the axis with the largest
+    /// part of it.
+    fn shortest(&self, row: usize, v: f64, a: f64) -> Stop {
+        let (mut share, mut gone) = (0.0_f64, 0.0);
+        let mut stop = Stop::default();
+        for row in row..self.ticks() - 1 {
+            let step = self.step(&self.plain, row);
+            let most = self.plain.trace.columns.iter().map(|x| (x[row + 1] - x[row]).unsigned_abs()).max();
+            // Less than a nanometre has no direction.
+            if step > 1e-6 {
+                let part = most.unwrap_or(0) as f64 / (1u64 << 32) as f64 / step;
+                if part > share {
+                    share = part;
+                    stop = if self.slope.number == 0 {
+                        Stop::with_steps(v, STAGES.map(|a| a / share), CHANGE_OVER)
+                    } else {
+                        let ramps = Ramps { a: A / share, up: RAMP, down: RAMP };
+                        Stop::with_jerk(v, a, ramps, ramps)
+                    };
+                }
+            }
+            gone += step;
+            if gone > stop.way {
+                break;
+            }
+        }
+        stop
+    }
+
+    /// What a hold before tick `at` needed, if it stopped anything.
+    pub fn held(&self, run: &Run, at: usize) -> Option<Held> {
+        let (at, stood) = (at.max(1), run.stood?);
+        // Between the rows: the command comes at a tick, and acts on the motion some ticks ahead.
+        let before = at - 1;
+        let acts = (before + REACTION).min(self.ticks() - 2);
+        let [v, next] = [acts, acts + 1].map(|row| self.step(&self.plain, row) / CYCLE);
+        let a = (next - v) / CYCLE;
+        let way = |run: &Run, rows: std::ops::Range<usize>| rows.map(|row| self.step(run, row)).sum::<f64>();
+        let seen = Stop {
+            time: stood.saturating_sub(before) as f64 * CYCLE,
+            way: way(run, before..stood.max(before)),
+        };
+        let stop = self.shortest(acts, v, a);
+        let wanted = Stop {
+            time: stop.time + (acts - before) as f64 * CYCLE,
+            way: stop.way + way(&self.plain, before..acts),
+        };
+        Some(Held { tick: at, motion: [v, a], seen, wanted })
+    }
+}
+
+/// What came of a track disturbed before many ticks.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Ticks tried.
+    pub tried: usize,
+    /// Faults, with their ticks.
+    pub faults: Vec<(usize, String)>,
+    /// Times and ways of all holds.
+    pub holds: Vec<Held>,
+    /// Largest part of speed, acceleration and jerk that an axis showed.
+    pub used: [f64; 3],
+}
+
+impl Report {
+    /// The hold with the largest ratio, of time or way.
+    pub fn worst(&self, which: usize) -> Option<&Held> {
+        self.holds.iter().max_by(|a, b| a.ratios()[which].total_cmp(&b.ratios()[which]))
+    }
+
+    /// The ratio that this part of all holds stays below.
+    pub fn quantile(&self, which: usize, part: f64) -> f64 {
+        let mut all: Vec<f64> = self.holds.iter().map(|held| held.ratios()[which]).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(((all.len() as f64 * part) as usize).min(all.len().saturating_sub(1))).copied().unwrap_or(0.0)
+    }
+}
+
+/// Disturbs a track before all of these ticks, in two threads.
+pub fn disturb_all<const AXES: usize>(
+    track: &Track<AXES>,
+    ticks: impl Iterator<Item = usize>,
+    disturbance: Disturbance,
+) -> Report {
+    let ticks: Vec<usize> = ticks.collect();
+    let (next, all) = (AtomicUsize::new(0), Mutex::new(Report::default()));
+    let work = || {
+        while let Some(&at) = ticks.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let verdict = track.disturb(at, disturbance);
+            let held = match (&verdict, disturbance) {
+                (Ok(run), Disturbance::Hold) => track.held(run, at),
+                _ => None,
+            };
+            let used = verdict.as_ref().map_or([0.0; 3], |run| track.used(run));
+            let mut all = all.lock().expect("no panic elsewhere");
+            all.tried += 1;
+            all.used = std::array::from_fn(|k| all.used[k].max(used[k]));
+            all.holds.extend(held);
+            all.faults.extend(verdict.err().map(|fault| (at, fault)));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(work);
+        }
+    });
+    let mut report = all.into_inner().expect("no panic");
+    report.faults.sort_by_key(|(at, _)| *at);
+    report.holds.sort_by_key(|held| held.tick);
+    report
+}
+
+impl<const AXES: usize> Track<AXES> {
+    /// Largest part of speed, acceleration and jerk that an axis shows.
+    fn used(&self, run: &Run) -> [f64; 3] {
+        let mut used = [0.0_f64; 3];
+        for (column, limit) in run.trace.columns.iter().zip(&self.limits) {
+            let values = check::peaks(column, CYCLE).values;
+            for ((used, value), limit) in used.iter_mut().zip(values).zip([limit.v, limit.a, limit.jerk]) {
+                *used = used.max(value / limit);
+            }
+        }
+        used
+    }
+}

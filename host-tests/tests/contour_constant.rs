@@ -1,0 +1,76 @@
+//! CONST_VEL: one speed all along a curve, with every method that has it and every slope.
+use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use host_tests::cases::machines;
+use host_tests::rounded::{Run, quick, run_from};
+
+/// Lowest and highest speed between where N10 is left and N20 is entered, mm/s, over how many ticks.
+///
+/// The derivative at a tick is that of the polynomial through five of them: of a chord the speed would be too low by (κ·v·T)²/24.
+fn inside(run: &Run) -> ([f64; 2], usize) {
+    let points: Vec<Vec<f64>> = (0..run.trace.len()).map(|i| run.trace.mm(i)).collect();
+    let mut way = vec![0.0];
+    for pair in points.windows(2) {
+        let step = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        way.push(way.last().unwrap() + step);
+    }
+    let (from, left) = (run.lengths(10)[0], *run.lengths(20).last().unwrap());
+    let all = *way.last().unwrap();
+    let within = |i: usize| way[i] > from + 1e-6 && all - way[i] > left + 1e-6;
+    let (mut speeds, mut ticks) = ([f64::INFINITY, 0.0_f64], 0);
+    for i in 2..points.len().saturating_sub(2) {
+        if !within(i - 2) || !within(i + 2) {
+            continue;
+        }
+        let speed = (0..3)
+            .map(|k| {
+                let x = |j: usize| points[j][k];
+                ((x(i - 2) - x(i + 2) + 8.0 * (x(i + 1) - x(i - 1))) / 12.0).powi(2)
+            })
+            .sum::<f64>()
+            .sqrt()
+            / run.trace.cycle;
+        speeds = [speeds[0].min(speed), speeds[1].max(speed)];
+        ticks += 1;
+    }
+    (speeds, ticks)
+}
+
+const MODES: [&str; 9] = [
+    "DEV PATH_DEV=2",
+    "DEV PATH_DEV=0.3",
+    "DIST PRE_DIST=10 POST_DIST=10",
+    "DIST PRE_DIST=10 POST_DIST=2",
+    "DIST PRE_DIST=3 POST_DIST=12",
+    "POS PRE_DIST=10 POST_DIST=10 X98 Y2",
+    "POS PRE_DIST=10 POST_DIST=5 X104 Y-3",
+    "POS PRE_DIST=2 POST_DIST=3 X110 Y-10",
+    "POS PRE_DIST=8 POST_DIST=8 X92 Y8",
+];
+
+#[test]
+fn the_speed_is_constant_with_every_method_and_slope() {
+    for slope in 0..4 {
+        for machine in [machines::mill::<3>(1000), quick(1000)] {
+            let machine: MachineData<3> = machines::with_slope(machine, slope);
+            for mode in MODES {
+                for (feed, end) in [
+                    (40_000, "X100 Y100"),
+                    (40_000, "X30 Y100"),
+                    (40_000, "X180 Y60"),
+                    (3000, "X30 Y100"),
+                    (3000, "X180 Y60 F2000"),
+                    (40_000, "G03 X50 Y50 I-50"),
+                ] {
+                    let text = format!(
+                        "#CONTOUR MODE ON [{mode} CONST_VEL=1]\nN10 G01 X100 F{feed}\nN20 G260 {end}\nM30\n"
+                    );
+                    let run = run_from(&text, [Position::ZERO; 3], &machine);
+                    let ([low, high], ticks) = inside(&run);
+                    let what = format!("slope {slope}, {mode}, {end}, F{feed}");
+                    assert!(ticks > 20 && high <= 1.001 * low, "{what}: {low} … {high} in {ticks} ticks");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! A planner without time, and a feed hold, before each tick of whole programs: limits, path and end at every tick of every run.
+//!
+//! The example `every_tick` does the same with any program, slope and range of ticks.
+use host_tests::every_tick::{
+    CASES, Case, Disturbance, Report, SLOPES, Slope, Track, disturb_all, machine, run,
+};
+use host_tests::reference::profile::{Change, Ramps};
+use host_tests::reference::stop::Stop;
+
+fn find(case: &str, slope: &str) -> (Case, Slope) {
+    let (_, slope) = SLOPES.into_iter().find(|(name, _)| *name == slope).expect("a slope");
+    (Case::named(case).expect("a case"), slope)
+}
+
+/// Disturbs a case before every tick.
+fn all_ticks(case: &str, slope: &str, disturbance: Disturbance) -> Report {
+    fn go<const AXES: usize>(case: Case, slope: Slope, disturbance: Disturbance) -> Report {
+        let track =
+            Track::<AXES>::new(case, slope, case.path.blocks()).unwrap_or_else(|fault| panic!("{fault}"));
+        let report = disturb_all(&track, 0..track.ticks(), disturbance);
+        assert_eq!(report.tried, track.ticks());
+        let first: Vec<_> = report.faults.iter().take(5).collect();
+        let faults = report.faults.len();
+        assert!(faults == 0, "{}: {faults} of {} ticks: {first:?}", track.name, report.tried);
+        report
+    }
+    let (case, slope) = find(case, slope);
+    if case.axes() == 4 { go::<4>(case, slope, disturbance) } else { go::<3>(case, slope, disturbance) }
+}
+
+/// A stall until the motion stands.
+fn stalls(case: &str, slope: &str) {
+    let report = all_ticks(case, slope, Disturbance::Stall);
+    // It uses what it may: the judge saw a motion, not a rest.
+    assert!(report.used[1] > 0.3, "{:?}", report.used);
+}
+
+/// A hold until it stands. Nothing is asked of very slow motion, where a tick counts.
+fn holds(case: &str, slope: &str, most: f64) {
+    let report = all_ticks(case, slope, Disturbance::Hold);
+    let worst = |which: usize| report.worst(which).copied().unwrap_or_default();
+    let [time, way] = [0, 1].map(worst);
+    println!("{case}, {slope}: time {:.2} times the closed form, {time:?}", time.ratios()[0]);
+    println!("{case}, {slope}: way {:.2} times the closed form, {way:?}", way.ratios()[1]);
+    assert!(report.holds.len() > report.tried * 9 / 10, "{} of {}", report.holds.len(), report.tried);
+    assert!(time.ratios()[0] <= most && way.ratios()[1] <= most, "{case}, {slope}: {time:?} {way:?}");
+}
+
+#[test]
+fn a_stall_before_every_tick_with_trapez() {
+    stalls("arcs-dev", "TRAPEZ");
+}
+
+#[test]
+fn a_stall_before_every_tick_with_sin2() {
+    stalls("corners-ptp", "SIN2");
+}
+
+#[test]
+fn a_stall_before_every_tick_with_hsc() {
+    stalls("chords", "HSC");
+}
+
+#[test]
+fn a_stall_before_every_tick_with_step() {
+    stalls("arcs", "STEP");
+}
+
+#[test]
+fn a_hold_before_every_tick() {
+    holds("corners", "TRAPEZ", 1.5);
+}
+
+/// The closed form is that of the time laws, and the law of a motion at hand is what is left of the whole.
+#[test]
+fn the_closed_form_is_the_end_of_a_time_law() {
+    let brake = Ramps { a: 2000.0, up: 0.15, down: 0.08 };
+    let accelerate = Ramps { a: 1500.0, up: 0.1, down: 0.06 };
+    for v in [0.001, 1.0, 40.0, 180.0, 700.0] {
+        // Braking is the reversed law with time running backward.
+        let law = Change::new(0.0, v, brake.reversed());
+        let stop = Stop::with_jerk(v, 0.0, accelerate, brake);
+        assert!((stop.time - law.time()).abs() < 1e-9 * law.time(), "{v}: {stop:?}");
+        assert!((stop.way - law.distance).abs() < 1e-9 * law.distance, "{v}: {stop:?}");
+        for part in [0.1, 0.5, 0.9, 0.999] {
+            let left = law.time() * (1.0 - part);
+            let at = law.along(0.0, left);
+            let rest = Stop::with_jerk(at.v, -at.a, accelerate, brake);
+            assert!((rest.time - left).abs() < 1e-6 * law.time(), "{v}, {part}: {rest:?}, {left}");
+            assert!((rest.way - at.s).abs() < 1e-6 * law.distance, "{v}, {part}: {rest:?}, {at:?}");
+        }
+        // An acceleration falls first: that of a law on its way up ends like this.
+        let up = Change::new(0.0, v, accelerate);
+        let falling = up.time() - 0.4 * up.times[2];
+        let at = up.along(0.0, falling);
+        let rest = Stop::with_jerk(at.v, at.a, accelerate, brake);
+        let top = up.along(0.0, up.time());
+        let whole = Stop::with_jerk(top.v, 0.0, accelerate, brake);
+        assert!((rest.time - whole.time - 0.4 * up.times[2]).abs() < 1e-6 * whole.time, "{v}: {rest:?}");
+        assert!((rest.way - whole.way - (top.s - at.s)).abs() < 1e-6 * whole.way, "{v}: {rest:?}");
+    }
+    // 100 mm/s above 50 with 400 mm/s², below with 1000.
+    let stop = Stop::with_steps(100.0, [1000.0, 400.0], 50.0);
+    assert!((stop.time - (0.125 + 0.05)).abs() < 1e-12, "{stop:?}");
+    assert!((stop.way - ((100.0_f64.powi(2) - 2500.0) / 800.0 + 2500.0 / 2000.0)).abs() < 1e-12, "{stop:?}");
+}
+
+/// The judge sees what a stall does to a motion that nobody ends well, and the case list is whole.
+#[test]
+fn the_judge_refuses_a_motion_that_breaks_off() {
+    let (case, slope) = find("corners", "TRAPEZ");
+    let machine = machine::<3>(case, slope);
+    let track = Track::<3>::new(case, slope, case.path.blocks()).expect("runs");
+    let whole = run(&track.text, &machine, 0, Disturbance::None).expect("runs");
+    assert_eq!(whole.trace, track.plain.trace);
+    track.judge(&whole).expect("as planned");
+    let mut broken = whole.clone();
+    for column in &mut broken.trace.columns {
+        let rest = column[300];
+        column[301..310].fill(rest);
+    }
+    let fault = track.judge(&broken).expect_err("a jump");
+    assert!(fault.contains("acceleration") || fault.contains("speed"), "{fault}");
+    let mut off = whole.clone();
+    off.distances[400] += 1 << 40;
+    assert!(track.judge(&off).is_err());
+    let mut short = whole;
+    short.distances.pop();
+    short.trace.columns.iter_mut().for_each(|column| _ = column.pop());
+    short.distances.pop();
+    short.trace.columns.iter_mut().for_each(|column| _ = column.pop());
+    assert!(track.judge(&short).is_err());
+    // Twelve programs, and two more for holds.
+    let paths: Vec<_> = CASES.iter().map(|case| case.path).collect();
+    assert_eq!((CASES.len(), paths.iter().filter(|path| **path == paths[0]).count()), (14, 3));
+}

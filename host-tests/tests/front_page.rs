@@ -1,0 +1,57 @@
+//! The front page of the crate: its example runs to the end of its motion.
+use std::path::Path;
+
+#[test]
+fn the_example_moves_to_the_end_of_its_program() {
+    // <example>
+    use glidepath::channel::{Channel, Progress};
+    use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+    use glidepath::quantity::Position;
+    use glidepath::tick::State;
+
+    let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
+    let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+    let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
+    let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
+
+    // On a controller a static variable: all of the memory is in it.
+    let mut memory = Channel::<3, 120>::new();
+    let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+    let mut planned = false;
+    loop {
+        // In the main loop or a task: until the queue is full, or everything is in it.
+        while !planned {
+            match planner.poll().unwrap() {
+                Progress::Done => planned = true,
+                Progress::Waiting => break,
+                _ => {}
+            }
+        }
+        // In the timer interrupt, once per cycle:
+        let state = interpolator.tick();
+        let _to_the_drives: &[Position; 3] = interpolator.set_points();
+        if planned && state == State::Idle {
+            break;
+        }
+    }
+    assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
+    // </example>
+}
+
+#[test]
+fn it_is_the_one_shown() {
+    let read = |file: &str| {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
+        std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+    };
+    let between = |text: &str, begin: &str, end: &str| {
+        let rest = text.split_once(begin).unwrap_or_else(|| panic!("{begin} is missing")).1;
+        rest.split_once(end).unwrap_or_else(|| panic!("{end} is missing")).0.to_owned()
+    };
+    let page = read("src/lib.rs");
+    let page: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("//!")).collect();
+    let shown = between(&page.join("\n"), " ```\n", " ```");
+    let tested = between(&read("host-tests/tests/front_page.rs"), "// <example>\n", "// </example>");
+    let words = |text: &str| text.lines().map(str::trim).collect::<Vec<_>>().join("\n");
+    assert_eq!(words(&shown).trim(), words(&tested).trim());
+}

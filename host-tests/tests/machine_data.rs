@@ -1,0 +1,255 @@
+//! Machine data at the ends of their ranges: none of them switches a limit off.
+use glidepath::channel::{Channel, MachineError};
+use glidepath::machine::parameter::AXIS;
+use glidepath::machine::{Adjusted, AxisData, MachineData};
+use glidepath::quantity::Position;
+use host_tests::cases::{Program, machines};
+use host_tests::check;
+use host_tests::operate::{Act, operate_text};
+use host_tests::properties::{Verdict, verify};
+
+fn good(program: &Program, machine: &MachineData<3>) -> Verdict {
+    verify::<3, 120>(program, machine).unwrap_or_else(|fault| panic!("{fault}"))
+}
+
+/// Corners of 45° and 90°, and a line that goes back.
+fn corners(feed: f64) -> Program {
+    Program::new("corners", 3)
+        .line(&[4.0, 0.0], feed)
+        .line(&[6.0, 2.0], feed)
+        .line(&[6.0, 6.0], feed)
+        .line(&[2.0, 6.0], feed)
+        .line(&[4.0, 6.0], feed)
+}
+
+/// mm/min.
+const FEEDS: [f64; 4] = [500.0, 3000.0, 9000.0, 60_000.0];
+
+/// A machine with all limits at hand: nothing but the geometric ramp time differs.
+fn geometric(us: u32, set: impl Fn(&mut AxisData)) -> MachineData<3> {
+    let mut machine = machines::even::<3>(1000);
+    for axis in &mut machine.axes {
+        (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
+        axis.tr_geom = us;
+        set(axis);
+    }
+    machine
+}
+
+/// P-AXIS-00199 = 0 is preset with P-AXIS-00201.
+#[test]
+fn a_geometric_ramp_of_zero_is_the_smallest_ramp() {
+    for slope in 1..4 {
+        for tr_min in [1000, 10_000, 40_000] {
+            for feed in FEEDS {
+                let run = |us| {
+                    let mut machine = geometric(us, |axis| axis.tr_min = tr_min);
+                    machine.channel.slope_profile = slope;
+                    good(&corners(feed), &machine).run.digest
+                };
+                assert_eq!(run(0), run(tr_min), "slope {slope}, tr_min {tr_min}, F{feed}");
+            }
+        }
+    }
+}
+
+/// A geometric ramp time far below a cycle permits any jerk, and no more speed at a knee than acceleration does.
+#[test]
+fn a_geometric_ramp_below_the_cycle_keeps_the_acceleration() {
+    for slope in 1..4 {
+        for cycle in [100, 1000, 10_000] {
+            for us in [1, 10, 100, 1000] {
+                let mut machine = geometric(us, |axis| axis.tr_min = 1);
+                (machine.channel.slope_profile, machine.channel.cycle_us) = (slope, cycle);
+                for feed in FEEDS {
+                    good(&corners(feed), &machine);
+                }
+            }
+        }
+    }
+}
+
+/// A ramp time of all axes in cycles, corners that are curves over time, and holds and overrides at many ticks: the largest share of
+/// `a_max` that an axis shows.
+fn short_ramps(cycles: f64, slope: u8, contour: &str, cycle_us: u32) -> f64 {
+    let ramp = (cycles * f64::from(cycle_us)) as u32;
+    let mut machine = geometric(ramp, |axis| {
+        axis.tr_min = 1;
+        machines::ramps(axis, ramp);
+    });
+    (machine.channel.cycle_us, machine.channel.slope_profile, machine.channel.ptp) = (cycle_us, slope, true);
+    let text = format!(
+        "N10 {contour}\nN20 G01 X20 F12000\nN30 X20 Y20\nN40 X5 Y30\nN50 X5 Y5\nN60 X40 Y6\nN70 #CONTOUR MODE OFF\nM30\n"
+    );
+    let start = [Position::ZERO; 3];
+    let plain = operate_text::<3, 120>(&text, start, &machine, &[], 1000).unwrap();
+    let ticks = plain.trace.ticks();
+    let mut most = 0.0_f64;
+    for k in 0..120 {
+        let at = k * ticks / 120;
+        let acts = if k % 2 == 0 {
+            vec![(at, Act::Hold), (at + 40, Act::Resume)]
+        } else {
+            vec![(at, Act::Override(300)), (at + 7, Act::Override(1000))]
+        };
+        let run = operate_text::<3, 120>(&text, start, &machine, &acts, 1000).unwrap();
+        for (column, axis) in run.trace.columns.iter().zip(&machine.axes) {
+            let seen = check::peaks(column, run.trace.cycle).values[1] - check::allowance(2, run.trace.cycle);
+            most = most.max(seen / f64::from(axis.a_max));
+        }
+    }
+    most
+}
+
+const OVER_TIME: [(u8, &str); 5] = [
+    (1, "#CONTOUR MODE ON [PTP PATH_DEV=0.2]"),
+    (2, "#CONTOUR MODE ON [PTP PATH_DEV=0.2]"),
+    (3, "#CONTOUR MODE ON [PTP PATH_DEV=0.2]"),
+    (1, "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=4]"),
+    (3, "#CONTOUR MODE ON [DEV PATH_DEV=0.2]"),
+];
+
+/// Ramps that are short against the cycle, down to one that is planned with as a whole cycle.
+#[test]
+fn a_hold_inside_a_curve_keeps_the_acceleration() {
+    for (slope, contour) in OVER_TIME {
+        for cycle_us in [100, 1000] {
+            for cycles in [0.1, 1.0, 5.0] {
+                let most = short_ramps(cycles, slope, contour, cycle_us);
+                assert!(most <= 1.0, "slope {slope}, {contour}, {cycle_us} us, {cycles} cycles: {most}");
+            }
+        }
+    }
+}
+
+/// What is refused, by its id.
+fn refused(machine: &MachineData<3>) -> Option<&'static str> {
+    let mut channel = Box::new(Channel::<3, 120>::new());
+    match channel.split(machine, [Position::ZERO; 3], &b"M30\n"[..]) {
+        Ok(_) => None,
+        Err(MachineError::Axis(0, error)) => Some(error.id),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn no_ramp_is_below_the_smallest_one() {
+    let refused = |set: fn(&mut AxisData, u32), us| {
+        let mut machine = machines::even::<3>(1000);
+        set(&mut machine.axes[0], us);
+        refused(&machine)
+    };
+    let ramps: [(&str, fn(&mut AxisData, u32)); 5] = [
+        ("P-AXIS-00195", |axis, us| axis.tr_beschl_ab = us),
+        ("P-AXIS-00196", |axis, us| axis.tr_beschl_zu = us),
+        ("P-AXIS-00197", |axis, us| axis.tr_brems_ab = us),
+        ("P-AXIS-00198", |axis, us| axis.tr_brems_zu = us),
+        ("P-AXIS-00200", |axis, us| axis.tr_grenz = us),
+    ];
+    for (id, set) in ramps {
+        for us in [0, 1, 9999] {
+            assert_eq!(refused(set, us), Some(id), "{us}");
+        }
+        assert_eq!(refused(set, 10_000), None);
+        assert_eq!(refused(set, u32::MAX), None);
+    }
+}
+
+/// The worked value of P-AXIS-00212: 10 000 revolutions a minute. A tick can do 16 mm or degrees.
+#[test]
+fn the_largest_speed_is_that_of_a_tick() {
+    let mut machine = machines::even::<3>(1000);
+    for axis in &mut machine.axes {
+        (axis.vb_max, axis.vb_eilgang) = (60_000_000, 60_000_000);
+        machines::accelerations(axis, 100_000, 100_000);
+    }
+    assert_eq!(refused(&machine), None);
+    let adjusted: Vec<Adjusted> = machine.axes[0].adjusted(&machine.channel).collect();
+    let of = |id, name| Adjusted {
+        id,
+        name,
+        unit: "µm/s",
+        value: 60_000_000,
+        used: 16_000_000,
+        because: "cycle_us: at most 16 mm per tick",
+    };
+    assert_eq!(adjusted, [of("P-AXIS-00209", "vb_eilgang"), of("P-AXIS-00212", "dynamik.vb_max")]);
+    // At its largest speed it goes 16 mm in a tick, and a diagonal the root of three times as far.
+    let program = Program::new("long", 3).line(&[9000.0, 9000.0, 9000.0], 1.0).rapid();
+    let verdict = good(&program, &machine);
+    for peaks in &verdict.peaks {
+        assert!((peaks.values[0] / 16_000.0 - 1.0).abs() < 1e-4, "{peaks:?}");
+    }
+    // With a cycle of 0.1 ms there is nothing to say.
+    machine.channel.cycle_us = 100;
+    assert_eq!(machine.axes[0].adjusted(&machine.channel).count(), 0);
+}
+
+/// Ramps are planned with as a cycle at least, whatever weights make of them, and it is said.
+#[test]
+fn ramps_take_a_cycle() {
+    let with = |us, weight: &str| {
+        let machine = geometric(us, |axis| {
+            axis.tr_min = us;
+            machines::ramps(axis, us);
+        });
+        let text = format!("{weight}\nG01 X4 F9000\nX6 Y2\nG00 X0 Y0\nM30\n");
+        let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &[], 1000).unwrap();
+        (run.trace.columns, machine.axes[1].adjusted(&machine.channel).map(|a| a.id).collect::<Vec<_>>())
+    };
+    let (expected, said) = with(1000, "");
+    assert_eq!(said, [""; 0]);
+    let ids = [195, 196, 197, 198, 199, 200, 201].map(|n| format!("P-AXIS-00{n}"));
+    for us in [1, 100, 999] {
+        let (columns, said) = with(us, "");
+        assert!(columns == expected, "{us} us");
+        assert_eq!(said, ids, "{us} us");
+    }
+    let (columns, said) = with(400, "G133 25\nG134 25\nG233 25");
+    assert!(columns == expected);
+    assert_eq!(said, ids);
+}
+
+/// Every parameter of an axis alone at both ends of its range: refused by its name, or limits hold.
+#[test]
+fn every_parameter_at_both_ends() {
+    let program = Program::new("ends", 3)
+        .line(&[4.0, 0.0, 1.0], 9000.0)
+        .arc(&[8.0, 4.0, 1.0], [0.0, 4.0], false, 9000.0)
+        .line(&[8.0, 8.0, 1.0], 9000.0)
+        .line(&[0.0, 0.0, 0.0], 1.0)
+        .rapid();
+    let mut runs = 0;
+    for parameter in AXIS {
+        for slope in 0..4 {
+            for milli in [
+                parameter.min_milli - 1000,
+                parameter.min_milli,
+                parameter.max_milli,
+                parameter.max_milli + 1000,
+            ] {
+                let mut machine = machines::with_slope(machines::even::<3>(1000), slope);
+                let beyond = milli < parameter.min_milli || milli > parameter.max_milli;
+                if beyond && (milli < 0 || milli / 1000 > i64::from(u32::MAX))
+                    || parameter.id == "P-CHAN-00011"
+                {
+                    continue;
+                }
+                machine.axes[0].tr_min = 1;
+                (parameter.set)(&mut machine.axes[0], milli);
+                let id = refused(&machine);
+                assert!(id.is_some() || !beyond, "{} = {milli}", parameter.name);
+                if id.is_some() {
+                    continue;
+                }
+                // At 1 µm/s a motion takes hours.
+                if parameter.unit == "µm/s" && milli == 1000 {
+                    continue;
+                }
+                good(&program, &machine);
+                runs += 1;
+            }
+        }
+    }
+    assert!(runs > 100, "{runs}");
+}

@@ -1,0 +1,88 @@
+//! How fast blocks may follow each other: a tick passes at most [`SKIP_PER_TICK`] of them, so that 31 in a row take a tick at least.
+//!
+//! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours would bring all of the
+//! motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which take less than that. The others then take the
+//! 20th part of a tick each: twenty of them are a tick. A block is brief only where it is far shorter than the last one that is not, so
+//! that a chain of equal blocks keeps its 31 in a tick.
+use super::limits::{max, min};
+use super::pace::Headroom;
+use crate::tick::SKIP_PER_TICK;
+
+/// Blocks that take a tick together.
+const ROW: u32 = SKIP_PER_TICK - 1;
+/// Brief ones among them at most.
+const MOST_BRIEF: u32 = 11;
+/// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time rounding to 2^-36 tick is a
+/// 2^-18th part.
+const ALL: f32 = ROW as f32;
+const OTHERS: f32 = (ROW - MOST_BRIEF) as f32;
+const BRIEF: f32 = (1 << 18) as f32;
+/// A brief block is shorter than this part of one that is not.
+const FAR_SHORTER: f32 = 0.125;
+/// The blocks before one that are in its row.
+const BEFORE: u32 = (1 << (ROW - 1)) - 1;
+
+/// The last blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// Bit k for the block k before: it is brief; it takes less than the 20th part of a tick, and is not.
+    brief: u32,
+    quick: u32,
+    /// Length of the last one that is not brief, mm.
+    length: f32,
+}
+
+impl Row {
+    /// None.
+    pub const NONE: Self = Self { brief: 0, quick: 0, length: f32::MAX };
+
+    /// Whether the last block is brief.
+    pub const fn is_brief(&self) -> bool {
+        self.brief & 1 != 0
+    }
+
+    /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that. `timed`: its speed is
+    /// given; it is a part of a curve of several ticks.
+    #[inline(always)]
+    pub fn take(&mut self, length: f32, (v, headroom): (&mut f32, &mut Headroom), level: f32, timed: bool) {
+        (self.brief, self.quick) = (self.brief << 1 & BEFORE << 1, self.quick << 1 & BEFORE << 1);
+        // At twice its speed, which is the highest level.
+        if length >= (2.0 / OTHERS) * *v {
+            self.length = length;
+        } else {
+            self.take_short(length, (v, headroom), level, timed);
+        }
+    }
+
+    #[inline(never)]
+    fn take_short(&mut self, length: f32, (v, headroom): (&mut f32, &mut Headroom), level: f32, timed: bool) {
+        let most = headroom.highest(*v, level);
+        if most <= OTHERS * length {
+            self.length = length;
+            return;
+        }
+        let is_brief =
+            self.quick == 0 && self.brief.count_ones() < MOST_BRIEF && length < FAR_SHORTER * self.length;
+        if is_brief || timed {
+            self.brief |= 1;
+        } else {
+            self.length = length;
+        }
+        let lengths = if is_brief {
+            BRIEF
+        } else if self.brief & !1 != 0 {
+            OTHERS
+        } else {
+            ALL
+        };
+        if !timed && !is_brief && lengths > OTHERS {
+            self.quick |= 1;
+        }
+        if !timed && most > lengths * length {
+            *headroom = headroom.lowered(*v, level, lengths * length);
+            *v = min(*v, lengths * length);
+        }
+        // Not nothing: what is divided by it stays finite.
+        self.length = max(self.length, f32::MIN_POSITIVE);
+    }
+}

@@ -1,0 +1,66 @@
+//! Whether a corner without a curve is passed, or the motion stands still in it.
+//!
+//! A step of speed shows as jerk, so beside a knee both blocks leave it a part of their own. At a sharp corner the speed that this buys is
+//! next to nothing, and longer ramps on both sides cost more than it gains. So the times of both blocks are compared, each from rest
+//! at its other end: with a standstill in the corner and all of the limits, or passing it with what is left of them.
+use super::limits::{Limits, Share, max, min};
+use crate::path::End;
+use crate::slope::profile::{peak_above, speed_bits, speed_f32};
+
+/// From this change of the direction of an axis on it is a corner, LSB 2^-40: a thousandth.
+const CORNER: u64 = (1 << 40) / 1000;
+
+/// Whether the direction changes in a corner, not by rounding.
+pub(super) fn is_corner<const AXES: usize>(from: &End<AXES>, to: &End<AXES>) -> bool {
+    let ends = from.tangent.iter().zip(&to.tangent);
+    ends.fold(false, |turns, (t0, t1)| turns || t1.wrapping_sub(*t0).unsigned_abs() > CORNER)
+}
+
+/// How a corner without a curve is passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// With its speed, and with acceleration where the slope permits it.
+    Through,
+    /// With its speed, and no acceleration.
+    Resting,
+    /// As if it were a standstill.
+    Standing,
+}
+
+/// The way that takes the least time between two blocks, which leave their shares if the corner is passed with the speed `v`. `passes`:
+/// acceleration may pass it, which needs more of their own.
+pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
+    let [through, resting] = [|share: &Share| *share, |share: &Share| share.resting()]
+        .map(|of| blocks.map(|(limits, share, length)| (limits.shared(&of(share)), length)));
+    if blocks.iter().zip(&through).all(|((limits, ..), (shared, _))| shared == *limits) {
+        return Way::Through;
+    }
+    let sum = |blocks: &[(Limits, f32); 2], v: f32| -> f32 {
+        blocks.iter().map(|(limits, length)| time(limits, *length, v)).sum()
+    };
+    let stop = sum(&blocks.map(|(limits, _, length)| (*limits, length)), 0.0);
+    let through = sum(&through, v);
+    let resting = if passes { sum(&resting, v) } else { through };
+    if min(through, resting) > stop {
+        Way::Standing
+    } else if resting < through * CLEARLY {
+        Way::Resting
+    } else {
+        Way::Through
+    }
+}
+
+/// Times that differ by less are one: with acceleration through the corner its neighbours may do more.
+const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
+
+/// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to rest.
+fn time(limits: &Limits, length: f32, v: f32) -> f32 {
+    let [up, down] = [limits.speed_up(), limits.brake()];
+    let v = min(v, min(up.reach(0.0, length), limits.v));
+    let speeds = [0, speed_bits(v), speed_bits(v)];
+    let bits = (length * (1u64 << 44) as f32) as i64;
+    let peak = v + speed_f32(peak_above(&up, &down, speeds, bits, limits.v));
+    let ramps = up.distance(0.0, peak)[0] + down.distance(v, peak - v)[0];
+    let cruise = max(length - ramps, 0.0) / max(peak, f32::MIN_POSITIVE);
+    up.duration(0.0, peak) + down.duration(v, peak - v) + cruise
+}

@@ -1,0 +1,76 @@
+//! Legal machine data that are not planned with as they are, and what is planned with instead.
+//!
+//! | parameter | planned with | why |
+//! |---|---|---|
+//! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points show nothing shorter |
+//! | P-AXIS-00199 = 0 | P-AXIS-00201 | its preset |
+//! | speeds: P-AXIS-00209, 00212 | at most 16 mm per tick | [`crate::quantity::Speed`] |
+//! | accelerations: P-AXIS-00001 to 00008 | at most 16 mm/tick² | [`crate::quantity::Accel`] |
+use super::parameter::AXIS;
+use super::{AxisData, ChannelData};
+
+/// Cycles that every ramp takes at least.
+pub const SHORTEST_RAMP: u32 = 1;
+
+/// Speeds and accelerations per tick have six integer bits with sign; half of that is left to sums.
+const LARGEST: u64 = 16;
+
+/// A value of machine data that is planned with as another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Adjusted {
+    /// ISG id.
+    pub id: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// Unit of both values.
+    pub unit: &'static str,
+    /// The value given.
+    pub value: i64,
+    /// The value used.
+    pub used: i64,
+    /// What sets the bound.
+    pub because: &'static str,
+}
+
+impl AxisData {
+    /// The data that are planned with.
+    pub fn planned(&self, channel: &ChannelData) -> Self {
+        let cycle = u64::from(channel.cycle_us.max(1));
+        let at_most = |micro: u64| u32::try_from(micro / cycle).unwrap_or(u32::MAX);
+        let v = at_most(LARGEST * 1_000_000_000);
+        let a = u32::try_from(LARGEST * 1_000_000_000_000 / (cycle * cycle)).unwrap_or(u32::MAX);
+        let ramp = |us: u32| us.max(channel.cycle_us.saturating_mul(SHORTEST_RAMP));
+        Self {
+            vb_max: self.vb_max.min(v),
+            vb_eilgang: self.vb_eilgang.min(v),
+            a_max: self.a_max.min(a),
+            a_beschl: self.a_beschl.min(a),
+            a_brems: self.a_brems.min(a),
+            a_grenz: self.a_grenz.min(a),
+            tr_geom: ramp(self.geometric_ramp()),
+            tr_min: ramp(self.tr_min),
+            tr_beschl_ab: ramp(self.tr_beschl_ab),
+            tr_beschl_zu: ramp(self.tr_beschl_zu),
+            tr_brems_ab: ramp(self.tr_brems_ab),
+            tr_brems_zu: ramp(self.tr_brems_zu),
+            tr_grenz: ramp(self.tr_grenz),
+            ..*self
+        }
+    }
+
+    /// Every value that is planned with as another one. A warning for whoever wrote the machine data.
+    pub fn adjusted(&self, channel: &ChannelData) -> impl Iterator<Item = Adjusted> {
+        let given = Self { tr_geom: self.geometric_ramp(), ..*self };
+        let planned = self.planned(channel);
+        AXIS.iter().filter_map(move |parameter| {
+            let [value, used] = [&given, &planned].map(|axis| (parameter.get)(axis) / 1000);
+            let because = match parameter.unit {
+                "µs" => "cycle_us: a ramp takes at least a cycle",
+                "µm/s" => "cycle_us: at most 16 mm per tick",
+                _ => "cycle_us: at most 16 mm/tick²",
+            };
+            let (id, name, unit) = (parameter.id, parameter.name, parameter.unit);
+            (value != used).then_some(Adjusted { id, name, unit, value, used, because })
+        })
+    }
+}

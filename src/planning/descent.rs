@@ -1,0 +1,294 @@
+//! The way down to a standstill from a motion at hand: one law through as many spans as it takes.
+//!
+//! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path turns little between two
+//! spans ([`Release::smooth`]) a deceleration passes. The law brakes with the least deceleration and jerk of all spans on its way, from
+//! the first to the one in which it stands. It is no faster at any transition than planned, and it is slowing down there, so the
+//! spans behind keep their limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration
+//! zero, at the planned speed or below, and the next law goes on from there.
+//!
+//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does.
+use super::hold::NOTHING;
+use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock, min, speed_f32};
+use crate::lookahead::{Law, Limits, Release};
+use crate::math::float::to_f32;
+
+/// Most spans of one law. A longer way has several.
+const SPANS: usize = 32;
+
+/// A way has to be shorter than the room by this part: rounding of its length.
+const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
+
+/// A law and where it leads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Descent {
+    pub brake: Brake,
+    /// Spans that it passes whole.
+    pub spans: usize,
+    /// Behind these: the next block of the look-ahead, and its path distance.
+    ahead: Ahead,
+}
+
+impl Descent {
+    /// A slowing down inside one span.
+    pub fn inside(brake: Brake) -> Self {
+        Self { brake, spans: 0, ahead: Ahead::NONE }
+    }
+}
+
+/// What a way down passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Passed {
+    /// The span it begins in, and the one behind those that it passes whole.
+    from: usize,
+    to: usize,
+    /// The instant behind its last tick.
+    last: u32,
+    /// Path distance where it stands inside a span.
+    pub stands: Option<i64>,
+}
+
+/// A place in the look-ahead, or none.
+#[derive(Clone, Copy, Debug)]
+struct Ahead {
+    next: usize,
+    distance: i64,
+}
+
+impl Ahead {
+    const NONE: Self = Self { next: usize::MAX, distance: 0 };
+}
+
+/// Goes along the spans: committed ones first, then those of the look-ahead.
+#[derive(Clone, Copy)]
+struct Cursor {
+    k: usize,
+    ahead: Ahead,
+}
+
+/// What a law has to know of a span.
+struct Stretch {
+    limits: Limits,
+    /// Speed planned at its start; of several blocks the slowest one.
+    v_in: Speed,
+    v_slow: f32,
+    is_uneven: bool,
+    smooth: bool,
+    /// Path distance of its end, and the speed planned there.
+    end: i64,
+    v_out: Speed,
+}
+
+impl Stretch {
+    fn new(span: &Release, end: i64) -> Self {
+        Self {
+            limits: Limits { a_down: span.a_down, ..span.limits },
+            v_in: span.v_in,
+            v_slow: span.v_slow,
+            is_uneven: span.is_uneven(),
+            smooth: span.smooth,
+            end,
+            v_out: span.v_out,
+        }
+    }
+
+    /// Whether the deceleration at hand may go on in it. That of STEP becomes another one at any tick.
+    fn permits(&self, motion: &Instant) -> bool {
+        let decel = speed_f32(motion.accel.wrapping_neg());
+        matches!(self.limits.law, Law::Stepped { .. }) || decel <= self.limits.a_down
+    }
+
+    /// Highest speed at which a law with these limits may be in it.
+    fn cap(&self, limits: &Limits) -> f32 {
+        if self.is_uneven && !limits.brakes_like(&self.limits) { self.v_slow } else { f32::MAX }
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that span.
+    #[inline(never)]
+    pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Option<Descent> {
+        let ahead = if self.reserve.is_made() {
+            let (next, distance) = self.reserve.ahead();
+            Ahead { next, distance: distance.to_bits() }
+        } else if self.stage == Stage::Passing || self.reserve.behind.is_some() {
+            Ahead::NONE
+        } else {
+            Ahead { next: 0, distance: self.handed.to_bits() }
+        };
+        let descent = self.descend_to(Cursor { k, ahead }, motion)?;
+        // A hold goes on only behind spans that are committed.
+        let commits = self.reserve.is_made() || descent.brake.v_out == 0;
+        if commits || k + descent.spans <= self.flights.len() {
+            return Some(descent);
+        }
+        self.descend_to(Cursor { k, ahead: Ahead::NONE }, motion)
+    }
+
+    fn descend_to(&mut self, start: Cursor, motion: &Instant) -> Option<Descent> {
+        let mut cursor = start;
+        let first = self.ahead(&mut cursor)?;
+        let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
+        let mut fits = Brake::fits(motion, end, &limits, CLOSE);
+        while !fits && spans < SPANS {
+            // A deceleration that a span does not permit ends before it.
+            let goes_on = |next: &Stretch| next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
+            let Some(next) = self.ahead(&mut cursor).filter(goes_on) else { break };
+            limits.go_on_braking(&next.limits);
+            (end, spans) = (next.end, spans + 1);
+            fits = Brake::fits(motion, end, &limits, CLOSE);
+        }
+        if fits && let Some(brake) = Brake::stop(&mut self.profile, motion, end, (&limits, limits.a_down)) {
+            match self.verify(start, motion, &brake, &limits) {
+                Ok(descent) => return Some(descent),
+                Err(whole) => spans = whole,
+            }
+        }
+        // To the end of so many spans: fewer of them if the law is too fast before.
+        loop {
+            let (limits, end, v_out) = self.together(start, spans)?;
+            let braking = (&limits, limits.a_down);
+            let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
+            if spans == 1 {
+                let brake = brake?;
+                let spans = usize::from(end.wrapping_sub(brake.end) <= NOTHING);
+                let mut cursor = start;
+                if spans > 0 {
+                    self.ahead(&mut cursor)?;
+                }
+                return Some(Descent { brake, spans, ahead: cursor.ahead });
+            }
+            spans = match brake.map(|brake| self.verify(start, motion, &brake, &limits)) {
+                Some(Ok(descent)) => return Some(descent),
+                Some(Err(whole)) => whole.min(spans - 1),
+                None => 1,
+            };
+        }
+    }
+
+    /// The next span, if there is one whose path the interrupt knows.
+    fn ahead(&self, cursor: &mut Cursor) -> Option<Stretch> {
+        if let Some(flight) = self.flights.get(cursor.k) {
+            cursor.k += 1;
+            return Some(Stretch::new(&flight.span, flight.end()));
+        }
+        let mut span = Release::BLANK;
+        if cursor.ahead.next == usize::MAX || !self.lookahead.ring.planned(cursor.ahead.next, &mut span) {
+            return None;
+        }
+        let end = cursor.ahead.distance.wrapping_add(span.length.to_bits());
+        if !self.queue.segments.is_known(crate::quantity::Distance::from_bits(end)) {
+            return None;
+        }
+        cursor.ahead = Ahead { next: cursor.ahead.next + span.blocks, distance: end };
+        Some(Stretch::new(&span, end))
+    }
+
+    /// What so many spans permit to a slowing down, the end of the last of them, and the speed planned there.
+    fn together(&self, mut cursor: Cursor, spans: usize) -> Option<(Limits, i64, Speed)> {
+        let mut last = self.ahead(&mut cursor)?;
+        let mut limits = last.limits;
+        for _ in 1..spans {
+            last = self.ahead(&mut cursor)?;
+            limits.go_on_braking(&last.limits);
+        }
+        Some((limits, last.end, last.v_out))
+    }
+
+    /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many spans.
+    fn verify(
+        &self,
+        start: Cursor,
+        motion: &Instant,
+        brake: &Brake,
+        limits: &Limits,
+    ) -> Result<Descent, usize> {
+        let mut cursor = start;
+        let mut spans = 0;
+        let mut at = motion.distance;
+        loop {
+            let ahead = cursor.ahead;
+            let Some(stretch) = self.ahead(&mut cursor) else { return Err(spans.max(1)) };
+            let mut cap = stretch.cap(limits);
+            if spans > 0 {
+                cap = min(cap, speed_f32(stretch.v_in.to_bits()));
+            }
+            if cap < f32::MAX && !is_slower(&self.profile, brake, at, cap) {
+                return Err(spans.max(1));
+            }
+            let left = stretch.end.wrapping_sub(brake.end);
+            if left > NOTHING {
+                return Ok(Descent { brake: *brake, spans, ahead });
+            }
+            spans += 1;
+            if left >= -NOTHING {
+                return Ok(Descent { brake: *brake, spans, ahead: cursor.ahead });
+            }
+            at = stretch.end;
+        }
+    }
+
+    /// The law of a descent that begins in the span `k` goes to the emitter. [`Self::note_passed`] tells the spans.
+    #[inline(never)]
+    pub(super) fn go_down(&mut self, k: usize, descent: &Descent) {
+        let Descent { brake, spans, ahead } = descent;
+        let inside = self.flights.get(k).is_some_and(|flight| flight.end().wrapping_sub(brake.end) >= 0);
+        if *spans == 0 || inside {
+            self.brake(k, brake);
+            return;
+        }
+        self.emitter.begin_brake(&self.profile, brake);
+        let last = self.end.wrapping_add(clock::TICK * self.emitter.ticks());
+        let to = k + spans;
+        self.speed = Speed::from_bits(brake.v_out);
+        self.stops = self.speed == Speed::ZERO;
+        self.owed = 0;
+        if self.reserve.is_made() {
+            let committed = self.flights.len();
+            self.laid = to.min(committed);
+            self.mode.halting = self.stops;
+            if self.stops {
+                self.reserve.stand_at(brake.end);
+            } else if to > committed {
+                self.reserve.go_on_at(ahead.next, ahead.distance);
+            }
+            return;
+        }
+        let committed = self.flights.len();
+        self.laid = to.min(committed);
+        let speed = self.speed;
+        let ended = to.checked_sub(1).and_then(|k| self.flights.get_mut(k));
+        let mut stands = None;
+        if let Some(ended) = ended.filter(|last| last.end().wrapping_sub(brake.end) >= -NOTHING) {
+            ended.leaves = speed;
+            self.owed = ended.rest;
+            self.lower();
+        } else {
+            // Inside a span, or at the end of one of the look-ahead.
+            self.mode.halting = true;
+            stands = Some(brake.end);
+            if to >= committed {
+                self.reserve.behind = stands;
+            }
+        }
+        self.mode.passed = Some(Passed { from: k, to, last, stands });
+    }
+
+    /// The law is in the queue: the spans on its way are passed.
+    pub(super) fn note_passed(&mut self) {
+        let Some(Passed { from, to, last, stands }) = self.mode.passed.take() else { return };
+        for k in from + 1..=to {
+            if let Some(flight) = self.flights.get_mut(k) {
+                flight.first = last;
+            }
+        }
+        if let (Some(stands), Some(flight)) = (stands, self.flights.get_mut(to)) {
+            flight.begin_at(stands, Speed::ZERO);
+        }
+    }
+}
+
+/// Whether the law is at most as fast as `v` from the path distance `at` on.
+fn is_slower(profile: &Profile, brake: &Brake, at: i64, v: f32) -> bool {
+    let along = to_f32(at.wrapping_sub(brake.from)) * (1.0 / (1u64 << 44) as f32);
+    brake.passes(profile, v) <= along * CLOSE
+}
