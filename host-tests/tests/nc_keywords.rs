@@ -96,6 +96,7 @@ fn contour_methods_take_their_keywords_and_no_others() {
             ("D3-147", "PTP", "MERGE=1"),
         ],
     );
+    // D3-278: soft corners know no actions, nor any keyword that is not above.
     for (row, method, is_soft) in [
         ("D3-085", "DEV", false),
         ("D3-100", "DIST", false),

@@ -95,7 +95,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             None => match self.work() {
                 Ok(Work::Line) => return Ok(Step::Working),
                 Ok(Work::Late) => return Ok(Step::Late),
-                Ok(Work::Motion) => true,
+                Ok(Work::Motion) if self.interpreter.warnings.is_empty() => true,
+                Ok(Work::Motion) => {
+                    // A warning about the line comes first.
+                    let item = Item { span: Span::default(), kind: ItemKind::Motion };
+                    let _ = self.interpreter.queue.push_back(item);
+                    return Ok(Step::Working);
+                }
                 Err(error) => {
                     self.interpreter.phase = Phase::Ended;
                     self.interpreter.queue.clear();
@@ -105,10 +111,6 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                 }
             },
         };
-        // Warnings about the line come first.
-        if !self.interpreter.warnings.is_empty() {
-            return Ok(Step::Working);
-        }
         self.interpreter.quiet = 0;
         // Apart from the other commands: what is not copied costs nothing.
         if is_motion && let Some(motion) = &self.interpreter.motion {

@@ -130,6 +130,13 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is none.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
+        if !goes_on
+            && self.phase == Phase::Running
+            && self.flow.passing.is_none()
+            && self.plain_block(line).is_some()
+        {
+            return Ok(Next::Motion);
+        }
         let mut c = Cursor::new(line.bytes());
         if self.waiting.is_some() {
             return Ok(self.words(&mut c, line)?);
@@ -237,9 +244,6 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// A line that is not passed over.
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
-        if let Some(next) = self.plain_block(line) {
-            return Ok(next);
-        }
         self.n = 0;
         self.moves = false;
         self.block_number(c)?;

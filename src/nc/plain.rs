@@ -2,10 +2,9 @@
 //!
 //! Most lines of most programs are plain. Where a line holds anything else, or anything is wrong with it,
 //! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
-use super::block::{Item, ItemKind};
 use super::compose::in_range;
 use super::cursor::Cursor;
-use super::interpreter::{Interpreter, Next};
+use super::interpreter::Interpreter;
 use super::line::Line;
 use super::modal::{COORDINATE_MAX, Mode};
 use super::number::Factor;
@@ -47,10 +46,9 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Carries a plain block out; its motion, if it has one, is to be handed out at once. `None`, and nothing is changed, if the
-    /// line is none.
+    /// Carries a plain block out that moves; its motion is to be handed out. `None`, and nothing is changed, if the line is none.
     #[inline(never)]
-    pub fn plain_block(&mut self, line: &Line) -> Option<Next> {
+    pub fn plain_block(&mut self, line: &Line) -> Option<()> {
         let mut c = Cursor::new(line.bytes());
         let (mut n, mut mode, mut feed, mut first) = (0, None, None, None);
         let mut target = self.position;
@@ -110,32 +108,29 @@ impl<const AXES: usize> Interpreter<AXES> {
         let g = mode.map(|(_, span)| span);
         let mode = mode.map_or(self.modal.mode, |(mode, _)| mode);
         let feed = feed.or(self.modal.feed);
-        if let Some(first) = first {
-            let kind = match mode {
-                Mode::Rapid => MotionKind::Rapid,
-                Mode::Line if feed.is_some() || target == self.position => MotionKind::Line,
-                _ => return None,
-            };
-            let span = g.filter(|g| g.at < first.at).unwrap_or(first);
-            self.queue.push_back(Item { span, kind: ItemKind::Motion }).ok()?;
-            let place = line.place(span);
-            self.motion = Some(Motion {
-                n,
-                place,
-                centre: place,
-                kind,
-                target,
-                feed: feed.unwrap_or(Feed::ZERO),
-                exact_stop: self.modal.exact_stop,
-            });
-            self.position = target;
-        }
+        let first = first?;
+        let kind = match mode {
+            Mode::Rapid => MotionKind::Rapid,
+            Mode::Line if feed.is_some() || target == self.position => MotionKind::Line,
+            _ => return None,
+        };
+        let place = line.place(g.filter(|g| g.at < first.at).unwrap_or(first));
+        self.motion = Some(Motion {
+            n,
+            place,
+            centre: place,
+            kind,
+            target,
+            feed: feed.unwrap_or(Feed::ZERO),
+            exact_stop: self.modal.exact_stop,
+        });
+        self.position = target;
         self.n = n;
-        self.moves = first.is_some();
+        self.moves = true;
         self.modal.mode = mode;
         self.modal.feed = feed;
         self.calculator.charge(work);
-        Some(if self.moves { Next::Motion } else { Next::Line })
+        Some(())
     }
 
     /// Factor from F to mm/min (°/min): P-CHAN-00108.
