@@ -261,6 +261,28 @@ impl core::fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
+/// Why a zero offset was not set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZeroOffsetError {
+    /// Axes move or will move by blocks that are read already.
+    NotAtRest,
+    /// There are the sets 0…5 and the axes of the machine, and offsets to ±100 000 mm or degrees.
+    Range,
+}
+
+impl core::fmt::Display for ZeroOffsetError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NotAtRest => "a zero offset is set at rest, when all blocks read are executed",
+            Self::Range => {
+                "no such zero offset; expected set 0…5, an axis of the machine, at most 100 000 mm or degrees"
+            }
+        })
+    }
+}
+
+impl core::error::Error for ZeroOffsetError {}
+
 /// Where the program stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Source {
@@ -342,6 +364,24 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// Where the operator's commands go.
     pub fn control(&self) -> &'a Control {
         self.planning.control()
+    }
+
+    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
+    /// the next line of the program on, also where that zero offset is in force; nothing moves.
+    ///
+    /// # Errors
+    /// The axes do not stand with all blocks executed that were read: before the first call of [`Self::poll`] they do, at the end of
+    /// the program, and where the program text is late. Or there is no such zero offset.
+    pub fn set_zero_offset(
+        &mut self,
+        set: usize,
+        axis: usize,
+        offset: Position,
+    ) -> Result<(), ZeroOffsetError> {
+        if self.held.is_some() || !self.decoder.is_between_lines() || !self.planning.is_at_rest() {
+            return Err(ZeroOffsetError::NotAtRest);
+        }
+        if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
     /// Whether the motion stands still in a feed hold.

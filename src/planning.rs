@@ -223,6 +223,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.rest = ticks;
     }
 
+    /// Whether the axes stand and all that was taken in is executed.
+    pub fn is_at_rest(&self) -> bool {
+        let taken_in = !self.lookahead.ring.is_empty() || !self.held.is_none() || !self.contouring.is_empty();
+        let handed_out = self.laid == self.flights.len() && self.emitter.is_done();
+        let passed = !clock::is_before(self.queue.clock.now(), self.end);
+        !taken_in && handed_out && passed && self.speed == Speed::ZERO && self.rest == 0 && self.owed == 0
+    }
+
     /// Goes on.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Families of ids: prefix, digits, last number.
 const FAMILIES: [(&str, usize, u32); 7] =
-    [("D3", 3, 284), ("A8", 3, 61), ("C40", 3, 74), ("NC", 3, 14), ("CF", 2, 37), ("G", 2, 13), ("OP", 2, 6)];
+    [("D3", 3, 284), ("A8", 3, 62), ("C40", 3, 74), ("NC", 3, 14), ("CF", 2, 37), ("G", 2, 13), ("OP", 2, 6)];
 
 const STATES: [&str; 5] = ["done", "part", "decoded", "none", "open"];
 
@@ -111,6 +111,48 @@ fn tests_exist() {
             assert!(names.contains(name), "{}: no test {name} in {file}", row.id);
         }
     }
+}
+
+/// Tests of the language: each of them names every row that it is to show, in its comment, its name or its body.
+const OF_ROWS: &str = "host-tests/tests/nc_";
+
+/// A keyword test that stands for fifty rows shows none of them: it has a line for each.
+#[test]
+fn tests_of_the_language_name_their_rows() {
+    let mut missing = Vec::new();
+    for row in rows() {
+        for test in row.tests.iter().filter(|test| test.starts_with(OF_ROWS)) {
+            let Some((file, name)) = test.split_once("::") else { continue };
+            let text = std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+            if !names_row(&text, name, &row.id) {
+                missing.push(format!("{} in {test}", row.id));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{} rows are not named:\n{}", missing.len(), missing.join("\n"));
+}
+
+/// Whether the test with that name has the id in its name, or in its text from the item before it to its end.
+fn names_row(text: &str, name: &str, id: &str) -> bool {
+    let Some(at) = text.find(&format!("\nfn {name}(")) else { return false };
+    let before = text.get(..at).and_then(|before| before.rfind("\n}\n")).map_or(0, |end| end + 3);
+    let end = text.get(at..).and_then(|rest| rest.find("\n}\n")).map_or(text.len(), |end| at + end);
+    let whole_id = |text: &str, id: &str| {
+        text.match_indices(id)
+            .any(|(at, _)| !text[at + id.len()..].starts_with(|next: char| next.is_ascii_digit()))
+    };
+    let in_name = id.to_lowercase().replace('-', "_");
+    whole_id(name, &in_name) || text.get(before..end).is_some_and(|text| whole_id(text, id))
+}
+
+#[test]
+fn a_row_is_named_in_the_comment_the_name_or_the_body_of_its_test() {
+    let text = "fn a() {\n    \"D3-001\"\n}\n\n/// D3-002.\n#[test]\nfn b() {\n    \"D3-0034\"\n}\n\n#[test]\nfn c_d3_004() {\n}\n";
+    assert!(names_row(text, "b", "D3-002") && names_row(text, "c_d3_004", "D3-004"));
+    for id in ["D3-001", "D3-003", "D3-004"] {
+        assert!(!names_row(text, "b", id), "{id}");
+    }
+    assert!(!names_row(text, "d", "D3-001"));
 }
 
 /// Functions marked as tests.

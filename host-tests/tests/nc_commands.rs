@@ -57,34 +57,51 @@ fn oscillation(text: &str) -> Oscillation {
     }
 }
 
-/// Every keyword outside its range, and inside at both ends: (text around `{}`, outside, inside).
-fn ranges(rows: &[(&str, &[&str], &[&str])]) {
-    for (pattern, outside, inside) in rows {
+/// Every keyword outside its range, and inside at both ends: (row, text around `{}`, outside, inside).
+fn ranges(rows: &[(&str, &str, &[&str], &[&str])]) {
+    for (row, pattern, outside, inside) in rows {
         for value in *outside {
             let text = pattern.replace("{}", value);
-            let kind = error(&text).kind;
-            assert!(matches!(kind, NcErrorKind::Range { .. } | NcErrorKind::NotWhole(_)), "{text}: {kind:?}");
+            let Some(refused) = decode(&text).error else { panic!("{row}: {text} is accepted") };
+            let kind = refused.kind;
+            let of_range = matches!(kind, NcErrorKind::Range { .. } | NcErrorKind::NotWhole(_));
+            assert!(of_range, "{row}: {text}: {kind:?}");
         }
         for value in *inside {
             let text = pattern.replace("{}", value);
             let refused = decode(&text).error;
-            assert_eq!(refused, None, "{text}");
+            assert_eq!(refused, None, "{row}: {text}");
         }
     }
 }
 
+/// One line for each row of the inventory: its id, a text, and what holds for the command that it becomes.
+type Row<C> = (&'static str, &'static str, fn(&C) -> bool);
+
+fn by_row<C: std::fmt::Debug>(read: impl Fn(&str) -> C, rows: &[Row<C>]) {
+    for (row, text, holds) in rows {
+        let command = read(text);
+        assert!(holds(&command), "{row}: {text}: {command:?}");
+    }
+}
+
 #[test]
-fn contour_switches_d3_015_to_017_and_059_to_061() {
+fn contour_switches_by_row() {
     let switch = |text: &str| {
         commands(text)
             .iter()
             .find_map(|c| if let Command::Contour(h, c) = c { Some((h.in_motion, c.switch)) } else { None })
     };
-    assert_eq!(switch("F1 X1 G61"), Some((true, Some(ContourSwitch::Block))));
-    assert_eq!(switch("G261"), Some((false, Some(ContourSwitch::On))));
-    assert_eq!(switch("F1 G260 X1"), Some((true, Some(ContourSwitch::Off))));
-    assert_eq!(contour("ON").switch, Some(ContourSwitch::On));
-    assert_eq!(contour("OFF").switch, Some(ContourSwitch::Off));
+    for (row, text, in_motion, expected) in [
+        ("D3-015", "F1 X1 G61", true, Some(ContourSwitch::Block)),
+        ("D3-016", "G261", false, Some(ContourSwitch::On)),
+        ("D3-017", "F1 G260 X1", true, Some(ContourSwitch::Off)),
+        ("D3-059", "#CONTOUR MODE [PATH_DEV=1]", false, None),
+        ("D3-060", "#CONTOUR MODE ON", false, Some(ContourSwitch::On)),
+        ("D3-061", "#CONTOUR MODE OFF", false, Some(ContourSwitch::Off)),
+    ] {
+        assert_eq!(switch(text), Some((in_motion, expected)), "{row}: {text}");
+    }
     let on = contour("ON [DEV PATH_DEV=1.0]");
     assert_eq!(
         (on.switch, on.method, on.path_dev),
@@ -92,152 +109,159 @@ fn contour_switches_d3_015_to_017_and_059_to_061() {
     );
 }
 
+/// Every keyword becomes its own field, and nothing else changes.
 #[test]
-fn contour_methods_d3_062_to_088() {
-    let c = contour(
-        "[DEV, PATH_DEV 5, RELEVANT_PATH 2 TRACK_DEV=1 RELEVANT_TRACK=0.2 REMAIN_PART=10 CHECK_JERK=2 MAX_ANGLE=73 CONST_VEL=1, POST_ACTION]",
-    );
-    let expected = Contour {
-        method: Some(ContourMethod::Dev),
-        action: Some(ContourAction::Post),
-        path_dev: mm(5.0),
-        relevant_path: mm(2.0),
-        track_dev: mm(1.0),
-        relevant_track: mm(0.2),
-        remain_part: mm(10.0),
-        check_jerk: Some(2),
-        max_angle: mm(73.0),
-        const_vel: Some(true),
-        ..Contour::default()
-    };
-    assert_eq!(c, expected);
-    assert_eq!(
-        contour("[CHECK_JERK=1]"),
-        Contour { check_jerk: Some(1), ..Contour::default() },
-        "single keywords"
-    );
-    assert_eq!(contour("[PRE_ACTION]").action, Some(ContourAction::Pre));
-    assert_eq!(contour("[INTER_ACTION]").action, Some(ContourAction::Inter));
-}
-
-#[test]
-fn contour_dist_d3_090_to_103() {
-    let c = contour("[DIST PRE_DIST=10 POST_DIST=5]");
-    assert_eq!((c.method, c.pre_dist, c.post_dist), (Some(ContourMethod::Dist), mm(10.0), mm(5.0)));
-}
-
-#[test]
-fn contour_pos_d3_105_to_114() {
-    let c = contour("[POS PRE_DIST=2 POST_DIST=0 X110 Y-10 Z0]");
-    assert_eq!((c.method, c.pre_dist, c.post_dist), (Some(ContourMethod::Pos), mm(2.0), mm(0.0)));
-    assert_eq!(c.point, [mm(110.0), mm(-10.0), mm(0.0)]);
+fn contour_keywords_by_row() {
+    let none = Contour::default();
+    let of = |method| Contour { method: Some(method), ..none };
+    let (dev, dist, pos) = (of(ContourMethod::Dev), of(ContourMethod::Dist), of(ContourMethod::Pos));
+    let (soft, master) = (of(ContourMethod::DistSoft), of(ContourMethod::DistMaster));
+    let ptp = of(ContourMethod::Ptp);
+    let action = |with: Contour, action| Contour { action: Some(action), ..with };
+    use ContourAction::{Inter, Post, Pre};
+    let both = Contour { path_dev: mm(5.0), relevant_path: mm(2.0), ..dev };
+    for (row, text, expected) in [
+        ("D3-005", "[PATH_DEV=0.25]", Contour { path_dev: mm(0.25), ..none }),
+        ("D3-006", "[TRACK_DEV=0.25]", Contour { track_dev: mm(0.25), ..none }),
+        ("D3-054", "[CHECK_JERK=2]", Contour { check_jerk: Some(2), ..none }),
+        ("D3-057", "[CONST_VEL=1]", Contour { const_vel: Some(true), ..none }),
+        ("D3-062", "[DEV]", dev),
+        ("D3-063", "[DIST]", dist),
+        ("D3-064", "[POS]", pos),
+        ("D3-065", "[DIST_SOFT]", soft),
+        ("D3-066", "[DIST_MASTER]", master),
+        ("D3-067", "[PTP]", ptp),
+        ("D3-068", "[PRE_ACTION]", action(none, Pre)),
+        ("D3-069", "[INTER_ACTION]", action(none, Inter)),
+        ("D3-070", "[POST_ACTION]", action(none, Post)),
+        ("D3-072", "[DEV, PATH_DEV 5, RELEVANT_PATH=2]", both),
+        ("D3-072", "[DEV PATH_DEV=5 RELEVANT_PATH 2]", both),
+        ("D3-072", "[DEV,PATH_DEV = 5,,RELEVANT_PATH2]", both),
+        ("D3-073", "[CHECK_JERK=1]", Contour { check_jerk: Some(1), ..none }),
+        ("D3-080", "[DEV PATH_DEV=5]", Contour { path_dev: mm(5.0), ..dev }),
+        ("D3-081", "[DEV RELEVANT_PATH=2]", Contour { relevant_path: mm(2.0), ..dev }),
+        ("D3-082", "[DEV TRACK_DEV=1]", Contour { track_dev: mm(1.0), ..dev }),
+        ("D3-083", "[DEV RELEVANT_TRACK=0.2]", Contour { relevant_track: mm(0.2), ..dev }),
+        ("D3-084", "[DEV REMAIN_PART=10]", Contour { remain_part: mm(10.0), ..dev }),
+        ("D3-085", "[DEV POST_ACTION]", action(dev, Post)),
+        ("D3-086", "[DEV CHECK_JERK=2]", Contour { check_jerk: Some(2), ..dev }),
+        ("D3-087", "[DEV MAX_ANGLE=73]", Contour { max_angle: mm(73.0), ..dev }),
+        ("D3-088", "[DEV CONST_VEL=1]", Contour { const_vel: Some(true), ..dev }),
+        ("D3-094", "[DIST PRE_DIST=10]", Contour { pre_dist: mm(10.0), ..dist }),
+        ("D3-095", "[DIST POST_DIST=5]", Contour { post_dist: mm(5.0), ..dist }),
+        ("D3-096", "[DIST RELEVANT_PATH=2]", Contour { relevant_path: mm(2.0), ..dist }),
+        ("D3-097", "[DIST RELEVANT_TRACK=3]", Contour { relevant_track: mm(3.0), ..dist }),
+        ("D3-098", "[DIST TRACK_DEV=4]", Contour { track_dev: mm(4.0), ..dist }),
+        ("D3-099", "[DIST REMAIN_PART=5]", Contour { remain_part: mm(5.0), ..dist }),
+        ("D3-100", "[DIST PRE_ACTION]", action(dist, Pre)),
+        ("D3-101", "[DIST CHECK_JERK=0]", Contour { check_jerk: Some(0), ..dist }),
+        ("D3-102", "[DIST MAX_ANGLE=90]", Contour { max_angle: mm(90.0), ..dist }),
+        ("D3-103", "[DIST CONST_VEL=0]", Contour { const_vel: Some(false), ..dist }),
+        ("D3-108", "[POS PRE_DIST=0]", Contour { pre_dist: mm(0.0), ..pos }),
+        ("D3-109", "[POS POST_DIST=0]", Contour { post_dist: mm(0.0), ..pos }),
+        ("D3-110", "[POS X110 Y-10 Z0]", Contour { point: [mm(110.0), mm(-10.0), mm(0.0)], ..pos }),
+        ("D3-111", "[POS INTER_ACTION]", action(pos, Inter)),
+        ("D3-112", "[POS CHECK_JERK=1]", Contour { check_jerk: Some(1), ..pos }),
+        ("D3-113", "[POS CONST_VEL=1]", Contour { const_vel: Some(true), ..pos }),
+        ("D3-117", "[DIST_SOFT PATH_DIST=-1]", Contour { path_dist: mm(-1.0), ..soft }),
+        ("D3-118", "[DIST_SOFT TRACK_DIST=12]", Contour { track_dist: mm(12.0), ..soft }),
+        ("D3-119", "[DIST_SOFT ACC_MAX=90]", Contour { acc_max: mm(90.0), ..soft }),
+        ("D3-120", "[DIST_SOFT ACC_MIN=40]", Contour { acc_min: mm(40.0), ..soft }),
+        ("D3-121", "[DIST_SOFT RAMP_TIME=10000]", Contour { ramp_time: mm(10_000.0), ..soft }),
+        ("D3-122", "[DIST_SOFT DIST_WEIGHT=100]", Contour { dist_weight: mm(100.0), ..soft }),
+        ("D3-133", "[DIST_MASTER SYM_DIST=3]", Contour { sym_dist: mm(3.0), ..master }),
+        ("D3-134", "[DIST_MASTER ACC_MAX=50]", Contour { acc_max: mm(50.0), ..master }),
+        ("D3-135", "[DIST_MASTER ACC_MIN=30]", Contour { acc_min: mm(30.0), ..master }),
+        ("D3-136", "[DIST_MASTER RAMP_TIME=200]", Contour { ramp_time: mm(200.0), ..master }),
+        ("D3-137", "[DIST_MASTER DIST_WEIGHT=20]", Contour { dist_weight: mm(20.0), ..master }),
+        ("D3-144", "[PTP]", ptp),
+        ("D3-145", "[PTP PATH_DEV=5]", Contour { path_dev: mm(5.0), ..ptp }),
+        ("D3-146", "[PTP PATH_DIST=6]", Contour { path_dist: mm(6.0), ..ptp }),
+        ("D3-147", "[PTP MERGE=0]", Contour { merge: Some(false), ..ptp }),
+        ("D3-148", "[PTP INTER_ACTION]", action(ptp, Inter)),
+        ("CF-24", "[PATH_DEV=1]", Contour { path_dev: mm(1.0), ..none }),
+    ] {
+        assert_eq!(contour(text), expected, "{row}: {text}");
+    }
     match commands("P1=4 G92 X100\n#CONTOUR MODE [POS XP1 Y=P1*2]")[..] {
         [Command::Contour(_, c)] => assert_eq!(c.point, [mm(104.0), mm(8.0), None], "offsets count"),
         ref other => panic!("{other:?}"),
     }
-    let e = error("#CONTOUR MODE [POS TRACK_DEV=1]");
-    assert_eq!(e.kind, NcErrorKind::KeywordMismatch { with: "POS" });
-}
-
-#[test]
-fn contour_dynamic_methods_d3_117_to_148() {
-    let c = contour(
-        "[DIST_SOFT PATH_DIST=-1 TRACK_DIST=12 ACC_MAX=90 ACC_MIN=40 RAMP_TIME=10000 DIST_WEIGHT=100]",
-    );
-    assert_eq!((c.method, c.path_dist, c.track_dist), (Some(ContourMethod::DistSoft), mm(-1.0), mm(12.0)));
-    assert_eq!(
-        (c.acc_max, c.acc_min, c.ramp_time, c.dist_weight),
-        (mm(90.0), mm(40.0), mm(10_000.0), mm(100.0))
-    );
-    let c = contour("[DIST_MASTER SYM_DIST=3 ACC_MAX=50]");
-    assert_eq!((c.method, c.sym_dist), (Some(ContourMethod::DistMaster), mm(3.0)));
-    let c = contour("[PTP PATH_DEV=5 PATH_DIST=6 MERGE=0 INTER_ACTION]");
-    assert_eq!(
-        (c.method, c.path_dev, c.path_dist, c.merge),
-        (Some(ContourMethod::Ptp), mm(5.0), mm(6.0), Some(false))
-    );
 }
 
 #[test]
 fn contour_ranges() {
     ranges(&[
-        ("#CONTOUR MODE [PATH_DEV={}]", &["-0.001", "100001"], &["0", "100000"]),
-        ("#CONTOUR MODE [TRACK_DEV={}]", &["-1", "361"], &["0", "360"]),
-        ("#CONTOUR MODE [REMAIN_PART={}]", &["-1", "100.1"], &["0", "100"]),
-        ("#CONTOUR MODE [CHECK_JERK={}]", &["-1", "3", "0.5"], &["0", "1", "2"]),
-        ("#CONTOUR MODE [CONST_VEL={}]", &["2", "-1"], &["0", "1"]),
-        ("#CONTOUR MODE [MAX_ANGLE={}]", &["-1", "181"], &["0", "178"]),
-        ("#CONTOUR MODE [PATH_DIST={}]", &["-2", "-0.5"], &["-1", "0"]),
-        ("#CONTOUR MODE [TRACK_DIST={}]", &["-2"], &["-1", "0"]),
-        ("#CONTOUR MODE [SYM_DIST={}]", &["-2"], &["-1", "0"]),
-        ("#CONTOUR MODE [ACC_MAX={}]", &["101"], &["100"]),
-        ("#CONTOUR MODE [ACC_MIN={}]", &["101"], &["0"]),
-        ("#CONTOUR MODE [RAMP_TIME={}]", &["10001"], &["0", "10000"]),
-        ("#CONTOUR MODE [DIST_WEIGHT={}]", &["101", "-1"], &["0", "100"]),
-        ("#CONTOUR MODE [MERGE={}]", &["2"], &["1"]),
+        ("D3-071", "#CONTOUR MODE [PATH_DEV={}]", &["-0.001", "100001"], &["0", "100000"]),
+        ("D3-080", "#CONTOUR MODE [PATH_DEV={}]", &["-0.001", "100001"], &["0", "100000"]),
+        ("D3-071", "#CONTOUR MODE [TRACK_DEV={}]", &["-1", "361"], &["0", "360"]),
+        ("D3-082", "#CONTOUR MODE [TRACK_DEV={}]", &["-1", "361"], &["0", "360"]),
+        ("D3-084", "#CONTOUR MODE [REMAIN_PART={}]", &["-1", "100.1"], &["0", "100"]),
+        ("D3-086", "#CONTOUR MODE [CHECK_JERK={}]", &["-1", "3", "0.5"], &["0", "1", "2"]),
+        ("D3-088", "#CONTOUR MODE [CONST_VEL={}]", &["2", "-1"], &["0", "1"]),
+        ("D3-087", "#CONTOUR MODE [MAX_ANGLE={}]", &["-1", "181"], &["0", "178"]),
+        ("D3-117", "#CONTOUR MODE [PATH_DIST={}]", &["-2", "-0.5"], &["-1", "0"]),
+        ("D3-118", "#CONTOUR MODE [TRACK_DIST={}]", &["-2"], &["-1", "0"]),
+        ("D3-133", "#CONTOUR MODE [SYM_DIST={}]", &["-2"], &["-1", "0"]),
+        ("D3-119", "#CONTOUR MODE [ACC_MAX={}]", &["101"], &["100"]),
+        ("D3-120", "#CONTOUR MODE [ACC_MIN={}]", &["101"], &["0"]),
+        ("D3-121", "#CONTOUR MODE [RAMP_TIME={}]", &["10001"], &["0", "10000"]),
+        ("D3-122", "#CONTOUR MODE [DIST_WEIGHT={}]", &["101", "-1"], &["0", "100"]),
+        ("D3-147", "#CONTOUR MODE [MERGE={}]", &["2"], &["1"]),
     ]);
 }
 
+/// Every keyword becomes its own field, and nothing else changes.
 #[test]
-fn hsc_surface_d3_161_to_173() {
-    let h = hsc(
-        "ON [SURFACE PATH_DEV=0.02 PATH_DEV_G00=1 TRACK_DEV=3 TRACK_DEV_G00=4 MAX_ANGLE=150 CHECK_JERK=0 AUTO_OFF_G00=1 CIR_MODE=2 CIR_MIN_ANGLE=40 CIR_MIN_RADIUS=0.5 MERGE=1 LENGTH_LONG_CIR=3]",
-    );
-    let expected = Hsc {
-        switch: Some(true),
-        method: Some(HscMethod::Surface),
-        path_dev: mm(0.02),
-        path_dev_g00: mm(1.0),
-        track_dev: mm(3.0),
-        track_dev_g00: mm(4.0),
-        max_angle: mm(150.0),
-        check_jerk: Some(0),
-        auto_off_g00: Some(true),
-        cir_mode: Some(2),
-        cir_min_angle: mm(40.0),
-        cir_min_radius: mm(0.5),
-        merge: Some(true),
-        length_long_cir: mm(3.0),
-        ..Hsc::default()
-    };
-    assert_eq!(h, expected);
-    assert_eq!(hsc("[SURFACE PATH_DEV 0.1]").switch, None, "parameters before ON");
-    assert_eq!(hsc("ON"), Hsc { switch: Some(true), ..Hsc::default() });
-    assert_eq!(hsc("OFF"), Hsc { switch: Some(false), ..Hsc::default() });
-    assert_eq!(hsc("ON[SURFACE PATH_DEV 0.1]").method, Some(HscMethod::Surface), "no blank");
-    let first = error("#HSC ON [PATH_DEV=1 SURFACE]").kind;
-    assert_eq!(first, NcErrorKind::KeywordMismatch { with: "a keyword before it" });
-    assert_eq!(
-        error("#HSC [SURFACE AUTO_OFF_PATH=1]").kind,
-        NcErrorKind::KeywordMismatch { with: "SURFACE" }
-    );
+fn hsc_keywords_by_row() {
+    let none = Hsc::default();
+    let (surface, bspline) =
+        (Hsc { method: Some(HscMethod::Surface), ..none }, Hsc { method: Some(HscMethod::Bspline), ..none });
+    let yes = Some(true);
+    for (row, text, expected) in [
+        ("D3-005", "[SURFACE PATH_DEV=0.25]", Hsc { path_dev: mm(0.25), ..surface }),
+        ("D3-006", "[BSPLINE TRACK_DEV=0.25]", Hsc { track_dev: mm(0.25), ..bspline }),
+        ("D3-161", "ON[SURFACE]", Hsc { switch: yes, ..surface }),
+        ("D3-162", "[SURFACE PATH_DEV=0.02]", Hsc { path_dev: mm(0.02), ..surface }),
+        ("D3-163", "[SURFACE PATH_DEV_G00=1]", Hsc { path_dev_g00: mm(1.0), ..surface }),
+        ("D3-164", "[SURFACE TRACK_DEV=3]", Hsc { track_dev: mm(3.0), ..surface }),
+        ("D3-165", "[SURFACE TRACK_DEV_G00=4]", Hsc { track_dev_g00: mm(4.0), ..surface }),
+        ("D3-166", "[SURFACE MAX_ANGLE=150]", Hsc { max_angle: mm(150.0), ..surface }),
+        ("D3-167", "[SURFACE CHECK_JERK=0]", Hsc { check_jerk: Some(0), ..surface }),
+        ("D3-168", "[SURFACE AUTO_OFF_G00=1]", Hsc { auto_off_g00: yes, ..surface }),
+        ("D3-169", "[SURFACE CIR_MODE=2]", Hsc { cir_mode: Some(2), ..surface }),
+        ("D3-170", "[SURFACE CIR_MIN_ANGLE=40]", Hsc { cir_min_angle: mm(40.0), ..surface }),
+        ("D3-171", "[SURFACE CIR_MIN_RADIUS=0.5]", Hsc { cir_min_radius: mm(0.5), ..surface }),
+        ("D3-172", "[SURFACE MERGE=1]", Hsc { merge: yes, ..surface }),
+        ("D3-173", "[SURFACE LENGTH_LONG_CIR=3]", Hsc { length_long_cir: mm(3.0), ..surface }),
+        ("D3-177", "[SURFACE PATH_DEV 0.1]", Hsc { path_dev: mm(0.1), ..surface }),
+        ("D3-177", "ON", Hsc { switch: yes, ..none }),
+        ("D3-177", "OFF", Hsc { switch: Some(false), ..none }),
+        ("D3-183", "ON [BSPLINE]", Hsc { switch: yes, ..bspline }),
+        ("D3-184", "[BSPLINE PATH_DEV=0]", Hsc { path_dev: mm(0.0), ..bspline }),
+        ("D3-185", "[BSPLINE TRACK_DEV=0]", Hsc { track_dev: mm(0.0), ..bspline }),
+        ("D3-186", "[BSPLINE MERGE=1]", Hsc { merge: yes, ..bspline }),
+        ("D3-187", "[BSPLINE AUTO_OFF_PATH=1]", Hsc { auto_off_path: yes, ..bspline }),
+        ("D3-188", "[BSPLINE AUTO_OFF_TRACK=0]", Hsc { auto_off_track: Some(false), ..bspline }),
+        ("D3-189", "[BSPLINE AUTO_OFF_G00=1]", Hsc { auto_off_g00: yes, ..bspline }),
+        ("D3-190", "[BSPLINE AUTO_OFF_G60=1]", Hsc { auto_off_g60: yes, ..bspline }),
+        ("D3-191", "[BSPLINE MAX_PATH_LENGTH=9]", Hsc { max_path_length: mm(9.0), ..bspline }),
+        ("D3-192", "[BSPLINE MAX_ANGLE=100]", Hsc { max_angle: mm(100.0), ..bspline }),
+        ("D3-194", "[BSPLINE PATH_DEV 0.1]", Hsc { path_dev: mm(0.1), ..bspline }),
+    ] {
+        assert_eq!(hsc(text), expected, "{row}: {text}");
+    }
+    for (row, text) in
+        [("D3-161", "#HSC ON [PATH_DEV=1 SURFACE]"), ("D3-183", "#HSC ON [PATH_DEV=1 BSPLINE]")]
+    {
+        let first = error(text).kind;
+        assert_eq!(first, NcErrorKind::KeywordMismatch { with: "a keyword before it" }, "{row}");
+    }
 }
 
+/// D3-235, G-02.
 #[test]
-fn hsc_bspline_d3_183_to_192() {
-    let h = hsc(
-        "ON [BSPLINE PATH_DEV=0.2 TRACK_DEV=0 MERGE=1 AUTO_OFF_PATH=1 AUTO_OFF_TRACK=0 AUTO_OFF_G00=1 AUTO_OFF_G60=1 MAX_PATH_LENGTH=9 MAX_ANGLE=100]",
-    );
-    let expected = Hsc {
-        switch: Some(true),
-        method: Some(HscMethod::Bspline),
-        path_dev: mm(0.2),
-        track_dev: mm(0.0),
-        merge: Some(true),
-        auto_off_path: Some(true),
-        auto_off_track: Some(false),
-        auto_off_g00: Some(true),
-        auto_off_g60: Some(true),
-        max_path_length: mm(9.0),
-        max_angle: mm(100.0),
-        ..Hsc::default()
-    };
-    assert_eq!(h, expected);
-    assert_eq!(error("#HSC [BSPLINE CIR_MODE=1]").kind, NcErrorKind::KeywordMismatch { with: "BSPLINE" });
-}
-
-#[test]
-fn hsc_old_modes_gaps_2() {
+fn hsc_old_modes() {
     let h = hsc("ON [OPMODE=2 CONTERROR=0.05]");
     assert_eq!((h.method, h.conterror), (Some(HscMethod::Op(2)), mm(0.05)));
 }
@@ -245,19 +269,20 @@ fn hsc_old_modes_gaps_2() {
 #[test]
 fn hsc_ranges() {
     ranges(&[
-        ("#HSC [SURFACE PATH_DEV={}]", &["0", "-1", "100001"], &["0.001"]),
-        ("#HSC [BSPLINE PATH_DEV={}]", &["-1"], &["0"]),
-        ("#HSC [SURFACE CIR_MODE={}]", &["3"], &["0", "2"]),
-        ("#HSC [SURFACE CHECK_JERK={}]", &["3"], &["2"]),
-        ("#HSC [SURFACE MAX_ANGLE={}]", &["-1", "181"], &["160"]),
-        ("#HSC [SURFACE LENGTH_LONG_CIR={}]", &["0"], &["2"]),
-        ("#HSC [BSPLINE AUTO_OFF_G60={}]", &["2"], &["1"]),
-        ("#HSC [OPMODE={}]", &["0", "3"], &["1", "2"]),
+        ("D3-162", "#HSC [SURFACE PATH_DEV={}]", &["0", "-1", "100001"], &["0.001"]),
+        ("D3-184", "#HSC [BSPLINE PATH_DEV={}]", &["-1"], &["0"]),
+        ("D3-169", "#HSC [SURFACE CIR_MODE={}]", &["3"], &["0", "2"]),
+        ("D3-167", "#HSC [SURFACE CHECK_JERK={}]", &["3"], &["2"]),
+        ("D3-166", "#HSC [SURFACE MAX_ANGLE={}]", &["-1", "181"], &["160"]),
+        ("D3-173", "#HSC [SURFACE LENGTH_LONG_CIR={}]", &["0"], &["2"]),
+        ("D3-190", "#HSC [BSPLINE AUTO_OFF_G60={}]", &["2"], &["1"]),
+        ("G-02", "#HSC [OPMODE={}]", &["0", "3"], &["1", "2"]),
     ]);
 }
 
 #[test]
-fn slope_d3_201_to_207() {
+fn slope_by_row() {
+    // D3-201: both commands; D3-207: NO_OPT.
     for (text, kind) in [
         ("STEP", SlopeType::Step),
         ("TRAPEZ", SlopeType::Trapez),
@@ -274,14 +299,32 @@ fn slope_d3_201_to_207() {
     assert_eq!(slope("#SET SLOPE PROFIL [1]").kind, Some(SlopeType::Trapez));
     assert_eq!(slope("#SET SLOPE PROFIL [TYPE=SIN2]").kind, Some(SlopeType::Sin2));
     ranges(&[
-        ("#SLOPE [TYPE=HSC NO_OPT={}]", &["2"], &["1"]),
-        ("#SET SLOPE PROFIL [{}]", &["4"], &["0", "3"]),
+        ("D3-207", "#SLOPE [TYPE=HSC NO_OPT={}]", &["2"], &["1"]),
+        ("D3-201", "#SET SLOPE PROFIL [{}]", &["4"], &["0", "3"]),
     ]);
     assert_eq!(error("#SLOPE [TYPE=LINEAR]").kind, NcErrorKind::Expected("STEP, TRAPEZ, SIN2 or HSC"));
 }
 
 #[test]
-fn filter_d3_223_to_230() {
+fn filter_by_row() {
+    by_row(
+        filter,
+        &[
+            ("D3-223", "ON", |f| f.switch == Some(true)),
+            ("D3-223", "OFF", |f| f.switch == Some(false)),
+            ("D3-224", "[ORDER=20]", |f| *f == Filter { order: Some(20), ..Filter::default() }),
+            ("D3-225", "[ORDER_TIME=5000]", |f| {
+                *f == Filter { order_time_us: mm(5000.0), ..Filter::default() }
+            }),
+            ("D3-226", "[SHARE=80]", |f| *f == Filter { share: mm(80.0), ..Filter::default() }),
+            ("D3-227", "[AX_DEV=0.01]", |f| *f == Filter { ax_dev: mm(0.01), ..Filter::default() }),
+            ("D3-228", "[FCUT=25]", |f| *f == Filter { fcut: mm(25.0), ..Filter::default() }),
+            ("D3-229", "[ACC_FACT=2.5]", |f| *f == Filter { acc_fact: mm(2.5), ..Filter::default() }),
+            ("D3-230", "[QUALITY=0.5]", |f| *f == Filter { quality: mm(0.5), ..Filter::default() }),
+            ("CF-24", "[AX_DEV=1]", |f| f.ax_dev == mm(1.0)),
+            ("G-01", "ON [HSC]", |f| f.hsc),
+        ],
+    );
     let f = filter("ON [ORDER=20 ORDER_TIME=5000 SHARE=80 AX_DEV=0.01 FCUT=25 ACC_FACT=2.5 QUALITY=0.5]");
     let expected = Filter {
         switch: Some(true),
@@ -299,17 +342,17 @@ fn filter_d3_223_to_230() {
     assert_eq!(filter("[SHARE 50]").switch, None);
     assert!(filter("ON [HSC]").hsc, "old form");
     ranges(&[
-        ("#FILTER [ORDER={}]", &["201"], &["0", "200"]),
-        ("#FILTER [SHARE={}]", &["101"], &["100"]),
-        ("#FILTER [FCUT={}]", &["0.5"], &["1"]),
-        ("#FILTER [ACC_FACT={}]", &["0.9", "10.1"], &["1", "10"]),
-        ("#FILTER [QUALITY={}]", &["0", "1.1"], &["0.1", "1"]),
-        ("#FILTER [AX_DEV={}]", &["-1"], &["0"]),
+        ("D3-224", "#FILTER [ORDER={}]", &["201"], &["0", "200"]),
+        ("D3-226", "#FILTER [SHARE={}]", &["101"], &["100"]),
+        ("D3-228", "#FILTER [FCUT={}]", &["0.5"], &["1"]),
+        ("D3-229", "#FILTER [ACC_FACT={}]", &["0.9", "10.1"], &["1", "10"]),
+        ("D3-230", "#FILTER [QUALITY={}]", &["0", "1.1"], &["0.1", "1"]),
+        ("D3-227", "#FILTER [AX_DEV={}]", &["-1"], &["0"]),
     ]);
 }
 
 #[test]
-fn vector_limit_d3_215_gaps_4() {
+fn vector_limit_d3_215() {
     let l = limit("ON [ACC=500 DEC VEL=1500 FEED RAPID]");
     assert_eq!(l.acc, mm(500.0).map(Limit::Is));
     assert_eq!((l.dec, l.vel), (Some(Limit::Channel), mm(1500.0).map(Limit::Is)));
@@ -323,11 +366,12 @@ fn vector_limit_d3_215_gaps_4() {
     assert!(limit("OFF ALL").all);
     let more = limit("ON [RADIAL_ACC=1 RADIAL_JERK=2 JERK=3 TRANS_ACC=4]");
     assert_eq!((more.radial_acc, more.trans_acc), (mm(1.0).map(Limit::Is), mm(4.0).map(Limit::Is)));
-    ranges(&[("#VECTOR LIMIT ON [ACC={}]", &["0", "-5"], &["0.1", "2000000000"])]);
+    ranges(&[("D3-215", "#VECTOR LIMIT ON [ACC={}]", &["0", "-5"], &["0.1", "2000000000"])]);
 }
 
+/// D3-235, G-03.
 #[test]
-fn splines_gaps_3() {
+fn splines() {
     let spline = |text: &str| match one(text) {
         Command::Spline(_, spline) => spline,
         other => panic!("{other:?}"),
@@ -353,36 +397,40 @@ fn splines_gaps_3() {
 }
 
 #[test]
-fn weights_d3_208_to_214_and_259() {
+fn weights_by_row() {
     let weight = |text: &str| match one(text) {
         Command::Weight(_, weight) => weight,
         other => panic!("{other:?}"),
     };
     let w = weight("G130 X50 Y75 Z75");
-    assert_eq!(w.kind, WeightKind::Acceleration);
-    assert_eq!(w.percent, [mm(50.0), mm(75.0), mm(75.0), None, None]);
-    assert_eq!(weight("G132 X75").kind, WeightKind::RampTime);
+    assert_eq!(w.kind, WeightKind::Acceleration, "D3-211");
+    assert_eq!(w.percent, [mm(50.0), mm(75.0), mm(75.0), None, None], "D3-211");
+    let w = weight("G132 X75");
+    assert_eq!((w.kind, w.percent), (WeightKind::RampTime, [mm(75.0), None, None, None, None]), "D3-213");
     assert_eq!(weight("G232 Y10").percent[1], mm(10.0));
-    for (text, kind) in [
-        ("G131 50", WeightKind::AccelerationAll),
-        ("G131 = 50", WeightKind::AccelerationAll),
-        ("G133 50", WeightKind::RampTimeAll),
-        ("G134=50", WeightKind::GeometricRampTime),
-        ("G231 50", WeightKind::RapidAcceleration),
-        ("G233 50", WeightKind::RapidRampTimeAll),
-        ("G338 50", WeightKind::G338),
-        ("G339 50", WeightKind::G339),
+    for (row, text, kind) in [
+        ("D3-212", "G131 50", WeightKind::AccelerationAll),
+        ("D3-212", "G131 = 50", WeightKind::AccelerationAll),
+        ("D3-214", "G133 50", WeightKind::RampTimeAll),
+        ("D3-259", "G134=50", WeightKind::GeometricRampTime),
+        ("G-05", "G231 50", WeightKind::RapidAcceleration),
+        ("G-05", "G233 50", WeightKind::RapidRampTimeAll),
+        ("G-05", "G338 50", WeightKind::G338),
+        ("G-05", "G339 50", WeightKind::G339),
     ] {
         let w = weight(text);
-        assert_eq!((w.kind, w.percent), (kind, [mm(50.0); 5]), "{text}");
+        assert_eq!((w.kind, w.percent), (kind, [mm(50.0); 5]), "{row}: {text}");
         assert_eq!(w.kind.name(), &text[..4]);
     }
     assert_eq!(commands("G131 = 50 G0 X1").len(), 2, "positions may share the block");
-    ranges(&[("G131 {}", &["0", "-1", "10001"], &["0.1", "200", "10000"]), ("G130 X{}", &["0"], &["150"])]);
+    ranges(&[
+        ("D3-212", "G131 {}", &["0", "-1", "10001"], &["0.1", "200", "10000"]),
+        ("D3-211", "G130 X{}", &["0"], &["150"]),
+    ]);
 }
 
 #[test]
-fn kinematics_gaps_11() {
+fn kinematics() {
     let kinematics = |text: &str| match one(text) {
         Command::Kinematics(_, kinematics) => kinematics,
         other => panic!("{other:?}"),
@@ -391,7 +439,7 @@ fn kinematics_gaps_11() {
     assert_eq!(kinematics("#TRAFO ON"), Kinematics::On);
     assert_eq!(kinematics("#TRAFO OFF"), Kinematics::Off);
     assert_eq!(kinematics("#TRAFO [9]"), Kinematics::OnWith(9));
-    ranges(&[("#KIN ID [{}]", &["0", "70000", "-1"], &["1", "65535"])]);
+    ranges(&[("D3-125", "#KIN ID [{}]", &["0", "70000", "-1"], &["1", "65535"])]);
 }
 
 #[test]
@@ -404,94 +452,158 @@ fn axis_exchange_d3_156() {
 }
 
 #[test]
-fn contour_log_c40_042_to_046() {
+fn contour_log_by_row() {
     let log = |text: &str| match one(text) {
         Command::ContourLog(_, log) => log,
         other => panic!("{other:?}"),
     };
-    assert_eq!(log("#CONTOUR LOOKAHEAD LOG ON"), ContourLog::On(None));
-    assert_eq!(log("#CONTOUR LOOKAHEAD LOG ON [PARAM=1]"), ContourLog::On(Some(1.0)));
-    assert_eq!(log("#CONTOUR LOOKAHEAD LOG OFF [PARAM=8]"), ContourLog::Off(Some(8.0)));
-    assert_eq!(log("#CONTOUR LOOKAHEAD LOG CLEAR"), ContourLog::Clear);
-    assert_eq!(log("#CONTOUR LOOKAHEAD CLEAR"), ContourLog::Clear, "CF-27");
-    assert_eq!(log("#CONTOUR LOOKAHEAD LOG [PARAM=-2.5]"), ContourLog::Parameter(-2.5));
+    for (row, text, expected) in [
+        ("C40-042", "#CONTOUR LOOKAHEAD LOG [PARAM=-2.5]", ContourLog::Parameter(-2.5)),
+        ("C40-043", "#CONTOUR LOOKAHEAD LOG ON", ContourLog::On(None)),
+        ("C40-043", "#CONTOUR LOOKAHEAD LOG ON [PARAM=1]", ContourLog::On(Some(1.0))),
+        ("C40-044", "#CONTOUR LOOKAHEAD LOG OFF", ContourLog::Off(None)),
+        ("C40-044", "#CONTOUR LOOKAHEAD LOG OFF [PARAM=8]", ContourLog::Off(Some(8.0))),
+        ("C40-045", "#CONTOUR LOOKAHEAD LOG CLEAR", ContourLog::Clear),
+        ("C40-046", "#CONTOUR LOOKAHEAD LOG [PARAM 2]", ContourLog::Parameter(2.0)),
+        ("CF-27", "#CONTOUR LOOKAHEAD CLEAR", ContourLog::Clear),
+    ] {
+        assert_eq!(log(text), expected, "{row}: {text}");
+    }
 }
 
 #[test]
-fn distance_and_loops_c40_015_and_048() {
-    assert!(matches!(one("#DISTANCE PROG START CLEAR"), Command::DistanceClear(_)));
-    assert!(matches!(one("#DISTANCE PROGRAM START CLEAR"), Command::DistanceClear(_)));
-    assert!(matches!(one("#FLUSH&WAIT"), Command::FlushWait(_)));
-    assert!(matches!(one("#RT WHILE"), Command::RtWhile(_, false)));
-    assert!(matches!(one("#RT WHILE [MODULO]"), Command::RtWhile(_, true)));
-    assert!(matches!(one("#RT WHILE MODULO"), Command::RtWhile(_, true)));
-    assert!(matches!(one("#RT ENDWHILE"), Command::RtEndWhile(_)));
+fn distance_and_loops_by_row() {
+    by_row(
+        one,
+        &[
+            ("C40-015", "#DISTANCE PROG START CLEAR", |c| matches!(c, Command::DistanceClear(_))),
+            ("G-10", "#DISTANCE PROG START CLEAR", |c| matches!(c, Command::DistanceClear(_))),
+            ("CF-27", "#DISTANCE PROGRAM START CLEAR", |c| matches!(c, Command::DistanceClear(_))),
+            ("C40-048", "#FLUSH&WAIT", |c| matches!(c, Command::FlushWait(_))),
+            ("G-09", "#RT WHILE", |c| matches!(c, Command::RtWhile(_, false))),
+            ("G-09", "#RT WHILE [MODULO]", |c| matches!(c, Command::RtWhile(_, true))),
+            ("G-09", "#RT WHILE MODULO", |c| matches!(c, Command::RtWhile(_, true))),
+            ("G-09", "#RT ENDWHILE", |c| matches!(c, Command::RtEndWhile(_))),
+        ],
+    );
 }
 
 #[test]
-fn oscillation_on_a8_019_to_040() {
-    let on = |text: &str| match oscillation(text).action {
-        OscillationAction::On { first, second, speed, first_wait, second_wait, count, short } => {
-            (first, second, speed, first_wait, second_wait, count, short)
-        }
-        other => panic!("{other:?}"),
-    };
+fn oscillation_by_row() {
     let p = |x: f64| mm(x).unwrap();
+    let on = |first, second, speed| OscillationAction::On {
+        first: p(first),
+        second: p(second),
+        speed,
+        first_wait: p(0.0),
+        second_wait: p(0.0),
+        count: None,
+        short: false,
+    };
     let feed = OscillationSpeed::Feed(p(1000.0));
-    let expected = (p(-100.0), p(100.0), feed, p(0.0), p(0.0), None, false);
-    assert_eq!(on("X[OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000]"), expected);
-    assert_eq!(on("X[OSC ON ZERO_POS=0 EXCUR=100 FEED 1000]"), expected, "zero position and excursion, no =");
-    assert_eq!(on("X[OSC ON ZERO_POS=0 EXCUR=100 FREQ=1 NBR_OSC=10]").5, Some(10));
-    assert_eq!(on("X[OSC ON ZERO_POS=0 EXCUR=100 TIME=4]").2, OscillationSpeed::Period(p(4.0)));
-    assert_eq!(on("X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=0.5]").2, OscillationSpeed::Frequency(p(0.5)));
-    let waits = on("X[OSC ON 1ST_POS=-100 1ST_DELT=0.5 2ND_POS=200 \\\n  2ND_DELT=0.25 FEED=1000]");
-    assert_eq!((waits.3, waits.4), (p(0.5), p(0.25)));
-    let short = on("C[OSC ON 1ST_POS=10 2ND_POS=350 FEED=1000 SHORT]");
-    assert_eq!((short.0, short.1, short.6), (p(10.0), p(350.0), true));
+    let period = OscillationSpeed::Period(p(4.0));
+    let frequency = OscillationSpeed::Frequency(p(0.5));
+    let plain = on(-100.0, 100.0, feed);
+    let with = |change: fn(&mut OscillationAction)| {
+        let mut action = plain;
+        change(&mut action);
+        action
+    };
+    let waits = |of: usize| {
+        with(match of {
+            1 => |a| {
+                if let OscillationAction::On { first_wait, .. } = a {
+                    *first_wait = mm(0.5).unwrap()
+                }
+            },
+            _ => |a| {
+                if let OscillationAction::On { second_wait, .. } = a {
+                    *second_wait = mm(0.25).unwrap()
+                }
+            },
+        })
+    };
+    let counted = with(|a| {
+        if let OscillationAction::On { count, .. } = a {
+            *count = Some(10)
+        }
+    });
+    for (row, text, expected) in [
+        ("A8-019", "X[OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000]", plain),
+        ("A8-020", "X [ OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000 ]", plain),
+        ("A8-021", "X[OSC ON 2ND_POS=100 1ST_POS=-100 FEED=1000]", plain),
+        ("A8-022", "X[OSC OFF]", OscillationAction::Off),
+        ("A8-023", "X[OSC OFF FEED=5000]", OscillationAction::OffFeed(p(5000.0))),
+        ("A8-024", "X[OSC OFF INSTANT]", OscillationAction::OffInstant),
+        ("A8-025", "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=1000]", on(1.0, 2.0, feed)),
+        ("A8-026", "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=0.5]", on(1.0, 2.0, frequency)),
+        ("A8-027", "X[OSC ON 1ST_POS=1 2ND_POS=2 TIME=4]", on(1.0, 2.0, period)),
+        ("A8-028", "X[OSC ON 1ST_POS=3 2ND_POS=2 TIME=4]", on(3.0, 2.0, period)),
+        ("A8-029", "X[OSC ON 1ST_POS=1 2ND_POS=4 TIME=4]", on(1.0, 4.0, period)),
+        ("A8-030", "X[OSC ON ZERO_POS=5 EXCUR=100 FEED=1000]", on(-95.0, 105.0, feed)),
+        ("A8-031", "X[OSC ON ZERO_POS=0 EXCUR=7 FEED=1000]", on(-7.0, 7.0, feed)),
+        ("A8-032", "X[OSC ON 1ST_POS=-100 1ST_DELT=0.5 2ND_POS=100 FEED=1000]", waits(1)),
+        ("A8-033", "X[OSC ON 1ST_POS=-100 2ND_DELT=0.25 2ND_POS=100 FEED=1000]", waits(2)),
+        ("A8-034", "X[OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000 NBR_OSC=10]", counted),
+        ("A8-035", "X[OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000 INCL_OFFSETS]", plain),
+        ("A8-037", "X[OSC ON 1ST_POS=-100 2ND_POS=100 \\\n  FEED=1000]", plain),
+        ("A8-038", "X[OSC ON ZERO_POS=0 EXCUR=100 FEED=1000]", plain),
+        ("A8-039", "X[OSC ON FEED=1000 1ST_POS=-100 2ND_POS=100]", plain),
+        ("A8-040", "X[OSC ON ZERO_POS 0 EXCUR 100 FEED 1000]", plain),
+        ("A8-062", "X[OSC ON, 1ST_POS=-100, 2ND_POS=100, FEED=1000]", plain),
+        ("A8-062", "X[OSC,ON,1ST_POS -100,2ND_POS 100,FEED 1000]", plain),
+        ("A8-062", "X[OSC OFF, INSTANT]", OscillationAction::OffInstant),
+        ("NC-010", "X[OSC ON 1ST_POS=-100 2ND_POS=100 FEED=1000]", plain),
+    ] {
+        let seen = oscillation(text);
+        assert_eq!((seen.axis, seen.action), (0, expected), "{row}: {text}");
+    }
     assert_eq!(oscillation("C[OSC OFF]").axis, 4);
+    match oscillation("C[OSC ON 1ST_POS=10 2ND_POS=350 FEED=1000 SHORT]").action {
+        OscillationAction::On { first, second, short: true, .. } => {
+            assert_eq!((first, second), (p(10.0), p(350.0)), "A8-036");
+        }
+        other => panic!("A8-036: {other:?}"),
+    }
     match commands(
         "G92 X10\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 INCL_OFFSETS]\nX[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1]",
     )[..]
     {
         [Command::Oscillation(_, a), Command::Oscillation(_, b)] => {
-            assert!(matches!(a.action, OscillationAction::On { first, .. } if first == 11));
-            assert!(matches!(b.action, OscillationAction::On { first, .. } if first == 1));
+            assert!(matches!(a.action, OscillationAction::On { first, .. } if first == 11), "A8-035");
+            assert!(matches!(b.action, OscillationAction::On { first, .. } if first == 1), "A8-035");
         }
         ref other => panic!("{other:?}"),
     }
-}
-
-#[test]
-fn oscillation_off_a8_018_to_024() {
-    assert_eq!(oscillation("X[OSC OFF]").action, OscillationAction::Off);
-    assert_eq!(oscillation("X[OSC OFF FEED=5000]").action, OscillationAction::OffFeed(mm(5000.0).unwrap()));
-    assert_eq!(oscillation("X[OSC OFF INSTANT]").action, OscillationAction::OffInstant);
     let out = nc_decode::motions("X[OSC ON 1ST_POS=-1 2ND_POS=7 FREQ=1]\nX[OSC OFF]\nG91 G0 X1");
     assert_eq!(out[0].target[0], 8, "the axis stands on position 2");
 }
 
 #[test]
-fn oscillation_refused_a8_039_and_043() {
-    assert_eq!(error("X[OSC ON 1ST_POS=1 2ND_POS=2]").kind.id(), 50593);
+fn oscillation_refused_by_row() {
+    assert_eq!(error("X[OSC ON 1ST_POS=1 2ND_POS=2]").kind.id(), 50593, "A8-043");
     assert_eq!(error("C[OSC ON 1ST_POS=-1 2ND_POS=2 FREQ=1 SHORT]").kind.id(), 22277);
-    for text in [
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 TIME=2]",
-        "X[OSC ON 1ST_POS=1 FREQ=1]",
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 ZERO_POS=1 EXCUR=2 FREQ=1]",
-        "X[OSC ON 1ST_POS=1 2ND_POS=1 FREQ=1]",
-        "X[OSC FREQ=1]",
-        "X[OSC ON OFF]",
-        "X[OSC OFF FREQ=1]",
-        "X[OSC OFF INSTANT FEED=1]",
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=0]",
-        "X[OSC ON 1ST_POS=100001 2ND_POS=2 FREQ=1]",
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1] Y5",
-        "G0 X[OSC OFF]",
+    for (row, text) in [
+        ("A8-019", "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1] Y5"),
+        ("A8-019", "G0 X[OSC OFF]"),
+        ("A8-020", "X[ON OSC 1ST_POS=1 2ND_POS=2 FREQ=1]"),
+        ("A8-021", "X[OSC FREQ=1]"),
+        ("A8-021", "X[OSC ON OFF]"),
+        ("A8-023", "X[OSC OFF FREQ=1]"),
+        ("A8-024", "X[OSC OFF INSTANT FEED=1]"),
+        ("A8-026", "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=0]"),
+        ("A8-028", "X[OSC ON 1ST_POS=100001 2ND_POS=2 FREQ=1]"),
+        ("A8-038", "X[OSC ON 1ST_POS=1 FREQ=1]"),
+        ("A8-038", "X[OSC ON 1ST_POS=1 2ND_POS=2 ZERO_POS=1 EXCUR=2 FREQ=1]"),
+        ("A8-038", "X[OSC ON 1ST_POS=1 2ND_POS=1 FREQ=1]"),
+        ("A8-039", "X[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=1 TIME=2]"),
+        ("A8-043", "X[OSC ON ZERO_POS=1 EXCUR=2]"),
     ] {
-        error(text);
+        assert!(decode(text).error.is_some(), "{row}: {text} is accepted");
     }
 }
 
+/// NC-010 too.
 #[test]
 fn independent_axes_d3_271() {
     match one("X[INDP_ASYN G01 G90 POS=100 FEED=500 SLOPE_TYPE=TRAPEZ]") {
@@ -517,6 +629,7 @@ fn feed_modes_and_exact_stop_gaps_6_and_11() {
     assert!(matches!(commands("G60 G0 X1")[0], Command::ExactStop(_, ExactStop::Block)));
 }
 
+/// NC-009.
 #[test]
 fn every_command_knows_its_place_and_name() {
     for command in commands(include_str!("../programs/nc/everything.nc")) {

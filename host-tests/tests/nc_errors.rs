@@ -220,6 +220,7 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("G0 X99999999999999999999", 1, 5, 20, "result too large in \"99999999999999999999\""),
 ];
 
+/// G-13.
 #[test]
 fn every_refusal_has_its_message_and_place() {
     for (program, line, column, length, message) in TABLE {
@@ -235,6 +236,7 @@ fn every_refusal_has_its_message_and_place() {
     }
 }
 
+/// G-13.
 #[test]
 fn ids_of_isg() {
     for (program, id) in [
@@ -340,6 +342,7 @@ fn limits_are_named() {
     assert_eq!(decode(&format!("%L {}\nM29\n%main\n", "n".repeat(83))).error, None);
 }
 
+/// NC-008.
 #[test]
 fn programs_end_inside_control_blocks_that_are_closed() {
     for text in [
@@ -351,6 +354,7 @@ fn programs_end_inside_control_blocks_that_are_closed() {
     }
 }
 
+/// NC-008.
 #[test]
 fn endless_loops_without_a_command() {
     let lines = glidepath::nc::QUIET_LINES;
@@ -366,6 +370,7 @@ fn endless_loops_without_a_command() {
     assert_eq!(decode_with(setup(), text.as_bytes(), 4 * lines as usize).2, None);
 }
 
+/// NC-003.
 #[test]
 fn comments_without_an_end_are_told() {
     let warnings = |text: &str| {

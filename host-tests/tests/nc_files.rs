@@ -38,6 +38,7 @@ fn order(main: &str, files: Files) -> Vec<u32> {
     motions
 }
 
+/// NC-001.
 #[test]
 fn calls_nest_and_come_back() {
     let files: Files = &[
@@ -88,6 +89,7 @@ fn programs_end_in_files() {
     assert_eq!(warnings, [(NcWarningKind::EndInSubroutine, 2)]);
 }
 
+/// NC-001.
 #[test]
 fn refusals_name_the_file() {
     let refused = |main, files| run(main, files).2.expect("a refusal");

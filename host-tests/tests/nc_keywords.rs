@@ -28,17 +28,21 @@ fn refusal(text: &str) -> Option<NcErrorKind> {
     }
 }
 
-/// Every keyword with every method: accepted with the methods listed, refused as a mismatch with all others.
-fn only_with(pattern: &str, methods: &[&str], keywords: &[(&str, &[&str])]) {
-    for (keyword, with) in keywords {
-        for method in methods {
-            let text = pattern.replace("{}", &format!("{method} {keyword}"));
-            match refusal(&text) {
-                None => assert!(with.contains(method), "{text} is accepted"),
-                Some(NcErrorKind::KeywordMismatch { .. }) => {
-                    assert!(!with.contains(method), "{text} is refused")
+/// A line for every keyword that goes with a method: row, method, keyword. All pairs that are not there are refused as a mismatch.
+fn only_with(patterns: &[&str], methods: &[&str], rows: &[(&str, &str, &str)]) {
+    for pattern in patterns {
+        for (of, _, keyword) in rows {
+            for method in methods {
+                let with = rows.iter().find(|(_, m, k)| m == method && k == keyword);
+                let row = with.map_or(of, |(row, ..)| row);
+                let text = pattern.replace("{}", &format!("{method} {keyword}"));
+                match refusal(&text) {
+                    None => assert!(with.is_some(), "{row}: {text} is accepted"),
+                    Some(NcErrorKind::KeywordMismatch { .. }) => {
+                        assert!(with.is_none(), "{row}: {text} is refused");
+                    }
+                    Some(other) => panic!("{row}: {text}: {other:?}"),
                 }
-                Some(other) => panic!("{text}: {other:?}"),
             }
         }
     }
@@ -47,72 +51,100 @@ fn only_with(pattern: &str, methods: &[&str], keywords: &[(&str, &[&str])]) {
 #[test]
 fn contour_methods_take_their_keywords_and_no_others() {
     let methods = ["DEV", "DIST", "POS", "DIST_SOFT", "DIST_MASTER", "PTP"];
-    let corner: &[&str] = &["DEV", "DIST"];
-    let distance: &[&str] = &["DIST", "POS"];
-    let soft: &[&str] = &["DIST_SOFT", "DIST_MASTER"];
     only_with(
-        "#CONTOUR MODE [{}]",
+        &["#CONTOUR MODE [{}]", "#CONTOUR MODE ON [{}]"],
         &methods,
         &[
-            ("PATH_DEV=1", &["DEV", "PTP"]),
-            ("TRACK_DEV=1", corner),
-            ("RELEVANT_PATH=1", corner),
-            ("RELEVANT_TRACK=1", corner),
-            ("REMAIN_PART=1", corner),
-            ("MAX_ANGLE=1", corner),
-            ("CHECK_JERK=1", &["DEV", "DIST", "POS"]),
-            ("CONST_VEL=1", &["DEV", "DIST", "POS"]),
-            ("PRE_DIST=1", distance),
-            ("POST_DIST=1", distance),
-            ("X=1", &["POS"]),
-            ("Y=1", &["POS"]),
-            ("Z=1", &["POS"]),
-            ("PATH_DIST=1", &["DIST_SOFT", "PTP"]),
-            ("TRACK_DIST=1", &["DIST_SOFT"]),
-            ("SYM_DIST=1", &["DIST_MASTER"]),
-            ("ACC_MAX=1", soft),
-            ("ACC_MIN=1", soft),
-            ("RAMP_TIME=1", soft),
-            ("DIST_WEIGHT=1", soft),
-            ("MERGE=1", &["PTP"]),
+            ("D3-080", "DEV", "PATH_DEV=1"),
+            ("D3-081", "DEV", "RELEVANT_PATH=1"),
+            ("D3-082", "DEV", "TRACK_DEV=1"),
+            ("D3-083", "DEV", "RELEVANT_TRACK=1"),
+            ("D3-084", "DEV", "REMAIN_PART=1"),
+            ("D3-086", "DEV", "CHECK_JERK=1"),
+            ("D3-087", "DEV", "MAX_ANGLE=1"),
+            ("D3-088", "DEV", "CONST_VEL=1"),
+            ("D3-094", "DIST", "PRE_DIST=1"),
+            ("D3-095", "DIST", "POST_DIST=1"),
+            ("D3-096", "DIST", "RELEVANT_PATH=1"),
+            ("D3-097", "DIST", "RELEVANT_TRACK=1"),
+            ("D3-098", "DIST", "TRACK_DEV=1"),
+            ("D3-099", "DIST", "REMAIN_PART=1"),
+            ("D3-101", "DIST", "CHECK_JERK=1"),
+            ("D3-102", "DIST", "MAX_ANGLE=1"),
+            ("D3-103", "DIST", "CONST_VEL=1"),
+            // All others are refused with POS: D3-114.
+            ("D3-108", "POS", "PRE_DIST=1"),
+            ("D3-109", "POS", "POST_DIST=1"),
+            ("D3-110", "POS", "X=1"),
+            ("D3-110", "POS", "Y=1"),
+            ("D3-110", "POS", "Z=1"),
+            ("D3-112", "POS", "CHECK_JERK=1"),
+            ("D3-113", "POS", "CONST_VEL=1"),
+            ("D3-117", "DIST_SOFT", "PATH_DIST=1"),
+            ("D3-118", "DIST_SOFT", "TRACK_DIST=1"),
+            ("D3-119", "DIST_SOFT", "ACC_MAX=1"),
+            ("D3-120", "DIST_SOFT", "ACC_MIN=1"),
+            ("D3-121", "DIST_SOFT", "RAMP_TIME=1"),
+            ("D3-122", "DIST_SOFT", "DIST_WEIGHT=1"),
+            ("D3-133", "DIST_MASTER", "SYM_DIST=1"),
+            ("D3-134", "DIST_MASTER", "ACC_MAX=1"),
+            ("D3-135", "DIST_MASTER", "ACC_MIN=1"),
+            ("D3-136", "DIST_MASTER", "RAMP_TIME=1"),
+            ("D3-137", "DIST_MASTER", "DIST_WEIGHT=1"),
+            ("D3-145", "PTP", "PATH_DEV=1"),
+            ("D3-146", "PTP", "PATH_DIST=1"),
+            ("D3-147", "PTP", "MERGE=1"),
         ],
     );
-    for method in methods {
+    for (row, method, is_soft) in [
+        ("D3-085", "DEV", false),
+        ("D3-100", "DIST", false),
+        ("D3-111", "POS", false),
+        ("D3-065", "DIST_SOFT", true),
+        ("D3-066", "DIST_MASTER", true),
+        ("D3-148", "PTP", false),
+    ] {
         for action in ["PRE_ACTION", "INTER_ACTION", "POST_ACTION"] {
             let refused = refusal(&format!("#CONTOUR MODE ON [{method} {action}]"));
-            assert_eq!(refused.is_some(), soft.contains(&method), "{method} {action}: {refused:?}");
+            assert_eq!(refused.is_some(), is_soft, "{row}: {method} {action}: {refused:?}");
         }
     }
 }
 
 #[test]
 fn hsc_methods_take_their_keywords_and_no_others() {
-    let both: &[&str] = &["SURFACE", "BSPLINE"];
-    let (surface, bspline): (&[&str], &[&str]) = (&["SURFACE"], &["BSPLINE"]);
-    let keywords = [
-        ("PATH_DEV=1", both),
-        ("TRACK_DEV=1", both),
-        ("MAX_ANGLE=1", both),
-        ("AUTO_OFF_G00=1", both),
-        ("MERGE=1", both),
-        ("PATH_DEV_G00=1", surface),
-        ("TRACK_DEV_G00=1", surface),
-        ("CHECK_JERK=1", surface),
-        ("CIR_MODE=1", surface),
-        ("CIR_MIN_ANGLE=1", surface),
-        ("CIR_MIN_RADIUS=1", surface),
-        ("LENGTH_LONG_CIR=1", surface),
-        ("AUTO_OFF_PATH=1", bspline),
-        ("AUTO_OFF_TRACK=1", bspline),
-        ("AUTO_OFF_G60=1", bspline),
-        ("MAX_PATH_LENGTH=1", bspline),
-        ("CONTERROR=1", &[]),
-    ];
-    // Before ON and with it: parameters may come in several commands.
-    only_with("#HSC [{}]", both, &keywords);
-    only_with("#HSC ON [{}]", both, &keywords);
+    // Before ON and with it: parameters may come in several commands (D3-177, D3-194).
+    only_with(
+        &["#HSC [{}]", "#HSC ON [{}]"],
+        &["SURFACE", "BSPLINE"],
+        &[
+            ("D3-162", "SURFACE", "PATH_DEV=1"),
+            ("D3-163", "SURFACE", "PATH_DEV_G00=1"),
+            ("D3-164", "SURFACE", "TRACK_DEV=1"),
+            ("D3-165", "SURFACE", "TRACK_DEV_G00=1"),
+            ("D3-166", "SURFACE", "MAX_ANGLE=1"),
+            ("D3-167", "SURFACE", "CHECK_JERK=1"),
+            ("D3-168", "SURFACE", "AUTO_OFF_G00=1"),
+            ("D3-169", "SURFACE", "CIR_MODE=1"),
+            ("D3-170", "SURFACE", "CIR_MIN_ANGLE=1"),
+            ("D3-171", "SURFACE", "CIR_MIN_RADIUS=1"),
+            ("D3-172", "SURFACE", "MERGE=1"),
+            ("D3-173", "SURFACE", "LENGTH_LONG_CIR=1"),
+            ("D3-184", "BSPLINE", "PATH_DEV=1"),
+            ("D3-185", "BSPLINE", "TRACK_DEV=1"),
+            ("D3-186", "BSPLINE", "MERGE=1"),
+            ("D3-187", "BSPLINE", "AUTO_OFF_PATH=1"),
+            ("D3-188", "BSPLINE", "AUTO_OFF_TRACK=1"),
+            ("D3-189", "BSPLINE", "AUTO_OFF_G00=1"),
+            ("D3-190", "BSPLINE", "AUTO_OFF_G60=1"),
+            ("D3-191", "BSPLINE", "MAX_PATH_LENGTH=1"),
+            ("D3-192", "BSPLINE", "MAX_ANGLE=1"),
+            ("G-02", "OPMODE=1", "CONTERROR=1"),
+        ],
+    );
 }
 
+/// NC-009; transformations: D3-125.
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [

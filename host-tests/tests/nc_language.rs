@@ -100,6 +100,7 @@ fn nc_003_places_in_continued_lines() {
     assert_eq!(out[0].place().offset as usize, text.find("G60").unwrap());
 }
 
+/// G-11.
 #[test]
 fn nc_004_motion_words_and_the_start_state() {
     let m = motions("N1 X0 Y0\nN2 G0 X1\nN3 G01 X2 F100\nN4 Y1\nN5 G1 X3");
@@ -168,6 +169,7 @@ fn nc_004_dwell() {
     assert_eq!(xs("G0 X1\nG04 X5\nX2"), [1.0, 2.0], "the time is no coordinate");
 }
 
+/// G-06.
 #[test]
 fn nc_004_exact_stop() {
     let stops = |text: &str| motions(text).iter().map(|m| m.exact_stop).collect::<Vec<_>>();
@@ -237,6 +239,7 @@ fn nc_006_feed_words() {
     assert_eq!(feeds("F10000\nX1\nG94 X2"), [10_000.0, 10_000.0]);
 }
 
+/// G-11.
 #[test]
 fn nc_007_parameters_and_expressions() {
     assert_eq!(xs("P100 = 50 P2=P100*2\nG0 X-P100\nX P2\nX=P2/4\nX[-90+P2]"), [-50.0, 100.0, 25.0, 10.0]);
@@ -306,6 +309,7 @@ fn nc_008_for_with_step_zero_is_endless_with_a_warning() {
     assert!(out.is_empty() && error.is_none() && steps == 5000, "still Working");
 }
 
+/// G-11.
 #[test]
 fn control_blocks() {
     let x = |text: &str| xs(&format!("G0\n{text}"));
@@ -335,6 +339,7 @@ fn control_blocks() {
     assert_eq!(x("$FOR P1=1,2,1\n$WHILE 1\n$BREAK\n$ENDWHILE\nXP1\n$ENDFOR"), [1.0, 2.0]);
 }
 
+/// G-11.
 #[test]
 fn jumps() {
     let x = |text: &str| xs(&format!("G0\n{text}"));
@@ -354,6 +359,7 @@ fn jumps() {
     assert_eq!(xs(local), [1.0, 3.0], "labels belong to their program");
 }
 
+/// G-11.
 #[test]
 fn nesting_has_limits() {
     let nest = |n: usize| format!("{}{}", "$IF 1\n".repeat(n), "$ENDIF\n".repeat(n));

@@ -28,6 +28,7 @@ fn x_bits(program: &str) -> i64 {
     motions(program)[0].target[0].to_bits()
 }
 
+/// D3-010.
 #[test]
 fn coordinates_are_rounded_once() {
     let mut random = Random(3);
@@ -38,6 +39,37 @@ fn coordinates_are_rounded_once() {
         let expected = reference(digits, scale, 1, 1);
         assert_eq!(x_bits(&format!("G0 X{text}")), expected, "{text} (round {round})");
         assert_eq!(x_bits(&format!("G0 X-{text}")), -expected, "-{text}");
+    }
+}
+
+/// Decimals of at most nine digits are multiplied instead of divided: those next to the middle between two fixed-point numbers are
+/// the first that a reciprocal with too few bits would round wrongly.
+#[test]
+fn decimals_next_to_a_tie() {
+    for scale in 1..=9 {
+        // digits · 2^32 / 10^scale = digits · 2^(32 - scale) / 5^scale.
+        let modulus = 5_u64.pow(scale);
+        let power = (1_u64 << (32 - scale)) % modulus;
+        let times = |a: u64, b: u64| (u128::from(a) * u128::from(b) % u128::from(modulus)) as u64;
+        // The inverse by Euler: power^(4 · 5^(scale - 1) - 1).
+        let (mut inverse, mut square, mut left) = (1, power, 4 * (modulus / 5) - 1);
+        while left > 0 {
+            if left % 2 == 1 {
+                inverse = times(inverse, square);
+            }
+            (square, left) = (times(square, square), left / 2);
+        }
+        for rest in (modulus / 2).saturating_sub(2)..modulus / 2 + 4 {
+            let first = times(rest % modulus, inverse);
+            let most = 999_999_999.min(100_000 * 10_u64.pow(scale));
+            for digits in [first, first + (most - first) / modulus * modulus] {
+                let text = text_of(digits, scale);
+                let expected = reference(digits, scale, 1, 1);
+                assert_eq!(x_bits(&format!("G0 X{text}")), expected, "{text}");
+                assert_eq!(x_bits(&format!("G0 X={text}")), expected, "{text}");
+                assert_eq!(x_bits(&format!("G0 X-{text}")), -expected, "-{text}");
+            }
+        }
     }
 }
 
@@ -69,6 +101,7 @@ fn ties_go_away_from_zero() {
     assert_eq!(x_bits("G0 X=2**-34"), 0);
 }
 
+/// NC-006.
 #[test]
 fn feed_follows_p_chan_00108() {
     use glidepath::nc::Command;
@@ -122,6 +155,7 @@ fn f64_results_round_to_nearest() {
     }
 }
 
+/// D3-010.
 #[test]
 fn many_digits() {
     let long = format!("G0 X1.{}", "3".repeat(400));

@@ -8,6 +8,7 @@ fn near(ours: glidepath::quantity::Position, theirs: f64) -> bool {
     (ours.to_num::<f64>() - theirs).abs() <= 2.4e-10
 }
 
+/// NC-008.
 #[test]
 fn a_fan_of_13_and_14_strokes() {
     let all = motions(include_str!("../programs/nc/sweep.nc"));
@@ -23,6 +24,7 @@ fn a_fan_of_13_and_14_strokes() {
     assert!(all.iter().skip(3).step_by(3).all(|m| m.target[0] == -40 && m.target[1] == 0));
 }
 
+/// NC-007.
 #[test]
 fn a_polygon_and_its_circle() {
     let all = motions(include_str!("../programs/nc/polygon.nc"));

@@ -88,6 +88,7 @@ fn whole_parts() {
     assert_eq!(worst("SIGN", -3, 4, |x| if x == 0.0 { 0.0 } else { x.signum() }), 0.0);
 }
 
+/// NC-007.
 #[test]
 fn exact_values() {
     for (expression, expected) in [

@@ -115,7 +115,12 @@ pub struct AxisData {
     pub achs_mode: u32,
     /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Where no axis is one, along the main axes.
     pub default_feed_axis: bool,
+    /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
+    pub versch: [i32; ZERO_OFFSETS],
 }
+
+/// Zero offsets that programs select: G54…G59.
+pub const ZERO_OFFSETS: usize = 6;
 
 /// P-AXIS-00015: positions are not reduced to a turn. Every axis is like that in this version.
 pub const MODE_LINEAR: u32 = 0x1;
@@ -166,6 +171,7 @@ impl AxisData {
             vb_grenz_stufe_1_2: 100_000,
             achs_mode: MODE_LINEAR,
             default_feed_axis: false,
+            versch: [0; ZERO_OFFSETS],
         }
     }
 
@@ -247,6 +253,8 @@ pub struct ChannelData {
     pub h_synch: SynchTable,
     /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is allowed.
     pub ptp: bool,
+    /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
+    pub default_index: u8,
 }
 
 impl ChannelData {
@@ -270,6 +278,7 @@ impl ChannelData {
             m_synch: SynchTable::NONE,
             h_synch: SynchTable::NONE,
             ptp: false,
+            default_index: 0,
         }
     }
 }

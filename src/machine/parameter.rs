@@ -77,7 +77,31 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
         set: |t, milli| t.default_feed_axis = milli != 0,
         get: |t| t.default_feed_axis as i64 * 1000,
     },
+    zero_offset::<0>("np_grp.1.versch"),
+    zero_offset::<1>("np_grp.2.versch"),
+    zero_offset::<2>("np_grp.3.versch"),
+    zero_offset::<3>("np_grp.4.versch"),
+    zero_offset::<4>("np_grp.5.versch"),
+    zero_offset::<5>("np_grp.6.versch"),
 );
+
+/// Largest zero offset, in 0.1 µm or 0.0001°: a coordinate, 100 000 mm or degrees.
+const ZERO_OFFSET_MAX: i64 = 1_000_000_000;
+
+/// The zero offset of G54…G59 (`SET` 0…5).
+const fn zero_offset<const SET: usize>(name: &'static str) -> Parameter<AxisData> {
+    Parameter {
+        id: "P-ZERO-00003",
+        name,
+        unit: "0.1 µm or 0.0001°",
+        min_milli: -ZERO_OFFSET_MAX * 1000,
+        max_milli: ZERO_OFFSET_MAX * 1000,
+        decimals: false,
+        words: &[],
+        set: |t, milli| t.versch[SET] = (milli / 1000) as i32,
+        get: |t| t.versch[SET] as i64 * 1000,
+    }
+}
 
 /// Channel parameters.
 pub const CHANNEL: &[Parameter<ChannelData>] = &[
@@ -175,6 +199,11 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         set: |t, milli| t.ptp = milli != 0,
         get: |t| t.ptp as i64 * 1000,
         ..channel("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 2000)
+    },
+    Parameter {
+        set: |t, milli| t.default_index = (milli / 1000) as u8,
+        get: |t| t.default_index as i64 * 1000,
+        ..channel("P-ZERO-00002", "default_index", "0 G53, 1…6 G54…G59", 0, 6000)
     },
 ];
 

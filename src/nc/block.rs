@@ -315,8 +315,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// F in mm/min (°/min): P-CHAN-00108 is the factor.
     fn feed(&self, given: Given) -> Result<Feed, Fault> {
-        let factor = Factor { numerator: 100_000, denominator: self.setup.feedrate_factor_milli.max(1) };
-        match given.number.fixed(factor) {
+        match given.number.fixed(self.feed_factor()) {
             Some(feed) if feed > Feed::ZERO => Ok(feed),
             _ => given.span.fault(NcErrorKind::Range {
                 what: "F",

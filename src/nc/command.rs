@@ -1,6 +1,7 @@
 //! What the decoder hands to the next stage: one typed command at a time.
 use super::function::*;
-use crate::machine::{AxisKind, AxisName, MachineData, SynchTable};
+use super::number::{Factor, Number};
+use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS};
 use crate::quantity::{Feed, Position};
 
 /// A place in the program text: where a command or an error comes from.
@@ -37,8 +38,10 @@ pub struct Setup<const AXES: usize> {
     pub feedrate_factor_milli: u32,
     /// Axis positions before the first block.
     pub start: [Position; AXES],
-    /// Zero offsets of G54…G59.
-    pub zero_offsets: [[Position; AXES]; 6],
+    /// P-ZERO-00003: zero offsets of G54…G59.
+    pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
+    /// P-ZERO-00002: the one in force at program start: 0 none (G53), 1…6 G54…G59.
+    pub default_index: u8,
     /// P-CHAN-00041: which M functions stand before the motion of their block; all others behind it.
     pub m_synch: SynchTable,
     /// P-CHAN-00027: the same of H functions.
@@ -48,17 +51,30 @@ pub struct Setup<const AXES: usize> {
 impl<const AXES: usize> Setup<AXES> {
     /// The set-up of a machine standing at `start`.
     pub fn new(machine: &MachineData<AXES>, start: [Position; AXES]) -> Self {
+        let mut zero_offsets = [[Position::ZERO; AXES]; ZERO_OFFSETS];
+        for (set, offsets) in zero_offsets.iter_mut().enumerate() {
+            for (offset, axis) in offsets.iter_mut().zip(&machine.axes) {
+                *offset = axis.versch.get(set).map_or(Position::ZERO, |tenths| of_tenths(*tenths));
+            }
+        }
         Self {
             names: machine.axes.map(|a| a.name),
             kinds: machine.axes.map(|a| a.kind),
             main: machine.main_axes(),
             feedrate_factor_milli: machine.channel.feedrate_factor_milli,
             start,
-            zero_offsets: [[Position::ZERO; AXES]; 6],
+            zero_offsets,
+            default_index: machine.channel.default_index,
             m_synch: machine.channel.m_synch,
             h_synch: machine.channel.h_synch,
         }
     }
+}
+
+/// 0.1 µm or 0.0001°, to nearest.
+fn of_tenths(tenths: i32) -> Position {
+    let number = Number::Decimal { negative: tenths < 0, mantissa: tenths.unsigned_abs().into(), scale: 4 };
+    number.fixed(Factor::ONE).unwrap_or(Position::ZERO)
 }
 
 /// Plane of arcs: which main axes are its first and second.

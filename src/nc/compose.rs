@@ -81,7 +81,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn offset(&self, axis: usize) -> Position {
         let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
-        zero.saturating_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))
+        // Two coordinates: far from the end of the numbers.
+        zero.wrapping_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))
     }
 
     /// The value of an axis word in the axis' unit.
@@ -282,8 +283,8 @@ fn move_into_order(items: &mut [Item]) {
 
 /// Inside ±[`COORDINATE_MAX`].
 pub(super) fn in_range(value: Position) -> bool {
-    let max = Position::const_from_int(COORDINATE_MAX as i64);
-    value >= -max && value <= max
+    const MAX: u64 = (COORDINATE_MAX as u64) << 32;
+    value.to_bits().unsigned_abs() <= MAX
 }
 
 fn coordinate(what: &'static str, unit: &'static str) -> NcErrorKind {

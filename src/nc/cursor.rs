@@ -1,5 +1,5 @@
 //! Reading one logical line from left to right; blanks between words do not count.
-use super::number::Number;
+use super::number::{Number, Plain};
 use super::{Fault, NcErrorKind, Span};
 
 /// Letters of a word, upper case.
@@ -42,6 +42,11 @@ impl<'a> Cursor<'a> {
     /// The byte at the cursor, blanks included; 0 at the end.
     pub fn raw(&self) -> u8 {
         self.bytes.get(self.at).copied().unwrap_or(0)
+    }
+
+    /// The byte behind it; 0 at the end.
+    pub fn next(&self) -> u8 {
+        self.bytes.get(self.at + 1).copied().unwrap_or(0)
     }
 
     pub fn bump(&mut self) {
@@ -98,6 +103,11 @@ impl<'a> Cursor<'a> {
             end -= 1;
         }
         Span { at: mark as u16, len: (end - mark) as u16 }
+    }
+
+    /// The same where no blank stands before the cursor.
+    pub fn word_from(&self, mark: usize) -> Span {
+        Span { at: mark as u16, len: self.at.wrapping_sub(mark) as u16 }
     }
 
     /// The word at the cursor: letters and digits, or one byte; empty at the end.
@@ -208,6 +218,49 @@ impl<'a> Cursor<'a> {
 
     /// An unsigned decimal literal. Decimals beyond the 19th significant digit and the 19th place are cut.
     pub fn decimal(&mut self) -> Result<Number, Fault> {
+        self.skip_blanks();
+        match self.plain_decimal() {
+            Some(plain) => Ok(plain.number()),
+            None => self.any_decimal(),
+        }
+    }
+
+    /// One to nine digits with at most one point among them, and neither E nor another point behind them. `None`, and not one
+    /// step further, if it is anything else.
+    #[inline(always)]
+    pub fn plain_decimal(&mut self) -> Option<Plain> {
+        let rest = self.bytes.get(self.at..)?;
+        let mut mantissa = 0;
+        let mut length = digits(rest, &mut mantissa);
+        let (mut count, mut scale) = (length, 0);
+        if rest.get(length) == Some(&b'.') {
+            scale = digits(rest.get(length + 1..)?, &mut mantissa);
+            count += scale;
+            length += 1 + scale;
+        }
+        if !(1..=9).contains(&count) || matches!(rest.get(length), Some(b'.' | b'E' | b'e')) {
+            return None;
+        }
+        self.at += length;
+        Some(Plain { mantissa, scale: scale as u8 })
+    }
+
+    /// One to nine digits without a point behind them.
+    #[inline(always)]
+    pub fn plain_whole(&mut self) -> Option<u32> {
+        let rest = self.bytes.get(self.at..)?;
+        let mut number = 0;
+        let length = digits(rest, &mut number);
+        if !(1..=9).contains(&length) || rest.get(length) == Some(&b'.') {
+            return None;
+        }
+        self.at += length;
+        Some(number)
+    }
+
+    /// Any literal, or why there is none.
+    #[inline(never)]
+    fn any_decimal(&mut self) -> Result<Number, Fault> {
         let mark = self.mark();
         let (mut mantissa, mut scale, mut significant) = (0_u64, 0_u8, 0_u8);
         let (mut point, mut digits, mut full) = (false, false, false);
@@ -250,6 +303,20 @@ impl<'a> Cursor<'a> {
         }
         Ok(Number::Decimal { negative: false, mantissa, scale })
     }
+}
+
+/// Appends the digits that `text` begins with to `number`, and says how many; of more than nine the number is of no use.
+fn digits(text: &[u8], number: &mut u32) -> usize {
+    let mut count = 0;
+    for byte in text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        *number = number.wrapping_mul(10).wrapping_add(u32::from(digit));
+        count += 1;
+    }
+    count
 }
 
 impl<'a> Cursor<'a> {

@@ -1,5 +1,6 @@
 //! The decoder: lines from the text into the interpreter, commands out, a bounded piece of work per call.
 use super::block::{Item, ItemKind};
+use super::compose::in_range;
 use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader};
@@ -20,6 +21,16 @@ pub enum Step<const AXES: usize> {
     Late,
     /// The program has ended (M02, M30 or end of text), or was refused before.
     End,
+}
+
+/// What a piece of work was.
+enum Work {
+    /// A part of a line, or a line.
+    Line,
+    /// A line whose motion is to be handed out.
+    Motion,
+    /// The text has nothing yet.
+    Late,
 }
 
 /// Work of a line without its words, and bytes read for one unit of work, as [`super::calculator`] counts it.
@@ -78,21 +89,33 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             self.interpreter.quiet = 0;
             return Ok(Step::Command(command));
         }
-        if let Some(item) = self.interpreter.queue.pop_front() {
-            self.interpreter.quiet = 0;
-            return Ok(self.command_of(item).map_or(Step::Working, Step::Command));
+        let is_motion = match self.interpreter.queue.front() {
+            Some(item) => matches!(item.kind, ItemKind::Motion),
+            None if self.interpreter.phase == Phase::Ended => return Ok(Step::End),
+            None => match self.work() {
+                Ok(Work::Line) => return Ok(Step::Working),
+                Ok(Work::Late) => return Ok(Step::Late),
+                Ok(Work::Motion) => true,
+                Err(error) => {
+                    self.interpreter.phase = Phase::Ended;
+                    self.interpreter.queue.clear();
+                    self.interpreter.single = None;
+                    self.interpreter.warnings.clear();
+                    return Err(error);
+                }
+            },
+        };
+        // Warnings about the line come first.
+        if !self.interpreter.warnings.is_empty() {
+            return Ok(Step::Working);
         }
-        if self.interpreter.phase == Phase::Ended {
-            return Ok(Step::End);
+        self.interpreter.quiet = 0;
+        // Apart from the other commands: what is not copied costs nothing.
+        if is_motion && let Some(motion) = &self.interpreter.motion {
+            let _ = self.interpreter.queue.pop_front();
+            return Ok(Step::Command(Command::Motion(*motion)));
         }
-        let result = self.work();
-        if result.is_err() {
-            self.interpreter.phase = Phase::Ended;
-            self.interpreter.queue.clear();
-            self.interpreter.single = None;
-            self.interpreter.warnings.clear();
-        }
-        result
+        self.hand_out()
     }
 
     /// Whether the last step did so little that another one may follow in the same call of the planner: a line, or what this
@@ -120,13 +143,34 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
+    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59. It counts from the next line on that is understood,
+    /// also where that zero offset is in force. `false` if there is no such set or axis, or the offset is beyond
+    /// ±[`COORDINATE_MAX`].
+    #[must_use]
+    pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> bool {
+        let slot = self.interpreter.setup.zero_offsets.get_mut(set).and_then(|offsets| offsets.get_mut(axis));
+        match slot {
+            Some(slot) if in_range(offset) => {
+                *slot = offset;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
+    pub(crate) fn is_between_lines(&self) -> bool {
+        let Interpreter { queue, single, calculator, .. } = &self.interpreter;
+        queue.is_empty() && single.is_none() && !calculator.is_halted()
+    }
+
     /// Reads a slice of text and interprets the line when it is complete.
-    fn work(&mut self) -> Result<Step<AXES>, NcError> {
+    fn work(&mut self) -> Result<Work, NcError> {
         let goes_on = self.interpreter.calculator.begin();
         let fill = if goes_on { Fill::Line } else { self.fill()? };
         let next = match fill {
-            Fill::Partial => return Ok(Step::Working),
-            Fill::Late => return Ok(Step::Late),
+            Fill::Partial => return Ok(Work::Line),
+            Fill::Late => return Ok(Work::Late),
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
                 self.interpreter.line(self.line, bounds, goes_on)
@@ -145,11 +189,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         match next {
             _ if self.interpreter.calculator.is_halted() => {}
             Ok(Next::Line) => {}
+            Ok(Next::Motion) => return Ok(Work::Motion),
             Ok(Next::At(mark)) => self.reader.seek(mark),
             Ok(Next::File(name)) => self.enter_file(name)?,
             Err(refusal) => return Err(self.error(refusal)),
         }
-        Ok(Step::Working)
+        Ok(Work::Line)
     }
 
     /// Reads a slice of text.
@@ -197,13 +242,20 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         error
     }
 
-    /// The command of a queued item of the line at hand.
+    /// What a queued item of the line at hand makes: all but motions.
+    #[inline(never)]
+    fn hand_out(&mut self) -> Result<Step<AXES>, NcError> {
+        let item = self.interpreter.queue.pop_front();
+        Ok(item.and_then(|item| self.command_of(item)).map_or(Step::Working, Step::Command))
+    }
+
+    /// The command of a queued item.
     fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
         let i = &mut *self.interpreter;
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {
-            ItemKind::Motion => Command::Motion(i.motion.take()?),
+            ItemKind::Motion => Command::Motion(i.motion?),
             ItemKind::Dwell(time) => Command::Dwell(head, time),
             ItemKind::M(code) => Command::M(head, code),
             ItemKind::H(code) => Command::H(head, code),

@@ -483,7 +483,8 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
-        if !matches!(first, b'M' | b'A' | b'X' | b'O') {
+        // An address is followed by its value, an operator of letters by another letter.
+        if !matches!(first, b'M' | b'A' | b'X' | b'O') || !c.next().is_ascii_alphabetic() {
             return None;
         }
         let word = c.letters();

@@ -6,6 +6,8 @@ use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
 use super::modal::Modal;
+use super::number::Number;
+use super::plain::Letters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
 use heapless::Deque;
@@ -33,6 +35,8 @@ pub(super) enum Phase {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Next {
     Line,
+    /// The same, and nothing comes out of the line at hand but its motion.
+    Motion,
     At(Mark),
     /// The start of the file with the name in the line at hand; the call is open already.
     File(Span),
@@ -57,6 +61,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub flow: Flow,
     pub calculator: Calculator,
     pub modal: Modal<AXES>,
+    pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
     /// Block number of the line at hand.
@@ -89,7 +94,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             phase: Phase::Start,
             flow: Flow::new(),
             calculator: Calculator::new(),
-            modal: Modal::new(),
+            modal: Modal::new(setup.default_index),
+            letters: Letters::new(setup.names.iter().map(|name| &name.0)),
             position: setup.start,
             n: 0,
             moves: false,
@@ -231,6 +237,9 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// A line that is not passed over.
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
+        if let Some(next) = self.plain_block(line) {
+            return Ok(next);
+        }
         self.n = 0;
         self.moves = false;
         self.block_number(c)?;
@@ -261,7 +270,15 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok(());
         }
         c.bump();
-        let value = real::trunc(expression(c, &self.calculator)?.real());
+        let number = expression(c, &self.calculator)?;
+        if let Number::Decimal { negative: false, mantissa, scale: 0 } = number
+            && let Ok(n) = u32::try_from(mantissa)
+        {
+            self.n = n;
+            c.eat(b':');
+            return Ok(());
+        }
+        let value = real::trunc(number.real());
         if !(0.0..4_294_967_296.0).contains(&value) {
             return c.since(mark).fault(NcErrorKind::Range {
                 what: "block number",

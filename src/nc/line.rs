@@ -28,7 +28,9 @@ struct Anchor {
 
 /// One logical line.
 pub(super) struct Line {
-    bytes: Vec<u8, LINE_BYTES>,
+    bytes: [u8; LINE_BYTES],
+    /// Bytes in use, at most all.
+    len: usize,
     anchors: Vec<Anchor, CONTINUATIONS>,
 }
 
@@ -59,11 +61,48 @@ pub(super) enum Fill {
 
 impl Line {
     pub const fn new() -> Self {
-        Self { bytes: Vec::new(), anchors: Vec::new() }
+        Self { bytes: [0; LINE_BYTES], len: 0, anchors: Vec::new() }
     }
 
     pub fn bytes(&self) -> &[u8] {
-        &self.bytes
+        self.bytes.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Adds a byte; `false` if there is no room.
+    fn push(&mut self, byte: u8) -> bool {
+        let slot = self.bytes.get_mut(self.len);
+        let fits = slot.is_some();
+        if let Some(slot) = slot {
+            *slot = byte;
+            self.len += 1;
+        }
+        fits
+    }
+
+    /// Adds the bytes of words with single blanks between them that `text` begins with, and says how many.
+    #[inline(never)]
+    fn push_words(&mut self, text: &[u8]) -> usize {
+        let room = self.bytes.get_mut(self.len..).unwrap_or(&mut []);
+        let (mut seen, mut last) = (0, BLANK);
+        for (slot, &byte) in room.iter_mut().zip(text) {
+            let kind = KINDS[usize::from(byte)];
+            if kind + last > BLANK {
+                break;
+            }
+            *slot = byte;
+            last = kind;
+            seen += 1;
+        }
+        // Without a blank at the end.
+        let words = seen - usize::from(seen > 0) * usize::from(last);
+        self.len += words;
+        words
+    }
+
+    /// From here on the bytes stand at `place` and after; `false` if there is no room.
+    fn anchor(&mut self, place: &Place) -> bool {
+        let Place { line, column, offset, file, .. } = *place;
+        self.anchors.push(Anchor { index: self.len as u16, line, column, offset, file }).is_ok()
     }
 
     /// The place of a part of the line.
@@ -87,7 +126,7 @@ impl Line {
     /// The refusal of a part of the line.
     pub fn error(&self, span: Span, kind: NcErrorKind) -> NcError {
         let mut found = String::new();
-        let part = self.bytes.get(usize::from(span.at)..).unwrap_or(&[]);
+        let part = self.bytes().get(usize::from(span.at)..).unwrap_or(&[]);
         for byte in part.iter().take(usize::from(span.len)) {
             let _ = found.push(char::from(*byte)); // longer words are cut
         }
@@ -95,10 +134,28 @@ impl Line {
     }
 
     pub fn clear(&mut self) {
-        self.bytes.clear();
+        self.len = 0;
         self.anchors.clear();
     }
 }
+
+/// What a byte outside comments is: part of a word, a blank, or something that is not simply kept.
+const WORD: u8 = 0;
+const BLANK: u8 = 1;
+const OTHER: u8 = 2;
+
+const KINDS: [u8; 256] = {
+    let mut kinds = [OTHER; 256];
+    let mut byte = b'!';
+    while byte < 0x7f {
+        if !matches!(byte, b'(' | b')' | b';' | b'\\') {
+            kinds[byte as usize] = WORD;
+        }
+        byte += 1;
+    }
+    kinds[b' ' as usize] = BLANK;
+    kinds
+};
 
 /// Reads logical lines, a slice of the text per call.
 pub(super) struct LineReader<T> {
@@ -196,8 +253,14 @@ impl<T: Text> LineReader<T> {
         }
         let mut budget = SLICE;
         while budget > 0 {
+            if let Err(error) = self.refill() {
+                return self.missing(error);
+            }
             let run = self.take_run(line, budget);
             if run > 0 {
+                if self.step_over_line_end() {
+                    return Ok(Fill::Line);
+                }
                 budget -= run;
                 continue;
             }
@@ -270,27 +333,49 @@ impl<T: Text> LineReader<T> {
         Ok(Fill::Partial)
     }
 
-    /// The usual case: bytes of a word, perhaps after some blanks, at most `budget`; says how many.
+    /// The usual case: bytes of words, perhaps with some blanks before and between them, at most `budget`; says how many.
     fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
-        if !self.in_words || self.gap > GAP {
-            return 0;
-        }
         let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
-        let plain = |b: &u8| !matches!(*b, 0..=b' ' | b'(' | b')' | b';' | b'\\' | 0x7f..);
-        let run = rest.iter().take(budget).take_while(|b| plain(b)).count();
-        let blanks = self.gap as usize;
-        let words = rest.get(..run).unwrap_or(&[]);
-        if words.is_empty() || line.bytes.len() + blanks + run > LINE_BYTES {
+        let rest = rest.get(..budget).unwrap_or(rest);
+        if !self.in_words {
+            // The first byte of a line begins a word. That of a file may be a mark.
+            let begins = rest.first().is_some_and(|byte| KINDS[usize::from(*byte)] == WORD);
+            if !begins || self.offset != self.start.offset || self.offset == 0 || !line.anchor(&self.here()) {
+                return 0;
+            }
+            self.in_words = true;
+        }
+        if self.gap > GAP {
             return 0;
         }
-        for _ in 0..blanks {
-            let _ = line.bytes.push(b' ');
+        let before = line.len;
+        for _ in 0..self.gap {
+            line.push(b' ');
         }
-        let _ = line.bytes.extend_from_slice(words);
+        let run = line.push_words(rest);
+        if run == 0 {
+            // What stands behind the blanks is not known yet.
+            line.len = before;
+            return 0;
+        }
         self.gap = 0;
         self.used += run as u8;
         self.offset = self.offset.wrapping_add(run as u32);
         run
+    }
+
+    /// A line feed right behind a word: the line ends there; `false` if there is none.
+    fn step_over_line_end(&mut self) -> bool {
+        let next = if self.used < self.filled { self.chunk.get(usize::from(self.used)) } else { None };
+        if next != Some(&b'\n') {
+            return false;
+        }
+        self.used += 1;
+        self.offset = self.offset.wrapping_add(1);
+        self.line = self.line.wrapping_add(1);
+        self.line_offset = self.offset;
+        self.fresh = true;
+        true
     }
 
     /// Follows comments and continuations; true for a byte that is not part of the line.
@@ -383,12 +468,18 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    fn next_byte(&mut self) -> Result<Option<u8>, TextError> {
+    /// Reads on if nothing is left.
+    fn refill(&mut self) -> Result<(), TextError> {
         if self.used >= self.filled {
             let count = self.text.read(self.file, self.offset, &mut self.chunk)?;
             self.used = 0;
             self.filled = count.min(64) as u8;
         }
+        Ok(())
+    }
+
+    fn next_byte(&mut self) -> Result<Option<u8>, TextError> {
+        self.refill()?;
         let byte =
             if self.used < self.filled { self.chunk.get(usize::from(self.used)).copied() } else { None };
         self.used += u8::from(byte.is_some());
@@ -399,20 +490,21 @@ impl<T: Text> LineReader<T> {
 /// Adds a byte after a gap; anchors keep its place where the gap is not written out.
 fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcError> {
     let long = || refusal(here, NcErrorKind::LineTooLong);
-    if line.bytes.is_empty() || broken || gap > GAP {
-        if !line.bytes.is_empty() {
-            line.bytes.push(b' ').map_err(|_| long())?;
+    if line.len == 0 || broken || gap > GAP {
+        if line.len > 0 && !line.push(b' ') {
+            return Err(long());
         }
-        let index = line.bytes.len() as u16;
-        let Place { line: number, column, offset, file, .. } = here;
-        let anchor = Anchor { index, line: number, column, offset, file };
-        line.anchors.push(anchor).map_err(|_| refusal(here, NcErrorKind::TooManyContinuations))?;
+        if !line.anchor(&here) {
+            return Err(refusal(here, NcErrorKind::TooManyContinuations));
+        }
     } else {
         for _ in 0..gap {
-            line.bytes.push(b' ').map_err(|_| long())?;
+            if !line.push(b' ') {
+                return Err(long());
+            }
         }
     }
-    line.bytes.push(byte).map_err(|_| long())
+    if line.push(byte) { Ok(()) } else { Err(long()) }
 }
 
 /// A refusal of what is not in the line yet.

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  Text → line ─logical lines→ interpreter ┬ flow, control   $ statements, calls, jumps
+//!                                          ├ plain           lines of N, G00, G01, F and axes alone, at once
 //!                                          ├ block           words: G, axes, F, M …, and the motion they make
 //!                                          └ hash, keyword   # commands and axis[…] with their keywords
 //! ```
@@ -28,6 +29,7 @@ mod line;
 mod modal;
 mod number;
 mod parameter;
+mod plain;
 mod real;
 mod smoothing;
 mod text;

@@ -31,8 +31,8 @@ pub(super) struct Modal<const AXES: usize> {
 }
 
 impl<const AXES: usize> Modal<AXES> {
-    /// At program start: G01, G17, G53, G71, G90, G94, G162, G260, G150, G359.
-    pub const fn new() -> Self {
+    /// At program start: G01, G17, G71, G90, G94, G162, G260, G150, G359, and G53 or what P-ZERO-00002 says.
+    pub fn new(default_index: u8) -> Self {
         Self {
             mode: Mode::Line,
             plane: Plane::G17,
@@ -41,7 +41,7 @@ impl<const AXES: usize> Modal<AXES> {
             inch: false,
             feed: None,
             exact_stop: false,
-            zero_set: None,
+            zero_set: usize::from(default_index).checked_sub(1),
             shift: [Position::ZERO; AXES],
             radius: None,
         }

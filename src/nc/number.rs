@@ -25,6 +25,36 @@ impl Factor {
     pub const ONE: Self = Self { numerator: 1, denominator: 1 };
     /// Inch to millimetre, exactly.
     pub const INCH: Self = Self { numerator: 254, denominator: 10 };
+
+    /// `numerator` / `denominator`, which is at least 1.
+    pub const fn new(numerator: u32, denominator: u32) -> Self {
+        if numerator == denominator { Self::ONE } else { Self { numerator, denominator } }
+    }
+}
+
+/// An unsigned literal of at most nine digits: `mantissa` / 10^`scale`.
+#[derive(Clone, Copy)]
+pub(super) struct Plain {
+    pub mantissa: u32,
+    /// At most 9.
+    pub scale: u8,
+}
+
+impl Plain {
+    /// The same as a number of any kind.
+    pub fn number(self) -> Number {
+        Number::Decimal { negative: false, mantissa: self.mantissa.into(), scale: self.scale }
+    }
+
+    /// The bits of [`Number::fixed`].
+    #[inline(always)]
+    pub fn bits(self, factor: Factor) -> Option<i64> {
+        let Self { mantissa, scale } = self;
+        if factor == Factor::ONE {
+            return Some(plain_bits(mantissa, scale));
+        }
+        quotient_bits(mantissa.into(), scale, factor)
+    }
 }
 
 const POWERS: [u64; 20] = {
@@ -33,6 +63,42 @@ const POWERS: [u64; 20] = {
     while i < 20 {
         table[i] = table[i - 1] * 10;
         i += 1;
+    }
+    table
+};
+
+/// 2^32 / 10^scale as a multiplication: `factor` / 2^(32 + `shift`), rounded up.
+#[derive(Clone, Copy)]
+struct Reciprocal {
+    /// From 2^63 on: all bits count.
+    factor: u64,
+    /// 3 to 29.
+    shift: u8,
+}
+
+/// Places behind the point and mantissas, exclusive, for which [`RECIPROCALS`] round as a division does.
+const PLAIN_SCALE: u8 = 9;
+const PLAIN_MANTISSA: u64 = 1 << 31;
+
+/// For 1 to 9 places.
+///
+/// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal lies above the quotient by
+/// mantissa · excess / (10^scale · 2^(32 + shift)). As long as that is less than such a step, both have the same whole part: the table
+/// is compiled only if it is, for all plain mantissas.
+const RECIPROCALS: [Reciprocal; PLAIN_SCALE as usize] = {
+    let mut table = [Reciprocal { factor: 0, shift: 0 }; PLAIN_SCALE as usize];
+    let mut scale = 1;
+    while scale <= PLAIN_SCALE as usize {
+        let power = POWERS[scale] as u128;
+        let mut shift = 0;
+        while (1_u128 << (64 + shift)) / power < 1 << 63 {
+            shift += 1;
+        }
+        let factor = (1_u128 << (64 + shift)).div_ceil(power);
+        let excess = factor * power - (1 << (64 + shift));
+        assert!(0 < shift && shift < 32 && PLAIN_MANTISSA as u128 * excess * 2 < 1 << (scale + 32 + shift));
+        table[scale - 1] = Reciprocal { factor: factor as u64, shift: shift as u8 };
+        scale += 1;
     }
     table
 };
@@ -69,6 +135,11 @@ impl Number {
 
     /// The number as a whole number; `None` if it has a fraction or is too large.
     pub fn whole(self) -> Option<i64> {
+        if let Self::Decimal { negative, mantissa, scale: 0 } = self
+            && mantissa < PLAIN_MANTISSA
+        {
+            return Some(if negative { -(mantissa as i64) } else { mantissa as i64 });
+        }
         let x = self.real();
         let cut = real::trunc(x);
         (cut == x && real::abs(x) < 9e15).then_some(x as i64)
@@ -77,9 +148,33 @@ impl Number {
 
 /// `mantissa` / 10^`scale` · `factor` · 2^32, to nearest, ties up.
 fn decimal_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
+    if factor == Factor::ONE && mantissa < PLAIN_MANTISSA && scale <= PLAIN_SCALE {
+        return Some(plain_bits(mantissa as u32, scale));
+    }
+    quotient_bits(mantissa, scale, factor)
+}
+
+/// The same without a division, for mantissas below [`PLAIN_MANTISSA`] with at most [`PLAIN_SCALE`] places.
+fn plain_bits(mantissa: u32, scale: u8) -> i64 {
+    let mantissa = u64::from(mantissa);
+    let Some(Reciprocal { factor, shift }) = RECIPROCALS.get(usize::from(scale).wrapping_sub(1)) else {
+        return (mantissa << 32) as i64;
+    };
+    // mantissa · factor / 2^32: below 2^63, and what is cut off lies below the half that is added.
+    let product = mantissa * (factor >> 32) + ((mantissa * (factor & 0xffff_ffff)) >> 32);
+    // 3 to 29.
+    let shift = u32::from(*shift);
+    let sum = product + u64::from(1_u32.wrapping_shl(shift - 1));
+    let (high, low) = ((sum >> 32) as u32, sum as u32);
+    let low = low.wrapping_shr(shift) | high.wrapping_shl(32 - shift);
+    (u64::from(high.wrapping_shr(shift)) << 32 | u64::from(low)) as i64
+}
+
+/// The same by division, for all others.
+fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     let power = *POWERS.get(usize::from(scale))?;
     if factor == Factor::ONE && scale <= 9 {
-        // The usual case in 64 bits: remainder below 10^9 < 2^30.
+        // In 64 bits: remainder below 10^9 < 2^30.
         let whole = mantissa.checked_div(power)?;
         let rest = mantissa.wrapping_sub(whole.wrapping_mul(power));
         let fraction = ((rest << 33) + power).checked_div(power << 1)?;

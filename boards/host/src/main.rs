@@ -27,8 +27,8 @@ use machine::{Machine, Overrides};
 use output::Outputs;
 use program::Undecoded;
 use run::Wanted;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs NC programs through the Glidepath interpolator.
@@ -86,7 +86,7 @@ struct Run {
     /// meant.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
     ack: acknowledge::Delay,
-    /// Every set point of every tick, as exact decimals.
+    /// Every set point of every tick, as exact decimals; `-` is the standard output.
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
     /// What is printed, and more, for programs to read.
@@ -144,6 +144,10 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         }
         Err(Undecoded::Endless(endless)) => return Err(endless),
     };
+    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour];
+    if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
+        return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
+    }
     program.warnings.splice(0..0, std::mem::take(&mut machine.warnings));
     // Only now all files of the program are known.
     let inputs = [&input.program].into_iter().chain(&input.machine).chain(&arguments.events).cloned();
@@ -184,12 +188,17 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         };
         outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
-    outputs.commit()?;
-
     for warning in &program.warnings {
         warning.print();
     }
-    say(&summary.to_text());
+    let text = summary.to_text();
+    if outputs.on_stdout() {
+        // Beside what another program reads: on the error output.
+        let _ = anstream::stderr().write_all(text.as_bytes());
+    } else {
+        say(&text)?;
+    }
+    outputs.commit()?;
     let excess = result.monitor.errors(&machine);
     if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
@@ -202,11 +211,16 @@ fn check(input: &Input) -> Result<(), Refusal> {
     for warning in machine.warnings.iter().chain(&program.warnings) {
         warning.print();
     }
-    say(&format!("{}: {}\n", files.main.name, program.describe()));
-    Ok(())
+    say(&format!("{}: {}\n", files.main.name, program.describe()))
 }
 
 /// On the standard output; a reader that has gone away is no failure of the run.
-fn say(text: &str) {
-    let _ = anstream::stdout().write_all(text.as_bytes());
+fn say(text: &str) -> Result<(), Refusal> {
+    let mut out = anstream::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(output::refused(Path::new("the standard output"), error))
+        }
+        _ => Ok(()),
+    }
 }

@@ -1,32 +1,53 @@
 //! Files that appear only when the run has succeeded, all of them or none.
 use crate::diagnose::Diagnostic;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// Written beside their final names, and renamed by [`Outputs::commit`]; dropped without it, they vanish.
+/// Kept without a name, so that nothing is left of them when the run is broken off. [`Outputs::commit`] writes them beside their
+/// final names and renames them.
 pub struct Outputs {
-    files: Vec<(PathBuf, PathBuf)>,
+    files: Vec<Kept>,
     /// What must not be overwritten: the inputs, then every output.
     taken: Vec<PathBuf>,
+    /// One of them goes to the standard output.
+    on_stdout: bool,
+}
+
+/// A file that is not in its place yet.
+struct Kept {
+    content: File,
+    /// Its name for the time being, and its final one.
+    partial: PathBuf,
+    path: PathBuf,
 }
 
 impl Outputs {
     /// None yet; `inputs` are protected.
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>) -> Self {
         let taken = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
-        Self { files: Vec::new(), taken }
+        Self { files: Vec::new(), taken, on_stdout: false }
     }
 
-    /// Opens a file that will be called `path`.
-    pub fn create(&mut self, path: &Path) -> Result<File, Vec<Diagnostic>> {
+    /// Whether one of the outputs goes to the standard output.
+    pub fn on_stdout(&self) -> bool {
+        self.on_stdout
+    }
+
+    /// Opens a file that will be called `path`; `-` is the standard output.
+    pub fn create(&mut self, path: &Path) -> Result<Box<dyn Write>, Vec<Diagnostic>> {
+        if path == Path::new("-") {
+            self.on_stdout = true;
+            return Ok(Box::new(std::io::stdout()));
+        }
         let name = path.file_name().ok_or_else(|| refused(path, "a file name is missing"))?;
         if path.is_dir() {
             return Err(refused(path, "it is a directory"));
         }
         if path.exists() && !path.is_file() {
             // A device or a pipe: it has no content to keep whole, and must not be replaced.
-            return File::options().write(true).open(path).map_err(|error| refused(path, error));
+            let file = File::options().write(true).open(path).map_err(|error| refused(path, error))?;
+            return Ok(Box::new(file));
         }
         // Where a link leads there is the file to replace, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
@@ -36,20 +57,35 @@ impl Outputs {
         let mut partial = name.to_os_string();
         partial.push(format!(".{}-{}.part", std::process::id(), self.files.len()));
         let partial = path.with_file_name(partial);
-        let file = File::create(&partial).map_err(|error| refused(&path, error))?;
+        let mut options = File::options();
+        options.read(true).write(true).create(true).truncate(true);
+        let unwritable = |error| refused(&path, error);
+        let file = options.open(&partial).map_err(unwritable)?;
+        // Where a file in use keeps its name, it is removed at the end of the run.
+        let _ = fs::remove_file(&partial);
+        let content = file.try_clone().map_err(unwritable)?;
         self.taken.push(path.clone());
-        self.files.push((partial, path));
-        Ok(file)
+        self.files.push(Kept { content, partial, path });
+        Ok(Box::new(file))
     }
 
     /// A whole file at once.
     pub fn write(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Vec<Diagnostic>> {
-        self.create(path)?.write_all(bytes).map_err(|error| refused(path, error))
+        let mut out = self.create(path)?;
+        out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| refused(path, error))
     }
 
     /// Gives the files their names.
     pub fn commit(&mut self) -> Result<(), Vec<Diagnostic>> {
-        for (partial, path) in &self.files {
+        for Kept { content, partial, path } in &mut self.files {
+            let write = |content: &mut File| -> io::Result<()> {
+                content.rewind()?;
+                io::copy(content, &mut File::create(&*partial)?)?;
+                Ok(())
+            };
+            write(content).map_err(|error| refused(path, error))?;
+        }
+        for Kept { partial, path, .. } in &self.files {
             fs::rename(partial, path).map_err(|error| refused(path, error))?;
         }
         self.files.clear();
@@ -59,7 +95,7 @@ impl Outputs {
 
 impl Drop for Outputs {
     fn drop(&mut self) {
-        for (partial, _) in &self.files {
+        for Kept { partial, .. } in &self.files {
             // Nothing sensible is left to do where this fails: the file is marked as a part by its name.
             let _ = fs::remove_file(partial);
         }

@@ -16,8 +16,7 @@ use glidepath::queue::Function;
 use glidepath::tick::{Interpolator, State, Telemetry};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::Cell;
-use std::fs::File;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -28,7 +27,7 @@ pub const BLOCKS: usize = 500;
 #[derive(Default)]
 pub struct Wanted<'a> {
     /// Receives a row per tick.
-    pub trace: Option<(&'a Path, File)>,
+    pub trace: Option<(&'a Path, Box<dyn Write>)>,
     /// A [`Picture`] is recorded.
     pub picture: bool,
     /// Events from outside.
@@ -312,22 +311,38 @@ struct Bar {
     start: Instant,
     motions: usize,
     shown: Option<ProgressBar>,
+    /// The largest position so far: blocks may be planned again.
+    reached: u64,
+}
+
+/// Seconds left, if the rest takes its time as what is done did; `None` while nothing is done.
+fn to_go(elapsed: Duration, done: u64, all: u64) -> Option<u64> {
+    let left = all.saturating_sub(done) as f64;
+    (done > 0).then(|| (elapsed.as_secs_f64() * left / done as f64).ceil() as u64)
 }
 
 impl Bar {
     fn new(motions: usize) -> Self {
-        Self { start: Instant::now(), motions, shown: None }
+        Self { start: Instant::now(), motions, shown: None, reached: 0 }
     }
 
     fn at(&mut self, block: u64) {
+        self.reached = self.reached.max(block);
+        let block = self.reached;
+        let elapsed = self.start.elapsed();
         match &self.shown {
-            Some(bar) => bar.set_position(block),
-            None if self.start.elapsed() > Duration::from_secs(1) => {
+            Some(bar) => {
+                bar.set_position(block);
+                if let Some(seconds) = to_go(elapsed, block, self.motions as u64) {
+                    bar.set_message(format!("{seconds} s to go"));
+                }
+            }
+            None if elapsed > Duration::from_secs(1) => {
                 let bar = ProgressBar::with_draw_target(
                     Some(self.motions as u64),
                     ProgressDrawTarget::stderr_with_hz(10),
                 );
-                let style = ProgressStyle::with_template("{bar:40.cyan} {pos}/{len} blocks, {eta} to go");
+                let style = ProgressStyle::with_template("{bar:40.cyan} {pos}/{len} blocks, {msg}");
                 bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
                 bar.set_position(block);
                 self.shown = Some(bar);
@@ -340,5 +355,26 @@ impl Bar {
         if let Some(bar) = self.shown {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_to_go_is_that_of_the_blocks_left() {
+        let after = |seconds, done| to_go(Duration::from_secs(seconds), done, 1000);
+        assert_eq!((after(1, 100), after(5, 500), after(10, 1000)), (Some(9), Some(5), Some(0)));
+        assert_eq!((after(1, 999), after(1, 0)), (Some(1), None));
+    }
+
+    #[test]
+    fn progress_does_not_run_backward() {
+        let mut bar = Bar::new(10);
+        for block in [3, 5, 4, 1] {
+            bar.at(block);
+        }
+        assert_eq!(bar.reached, 5);
     }
 }

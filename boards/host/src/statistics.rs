@@ -19,7 +19,7 @@ pub struct AxisStatistics {
     latest: [i128; 3],
     /// The largest magnitudes of these.
     peak: [u128; 3],
-    /// Sum of the first differences' magnitudes, LSB.
+    /// Sum of the first differences' magnitudes, LSB, and twice what the turning points lie beyond the set points next to them.
     travel: u128,
     lowest: i64,
     highest: i64,
@@ -36,6 +36,11 @@ impl AxisStatistics {
         let first = i128::from(bits) - i128::from(self.last);
         let second = first - self.latest[0];
         let third = second - self.latest[1];
+        if first.signum() * self.latest[0].signum() < 0 {
+            // It turned between two ticks: by the parabola through the last three set points.
+            let sum = (first + self.latest[0]).unsigned_abs();
+            self.travel += sum * sum / (4 * second.unsigned_abs());
+        }
         self.latest = [first, second, third];
         for (peak, value) in self.peak.iter_mut().zip(self.latest) {
             *peak = (*peak).max(value.unsigned_abs());
@@ -56,7 +61,7 @@ impl AxisStatistics {
         rates(self.peak.map(|difference| difference as f64), cycle_s)
     }
 
-    /// Distance travelled, back and forth, mm or degrees.
+    /// Distance travelled, back and forth, mm or degrees. Where the axis turns between two ticks, it turns on a parabola.
     pub fn travel(&self) -> f64 {
         self.travel as f64 / LSB_PER_MM
     }
@@ -105,6 +110,10 @@ pub struct Statistics {
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
     pub held: u64,
     pub waited: u64,
+    /// Rows at rest for neither, up to an abort: dwells, as they were executed.
+    pub dwelt: u64,
+    /// The operator has aborted the program.
+    pub aborted: bool,
     /// Stretches of both: tick of the first row and of the last one.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
@@ -201,6 +210,8 @@ impl Statistics {
             rest: 0,
             held: 0,
             waited: 0,
+            dwelt: 0,
+            aborted: false,
             holds: Vec::new(),
             awaited: Vec::new(),
             told: HashSet::new(),
@@ -224,6 +235,7 @@ impl Statistics {
             What::Acknowledge(_) if taken && self.rest > 0 => Some(Effect::Motion),
             What::Acknowledge(_) | What::Override(_) | What::Reduced(_) => None,
         };
+        self.aborted |= what == What::Abort;
         let (tick, distance) = (self.ticks, self.distance);
         (self.outcomes[index].tick, self.outcomes[index].ignored) = (Some(tick), !taken);
         if let (What::Acknowledge(function), true) = (what, taken) {
@@ -270,6 +282,8 @@ impl Statistics {
         self.add_points(self.ticks, set_points);
         self.react(moved);
         self.rest = if moved { 0 } else { self.rest + 1 };
+        // The first row is the rest at the start.
+        self.dwelt += u64::from(pause == Pause::None && !moved && !self.aborted && self.ticks > 0);
         if pause != Pause::None && !moved {
             *if pause == Pause::Held { &mut self.held } else { &mut self.waited } += 1;
             match self.holds.last_mut() {
@@ -355,6 +369,41 @@ mod tests {
         assert_eq!(axis.peak(0.001), [1e3, 1e6, 1e9]);
         assert_eq!((axis.travel(), axis.range()), (10.0, [-10.0, 0.0]));
         assert_eq!((statistics.ticks, statistics.distance_mm()), (10, 10.0));
+    }
+
+    #[test]
+    fn travel_reaches_turning_points_between_two_ticks() {
+        let mut axis = AxisStatistics::at_rest(Position::ZERO);
+        // From 0 to a peak of 1 mm between two ticks, and back: 1 - (t - 10.3)²/10.3² mm.
+        let place = |t: f64| Position::from_num(1.0 - (t / 10.3 - 1.0).powi(2));
+        for tick in 0..=20 {
+            axis.add(place(f64::from(tick)));
+        }
+        let expected = 2.0 - place(20.0).to_num::<f64>();
+        assert!((axis.travel() - expected).abs() < 1e-8, "{} for {expected}", axis.travel());
+        // A jump to rest and back is no parabola: nothing is added.
+        let mut axis = AxisStatistics::at_rest(Position::ZERO);
+        for place in [1, 2, 2, 1, 0] {
+            axis.add(Position::from_num(place));
+        }
+        assert_eq!(axis.travel(), 4.0);
+    }
+
+    #[test]
+    fn only_dwells_before_an_abort_count() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 1);
+        let rows = |statistics: &mut Statistics, places: &[i64], pause| {
+            for &mm in places {
+                statistics.add(&row(mm, 0, 0), &[Position::ZERO], pause);
+            }
+        };
+        rows(&mut statistics, &[0, 1, 2, 2, 2, 2, 3], Pause::None);
+        rows(&mut statistics, &[3, 3], Pause::Held);
+        assert_eq!((statistics.dwelt, statistics.held), (3, 2));
+        rows(&mut statistics, &[4, 4], Pause::None);
+        statistics.happens(0, What::Abort, true);
+        rows(&mut statistics, &[4, 4, 4], Pause::None);
+        assert_eq!(statistics.dwelt, 4);
     }
 
     #[test]

@@ -250,7 +250,11 @@ impl Summary {
             ticks: statistics.ticks,
             cycle_s,
             blocks: statistics.blocks(),
-            dwell_s: program.dwell_s(),
+            dwell_s: if statistics.aborted {
+                in_seconds(statistics.dwelt, machine).min(program.dwell_s())
+            } else {
+                program.dwell_s()
+            },
             held_s: in_seconds(statistics.held, machine),
             waited_s: in_seconds(statistics.waited, machine),
             path_mm: statistics.distance_mm(),

@@ -4,19 +4,18 @@ use crate::machine::Machine;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
 /// A trace file being written.
 pub struct Trace {
-    out: BufWriter<File>,
+    out: BufWriter<Box<dyn Write>>,
     row: String,
     cycle_us: u32,
 }
 
 impl Trace {
     /// Starts with the header.
-    pub fn new(file: File, machine: &Machine) -> io::Result<Self> {
+    pub fn new(file: Box<dyn Write>, machine: &Machine) -> io::Result<Self> {
         let mut out = BufWriter::with_capacity(1 << 20, file);
         write!(out, "tick,t_s,n,block,s_mm,v_mm_s,a_mm_s2")?;
         for axis in &machine.axes {

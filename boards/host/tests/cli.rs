@@ -541,3 +541,88 @@ fn radius_errors_point_at_the_words_that_give_it() {
         assert!(text.contains(&format!(" {word} ")) || text.contains(&format!(" {word}\n")), "{arc}: {text}");
     }
 }
+
+#[test]
+fn the_trace_can_go_to_the_standard_output() {
+    let directory = directory("stdout");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    let path = directory.join("t.csv");
+    let path = path.to_str().expect("a path of plain characters");
+    let to_file = glidepath(&["run", &program, "--trace", path]);
+    assert_eq!(to_file.status.code(), Some(0), "{}", stderr(&to_file));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let piped = command.current_dir(&directory).args(["run", &program, "--trace", "-"]).output();
+    let piped = piped.expect("the simulator starts");
+    assert_eq!(piped.status.code(), Some(0), "{}", stderr(&piped));
+    assert!(!directory.join("-").exists(), "no file of that name");
+    assert!(piped.stdout == fs::read(path).expect("it was asked for"), "the same rows and nothing else");
+    assert!(stderr(&piped).contains("program time"), "{}", stderr(&piped));
+    let twice = refusal(&["run", &program, "--summary", "-", "--trace", "-"]);
+    assert!(twice.contains("the standard output takes one"), "{twice}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error() {
+    let directory = directory("full");
+    let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
+    let summary = directory.join("s.json");
+    for arguments in [&["run", "--summary", summary.to_str().expect("plain characters")][..], &["check"]] {
+        let full = fs::File::options().write(true).open("/dev/full").expect("a device of Linux");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+        let output =
+            command.args(arguments).arg(&program).stdout(full).output().expect("the simulator starts");
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(stderr(&output).contains("cannot write the standard output"), "{}", stderr(&output));
+    }
+    assert!(!summary.exists(), "all outputs or none");
+}
+
+/// A run that is broken off while it writes, by Ctrl-C or otherwise, leaves nothing behind.
+#[cfg(unix)]
+#[test]
+fn a_run_broken_off_leaves_no_files() {
+    let directory = directory("broken-off");
+    let program = file(&directory, "long.nc", b"%long\nN10 G01 X1 F600\nN20 G04 X50000\nM30\n");
+    let trace = directory.join("t.csv");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let mut child = command
+        .args(["run", &program, "--trace"])
+        .arg(&trace)
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("the simulator starts");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert!(child.try_wait().expect("a child").is_none(), "it is still at work");
+    child.kill().expect("it can be killed");
+    child.wait().expect("a child");
+    let entries = fs::read_dir(&directory).expect("a directory").flatten();
+    let left: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    assert_eq!(left, ["long.nc"]);
+}
+
+#[test]
+fn zero_offsets_come_from_the_machine_file() {
+    let directory = directory("zero-offsets");
+    let program = file(&directory, "a.nc", b"%a\nN10 G00 X1\nN20 G54 G00 X1\nN30 G53 X1\nM30\n");
+    let machine =
+        "[channel]\ndefault_index = 2\n[axis.X]\nnp_grp.1.versch = 100_000\nnp_grp.2.versch = -25_000\n";
+    let machine = file(&directory, "m.toml", machine.as_bytes());
+    let contour = directory.join("c.json");
+    let contour = contour.to_str().expect("a path of plain characters");
+    let output = glidepath(&["run", &program, "--machine", &machine, "--contour", contour]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let contour = fs::read_to_string(contour).expect("it was asked for");
+    let contour: serde_json::Value = serde_json::from_str(&contour).expect("JSON");
+    let ends: Vec<f64> = contour["segments"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|segment| segment["end"]["X"].as_f64().or_else(|| segment["end"][0].as_f64()))
+        .collect();
+    assert_eq!(ends, [-1.5, 11.0, 1.0], "{contour}");
+
+    let wrong = file(&directory, "w.toml", b"[axis.X]\nnp_grp.1.versch = 1_000_000_001\n");
+    let text = refusal(&["check", &program, "--machine", &wrong]);
+    assert!(text.contains("w.toml:2:19") && text.contains("P-ZERO-00003"), "{text}");
+}

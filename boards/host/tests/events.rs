@@ -298,3 +298,18 @@ fn a_function_that_is_never_acknowledged_is_named() {
     assert_eq!(run.summary["functions"][0]["acknowledged_s"], Value::Null);
     assert_eq!(run.summary["events"][1]["tick"], json!(4000));
 }
+
+#[test]
+fn a_dwell_behind_an_abort_does_not_count() {
+    let program = written("abort-dwell", "%a\nN10 G01 X1 F60\nN20 G04 X5\nN30 X2\nN40 G04 X1\nM30\n");
+    let dwell = |name: &str, text: &str| {
+        let run = run_with(name, &program, None, &["--events", &events(name, text)]);
+        number(&run.summary["dwell_s"])
+    };
+    assert_eq!(dwell("abort-before", "0.5 abort\n"), 0.0);
+    // The dwell begins after 1.02 s; the first set point of a standstill is that of tick 1019 or so.
+    let part = dwell("abort-within", "4.5 abort\n");
+    assert!((3.4..3.5).contains(&part), "{part}");
+    assert_eq!(dwell("abort-between", "6.5 abort\n"), 5.0);
+    assert_eq!(dwell("no-abort", "0.5 override 100\n"), 6.0);
+}

@@ -352,3 +352,29 @@ fn pictures_show_limits_beside_values() {
     };
     assert_eq!((dashed(&svg, "#3a9d5d"), dashed(&other, "#3a9d5d")), (0, 4));
 }
+
+/// The path of `first.nc` turns on arcs, between two ticks, and ends where it began.
+#[test]
+fn travel_and_ends_are_those_of_the_path() {
+    let run = run("first-travel", &shipped("../../programs/first.nc"), None);
+    for (axis, expected) in [("X", 1370.0), ("Y", 1060.0), ("Z", 80.0)] {
+        let travel = number(&run.summary["axes"][axis]["travel"]);
+        assert!((travel - expected).abs() < 1e-5, "{axis}: {travel}");
+    }
+    assert!(run.stdout.contains(" 1370.000 mm"), "{}", run.stdout);
+    let svg = std::fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    let dots: Vec<[&str; 3]> = svg
+        .lines()
+        .filter_map(|line| line.strip_prefix("<circle "))
+        .map(|dot| {
+            ["cx=\"", "cy=\"", "r=\""]
+                .map(|key| dot.split(key).nth(1).and_then(|v| v.split('"').next()).unwrap_or(""))
+        })
+        .collect();
+    // Two views; in each the end, then the start in its middle, smaller.
+    let pairs = dots.windows(2).filter(|pair| pair[0][..2] == pair[1][..2]);
+    let radii: Vec<(f64, f64)> =
+        pairs.map(|pair| (pair[0][2].parse().unwrap_or(0.0), pair[1][2].parse().unwrap_or(0.0))).collect();
+    assert_eq!(radii.len(), 2, "{dots:?}");
+    assert!(radii.iter().all(|(end, start)| *end > start + 2.0), "{radii:?}");
+}

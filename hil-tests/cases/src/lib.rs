@@ -33,6 +33,7 @@ macro_rules! cases {
 /// Programs for [`AXES_3`].
 pub const CASES_3: &[Case] = cases!(
     "lines",
+    "plain",
     "arcs",
     "helix",
     "circle",

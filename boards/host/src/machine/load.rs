@@ -527,12 +527,13 @@ mod tests {
     #[test]
     fn every_parameter_is_read() {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
-        let text = "[channel]\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\n\
+        let text = "[channel]\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
             cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n\
-            default_feed_axis = 1\nkenngr.achs_mode = 0x1000_0001\n[axis.X.dynamik]\na_max = 4000\n\
+            default_feed_axis = 1\nkenngr.achs_mode = 0x1000_0001\nnp_grp.1.versch = 100_000\nnp_grp.2.versch = -2\n\
+            np_grp.3.versch = 3\nnp_grp.4.versch = 4\nnp_grp.5.versch = 5\nnp_grp.6.versch = -1_000_000_000\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
             a_stufe_1 = 3\na_stufe_2 = 4\nd_grenz_stufe_1 = 5\nd_grenz_stufe_2 = 6\nd_stufe_1 = 7\nd_stufe_2 = 8\n\
             vb_stufe_1_2 = 9\nvb_grenz_stufe_1_2 = 10\n";
@@ -553,6 +554,7 @@ mod tests {
             vb_grenz_stufe_1_2: 10,
             achs_mode: MODE_LINEAR | MODE_MASTER,
             default_feed_axis: true,
+            versch: [100_000, -2, 3, 4, 5, -1_000_000_000],
             ..AxisData::new(name, AxisKind::Linear)
         };
         let channel = ChannelData {
@@ -574,6 +576,7 @@ mod tests {
             m_synch: machine.channel.m_synch,
             h_synch: SynchTable::NONE.with(7, Synch::MnsSns),
             ptp: true,
+            default_index: 6,
         };
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
         assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);

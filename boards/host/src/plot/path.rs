@@ -7,6 +7,10 @@ use super::scale::{label, round_up, ticks};
 /// Shades of the speed scale.
 const SHADES: usize = 32;
 
+/// Radius of the dots at start and end, and of the end's dot where it lies under that of the start.
+const DOT: f64 = 5.0;
+const RING: f64 = 8.5;
+
 /// How three coordinates become two.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
@@ -143,8 +147,11 @@ fn one(
         canvas.polyline(&points, &Stroke::new(colour(shade), 2.4));
     }
     if let (Some((first, _)), Some((last, _))) = (moved.first(), moved.last()) {
-        canvas.dot(place(*last), 5.0, INK);
-        canvas.dot(place(*first), 5.0, Colour(0x3a, 0x9d, 0x5d));
+        // Where both are one place, the end is seen around the start.
+        let (first, last) = (place(*first), place(*last));
+        let near = (first.0 - last.0).hypot(first.1 - last.1) < DOT;
+        canvas.dot(last, if near { RING } else { DOT }, INK);
+        canvas.dot(first, DOT, Colour(0x3a, 0x9d, 0x5d));
     }
     canvas.clip(None);
 }

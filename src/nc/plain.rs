@@ -1,0 +1,145 @@
+//! Plain blocks: N, G00 or G01, F and axes with plain decimals right behind the letters, understood in one pass over the line.
+//!
+//! Most lines of most programs are plain. Where a line holds anything else, or anything is wrong with it,
+//! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
+use super::block::{Item, ItemKind};
+use super::compose::in_range;
+use super::cursor::Cursor;
+use super::interpreter::{Interpreter, Next};
+use super::line::Line;
+use super::modal::{COORDINATE_MAX, Mode};
+use super::number::Factor;
+use super::{Motion, MotionKind};
+use crate::quantity::{Feed, Position};
+
+/// Work of a word, as [`super::calculator`] counts it.
+const WORD: u32 = 2;
+
+/// The largest coordinate.
+const MAX: Position = Position::const_from_int(COORDINATE_MAX as i64);
+
+/// Axes that are told apart here.
+const MOST_AXES: u8 = 32;
+
+/// Letters of the alphabet.
+const LETTERS: usize = 26;
+
+/// The axes that one letter names: index by letter. An axis whose letter begins another axis' name, too, is left out.
+pub(super) struct Letters([u8; LETTERS]);
+
+impl Letters {
+    /// For these names.
+    pub fn new<'a>(names: impl Iterator<Item = &'a [u8; 4]> + Clone) -> Self {
+        let mut letters = [u8::MAX; LETTERS];
+        for (slot, letter) in letters.iter_mut().zip(b'A'..) {
+            let mut named = names.clone().zip(0..MOST_AXES).filter(|(name, _)| name[0] == letter);
+            if let (Some(([_, 0, ..], axis)), None) = (named.next(), named.next()) {
+                *slot = axis;
+            }
+        }
+        Self(letters)
+    }
+
+    fn axis(&self, letter: u8) -> Option<usize> {
+        let axis = self.0.get(usize::from(letter.wrapping_sub(b'A')))?;
+        (*axis != u8::MAX).then_some(usize::from(*axis))
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Carries a plain block out; its motion, if it has one, is to be handed out at once. `None`, and nothing is changed, if the
+    /// line is none.
+    #[inline(never)]
+    pub fn plain_block(&mut self, line: &Line) -> Option<Next> {
+        let mut c = Cursor::new(line.bytes());
+        let (mut n, mut mode, mut feed, mut first) = (0, None, None, None);
+        let mut target = self.position;
+        let mut given = 0;
+        let mut work = 0;
+        loop {
+            let mark = c.mark();
+            let letter = c.raw().to_ascii_uppercase();
+            if letter == 0 {
+                break;
+            }
+            c.bump();
+            match letter {
+                b'N' if work == 0 => n = c.plain_whole()?,
+                b'G' if mode.is_none() => {
+                    let of = match c.plain_whole()? {
+                        0 => Mode::Rapid,
+                        1 => Mode::Line,
+                        _ => return None,
+                    };
+                    mode = Some((of, c.word_from(mark)));
+                }
+                b'F' if feed.is_none() => {
+                    let bits = c.plain_decimal()?.bits(self.feed_factor())?;
+                    if bits == 0 {
+                        return None;
+                    }
+                    feed = Some(Feed::from_bits(bits));
+                }
+                _ => {
+                    let axis = self.letters.axis(letter)?;
+                    let slot = target.get_mut(axis)?;
+                    let bit = 1_u32.wrapping_shl(axis as u32);
+                    let sign = c.raw();
+                    if matches!(sign, b'-' | b'+') {
+                        c.bump();
+                    }
+                    let bits = c.plain_decimal()?.bits(self.axis_factor(axis))?;
+                    if bits > MAX.to_bits() || given & bit != 0 {
+                        return None;
+                    }
+                    given |= bit;
+                    let value = Position::from_bits(if sign == b'-' { -bits } else { bits });
+                    let from = if self.modal.relative { *slot } else { self.offset(axis) };
+                    // Three coordinates at most: far from the end of the numbers.
+                    *slot = value.wrapping_add(from);
+                    if !in_range(*slot) {
+                        return None;
+                    }
+                    if first.is_none() {
+                        first = Some(c.word_from(mark));
+                    }
+                }
+            }
+            work += WORD;
+        }
+        let g = mode.map(|(_, span)| span);
+        let mode = mode.map_or(self.modal.mode, |(mode, _)| mode);
+        let feed = feed.or(self.modal.feed);
+        if let Some(first) = first {
+            let kind = match mode {
+                Mode::Rapid => MotionKind::Rapid,
+                Mode::Line if feed.is_some() || target == self.position => MotionKind::Line,
+                _ => return None,
+            };
+            let span = g.filter(|g| g.at < first.at).unwrap_or(first);
+            self.queue.push_back(Item { span, kind: ItemKind::Motion }).ok()?;
+            let place = line.place(span);
+            self.motion = Some(Motion {
+                n,
+                place,
+                centre: place,
+                kind,
+                target,
+                feed: feed.unwrap_or(Feed::ZERO),
+                exact_stop: self.modal.exact_stop,
+            });
+            self.position = target;
+        }
+        self.n = n;
+        self.moves = first.is_some();
+        self.modal.mode = mode;
+        self.modal.feed = feed;
+        self.calculator.charge(work);
+        Some(if self.moves { Next::Motion } else { Next::Line })
+    }
+
+    /// Factor from F to mm/min (°/min): P-CHAN-00108.
+    pub fn feed_factor(&self) -> Factor {
+        Factor::new(100_000, self.setup.feedrate_factor_milli.max(1))
+    }
+}
