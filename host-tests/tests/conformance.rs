@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Families of ids: prefix, digits, last number.
 const FAMILIES: [(&str, usize, u32); 7] =
-    [("D3", 3, 276), ("A8", 3, 61), ("C40", 3, 74), ("NC", 3, 14), ("CF", 2, 35), ("G", 2, 13), ("OP", 2, 6)];
+    [("D3", 3, 284), ("A8", 3, 61), ("C40", 3, 74), ("NC", 3, 14), ("CF", 2, 35), ("G", 2, 13), ("OP", 2, 6)];
 
 const STATES: [&str; 5] = ["done", "part", "decoded", "none", "open"];
 
