@@ -13,7 +13,7 @@ use host_tests::rounded::{Run, quick, run_from};
 fn random_corners_over_time_are_smooth_and_use_their_tolerance() {
     let machine = quick::<3>(1000);
     let [mut timed, mut free, mut brief] = [0; 3];
-    for seed in 0..4000 {
+    for seed in 0..5000 {
         let seen = judge(&random(seed), &machine).unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
         if !seen.timed {
             continue;
@@ -27,7 +27,7 @@ fn random_corners_over_time_are_smooth_and_use_their_tolerance() {
         }
     }
     println!("{timed} over time, {free} free, {brief} of them with less than the tolerance");
-    assert!(timed > 200 && free > 100 && 20 * brief <= free, "{timed}, {free}, {brief}");
+    assert!(timed > 200 && free > 100 && 10 * brief <= free, "{timed}, {free}, {brief}");
 }
 
 #[test]
