@@ -21,7 +21,10 @@ fn random_corners_are_smooth_and_use_their_tolerance() {
         // At constant speed: with that each of them is a curve over its arc length.
         let seen = judge_with(&random(seed), &machine, |dev| Contour { const_vel: Some(true), ..dev })
             .unwrap_or_else(|fault| panic!("corner {seed}: {fault}"));
-        assert!(!seen.sharp && !seen.timed && seen.used <= 1.0 && seen.uneven <= 1e-3, "corner {seed}: {seen:?}");
+        assert!(
+            !seen.sharp && !seen.timed && seen.used <= 1.0 && seen.uneven <= 1e-3,
+            "corner {seed}: {seen:?}"
+        );
         if !seen.limited {
             free += 1;
             assert!(seen.used >= 0.999, "corner {seed}: {seen:?}");
@@ -57,7 +60,8 @@ fn on_and_off_by_command_and_whatever_the_feed() {
     assert_eq!(command.digest, words.digest);
     assert!(command.distance([0.0, 50.0]) > 0.999 && command.distance([0.0, 0.0]) == 0.0);
     // Over its arc length the curve is the same at any speed.
-    let at = |feed: u32| run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0 CONST_VEL=1]", "#CONTOUR MODE OFF", feed));
+    let at =
+        |feed: u32| run(&text("#CONTOUR MODE ON [DEV PATH_DEV=1.0 CONST_VEL=1]", "#CONTOUR MODE OFF", feed));
     let [quick, slow] = [6000, 500].map(at);
     // One law may be that of both halves.
     let paths = [&quick, &slow].map(|run| [30, 40, 50, 60].iter().flat_map(|n| run.lengths(*n)).sum::<f64>());
@@ -260,7 +264,9 @@ fn a_sweep_of_angles_is_rounded_up_to_the_limit() {
 #[test]
 fn jerk_is_checked_where_it_is_asked_for() {
     let text = |check: u8| {
-        format!("#CONTOUR MODE [DEV PATH_DEV 4 CONST_VEL=1 CHECK_JERK={check}]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n")
+        format!(
+            "#CONTOUR MODE [DEV PATH_DEV 4 CONST_VEL=1 CHECK_JERK={check}]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n"
+        )
     };
     let [none, geometric, ramps] = [0, 1, 2].map(|check| run(&text(check)).time());
     let mut machine = machines::even::<3>(1000);

@@ -62,8 +62,11 @@ fn chords_that_their_curves_use_up_are_as_fast_as_both_curves() {
     for chords in [32, 48, 64, 80, 100] {
         for decimals in [3, 5] {
             let time = |rest: &str| {
-                run(&circle(&format!("#CONTOUR MODE ON [DEV PATH_DEV=0.1 {rest}]"), chords, decimals), &machine)
-                    .time()
+                run(
+                    &circle(&format!("#CONTOUR MODE ON [DEV PATH_DEV=0.1 {rest}]"), chords, decimals),
+                    &machine,
+                )
+                .time()
             };
             let [all, parted] = [time(""), time("REMAIN_PART=10")];
             println!("{chords} chords, {decimals} decimals: {all:.3} s, {parted:.3} s with lines between");
@@ -94,7 +97,8 @@ fn three_lines_that_their_curves_use_up() {
 /// Between two arcs of 20 mm, the second of which turns on or back, a line.
 fn between_arcs(line: f64, back: bool) -> String {
     let y = -20.0 - line;
-    let last = if back { format!("G03 X90 Y{} I20", y - 20.0) } else { format!("G02 X50 Y{} I-20", y - 20.0) };
+    let last =
+        if back { format!("G03 X90 Y{} I20", y - 20.0) } else { format!("G02 X50 Y{} I-20", y - 20.0) };
     let end = if back { 140 } else { 0 };
     format!("N10 G01 X50 F6000\nN20 G02 X70 Y-20 J-20\nN30 G01 Y{y}\nN40 {last}\nN50 G01 X{end}\nM30\n")
 }
@@ -188,7 +192,10 @@ fn a_corner_is_never_slower_than_a_stop_and_never_slower_with_more_tolerance() {
                 for path_dev in TOLERANCES.into_iter().chain([2.0]) {
                     let now = time(&dev(path_dev));
                     times.push(format!("{now:.3}"));
-                    assert!(now <= before + 1e-9, "{what}: {now} with PATH_DEV {path_dev}, {before} with less");
+                    assert!(
+                        now <= before + 1e-9,
+                        "{what}: {now} with PATH_DEV {path_dev}, {before} with less"
+                    );
                     before = now;
                 }
                 println!("{what}: stops {stop:.3}, without contour mode {plain:.3}, DEV {}", times.join(" "));
@@ -203,7 +210,8 @@ fn hsc_is_never_slower_than_trapez() {
     for seed in 0..500 {
         let mut r = Random::new(seed);
         let lines = 2 + (r.between(0.0, 6.0) as u32);
-        let mut text = format!("{}\nN1 G01 X10 F{:.0}\n", dev(r.magnitude(0.005, 2.0)), r.between(3000.0, 30_000.0));
+        let mut text =
+            format!("{}\nN1 G01 X10 F{:.0}\n", dev(r.magnitude(0.005, 2.0)), r.between(3000.0, 30_000.0));
         let [mut x, mut y, mut z, mut angle] = [10.0, 0.0, 0.0, 0.0_f64];
         for n in 0..lines {
             angle += r.between(-2.6, 2.6);
@@ -222,7 +230,9 @@ fn hsc_is_never_slower_than_trapez() {
         if ratio > worst.0 {
             worst = (ratio, seed);
         }
-        if ratio > 1.0 { println!("seed {seed}: {hsc} with HSC, {trapez} with TRAPEZ {ramps:?}\n{text}"); }
+        if ratio > 1.0 {
+            println!("seed {seed}: {hsc} with HSC, {trapez} with TRAPEZ {ramps:?}\n{text}");
+        }
     }
     println!("worst ratio {:.5} at seed {}", worst.0, worst.1);
 }
@@ -245,13 +255,17 @@ fn a_corner_uses_what_limits_it() {
                 let [q, p, o, n] = [row(i), row(i - 1), row(i - 2), row(i - 3)];
                 for k in 0..2 {
                     used[1] = used[1].max((q[k] - 2.0 * p[k] + o[k]).abs() * per_s.powi(2) / 2000.0);
-                    used[2] = used[2].max((q[k] - 3.0 * p[k] + 3.0 * o[k] - n[k]).abs() * per_s.powi(3) / 40_000.0);
+                    used[2] =
+                        used[2].max((q[k] - 3.0 * p[k] + 3.0 * o[k] - n[k]).abs() * per_s.powi(3) / 40_000.0);
                 }
                 let way = (q[0] - p[0]).hypot(q[1] - p[1]) * per_s;
                 used[0] = used[0].max(way / (20_000.0 / 60.0));
             }
             println!("PATH_DEV {path_dev}, CONST_VEL {constant}: feed, acceleration, jerk {used:.3?}");
-            assert!(used.iter().any(|part| *part >= 0.9), "PATH_DEV {path_dev}, CONST_VEL {constant}: {used:?}");
+            assert!(
+                used.iter().any(|part| *part >= 0.9),
+                "PATH_DEV {path_dev}, CONST_VEL {constant}: {used:?}"
+            );
         }
     }
 }

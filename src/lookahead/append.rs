@@ -142,7 +142,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<AXES, BLOCKS> {
             Some(last) if self.row.is_brief() => last.behind,
             _ => *element.exit,
         };
-        self.last = Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, behind });
+        self.last =
+            Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::GATE, gate);

@@ -55,21 +55,14 @@ impl Row {
     }
 
     #[inline(never)]
-    fn take_short(
-        &mut self,
-        length: f32,
-        (v, headroom): (&mut f32, &mut Headroom),
-        level: f32,
-        timed: bool,
-    ) {
+    fn take_short(&mut self, length: f32, (v, headroom): (&mut f32, &mut Headroom), level: f32, timed: bool) {
         let most = headroom.highest(*v, level);
         if most <= OTHERS * length {
             self.length = length;
             return;
         }
-        let is_brief = self.quick == 0
-            && self.brief.count_ones() < MOST_BRIEF
-            && length < FAR_SHORTER * self.length;
+        let is_brief =
+            self.quick == 0 && self.brief.count_ones() < MOST_BRIEF && length < FAR_SHORTER * self.length;
         if is_brief || timed {
             self.brief |= 1;
         } else {

@@ -105,7 +105,6 @@ impl Share {
     /// All of it.
     pub const WHOLE: Self = Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX };
 
-
     /// What is left where acceleration is zero at the transition.
     pub(super) fn resting(self) -> Self {
         Self { a: self.a_resting, ..self }

@@ -85,7 +85,8 @@ impl Headroom {
     pub(super) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);
-        let reduced = if self.reduced == WHOLE { f32::MAX } else { even * f32::from(self.reduced) * (0.5 / ONE) };
+        let reduced =
+            if self.reduced == WHOLE { f32::MAX } else { even * f32::from(self.reduced) * (0.5 / ONE) };
         Self::new(most, feed, reduced)
     }
 

@@ -170,12 +170,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     #[inline(always)]
-    fn permitted(
-        &self,
-        tangent: &[i64; AXES],
-        circle: &Option<Circle>,
-        feed: Option<f32>,
-    ) -> Permitted {
+    fn permitted(&self, tangent: &[i64; AXES], circle: &Option<Circle>, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
         let mut share_left = Share::WHOLE;

@@ -202,7 +202,8 @@ impl<const AXES: usize> Joining<AXES> {
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let may_stop =
+            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
         let stop = may_stop.then(|| approach.stop());
         Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
@@ -232,7 +233,8 @@ impl<const AXES: usize> Joining<AXES> {
                 // Times are known to a tick, and to the speeds at which the parts of other corners begin.
                 if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
                     None
-                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest)) {
+                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest))
+                {
                     Some(Stage::Overlapping(way))
                 } else {
                     found.and_then(|found| room.cut(held, next, &rule, Some(found)))
