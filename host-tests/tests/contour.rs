@@ -414,7 +414,7 @@ fn knees_beyond_the_largest_angle_stay() {
     );
 }
 
-/// Two lines of 20 mm at this knee, or an arc instead of one of them, with everything but the largest angle as it is at the start.
+/// Two lines of 20 mm at this knee, or an arc instead of one of them. At constant speed no curve gives way to a standstill.
 #[test]
 fn the_largest_angle_is_178_degrees_and_concerns_two_lines() {
     let pieces = |knee: f64, parameters: &str, arc: usize| {
@@ -428,7 +428,9 @@ fn the_largest_angle_is_178_degrees_and_concerns_two_lines() {
             1 => format!("N10 G02 X20 Y0 I10 J0\nN20 G01 X{:.6} Y{:.6}", 20.0 - 20.0 * sin, -20.0 * cos),
             _ => format!("N10 G01 X20\n{behind}"),
         };
-        let text = format!("F3000\n#CONTOUR MODE ON [DEV PATH_DEV=0.1 {parameters}]\n{blocks}\nG260\nM30\n");
+        let text = format!(
+            "F3000\n#CONTOUR MODE ON [DEV PATH_DEV=0.1 CONST_VEL=1 {parameters}]\n{blocks}\nG260\nM30\n"
+        );
         let run = run(&text);
         run.lengths(10).len() + run.lengths(20).len()
     };
