@@ -57,3 +57,28 @@ fn hsc_has_the_longest_ramp_time() {
         assert!((ticks - wanted).abs() < 1.0 + 2e-4 * wanted, "{length} mm: {ticks} ticks, not {wanted}");
     }
 }
+
+/// A block of 14 µm between long ones is left out by distances, and never by an interim point.
+#[test]
+fn an_interim_point_leaves_no_block_out() {
+    let machine = machines::even::<3>(1000);
+    let mm = |x: i64| Some(position(x * 1_000_000));
+    let program = Program::new("short", 3)
+        .line(&[10.0], 6000.0)
+        .line(&[10.01, 0.01], 6000.0)
+        .line(&[20.0, 8.0], 6000.0);
+    let dist = Contour {
+        method: Some(ContourMethod::Dist),
+        pre_dist: mm(2),
+        post_dist: mm(2),
+        max_angle: mm(180),
+        ..Contour::default()
+    };
+    let pos = Contour { method: Some(ContourMethod::Pos), ..dist };
+    for (contour, wanted) in [(dist, 2), (pos, 3)] {
+        let pieces = round(&blocks(&program, &machine), &machine, &contour);
+        let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.out.data.number).collect();
+        numbers.dedup();
+        assert_eq!(numbers.len(), wanted, "{:?}: {numbers:?}", contour.method);
+    }
+}
