@@ -146,7 +146,7 @@ fn a_change_at_every_tick() {
         program =
             program.arc(&[7.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0).stop().line(&[0.0, 0.0, 0.0], 7000.0);
         let ticks = run(&program, &machine, &[], 12).trace.len();
-        for tick in (0..ticks).step_by(3) {
+        for tick in 0..ticks {
             let low = [200, 640, 990][tick % 3];
             let acts = [
                 (tick, Act::Override(low)),
