@@ -1,7 +1,7 @@
 //! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as many as wanted:
 //! `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls]`; with `stalls` the planner gets no time now and
-//! then. `machines -- SEED` shows one seed. Two threads.
-use host_tests::soak::{Outcome, setup, soak};
+//! then. `machines -- SEED` shows one seed, and what comes of it without an operator and without contour mode. Two threads.
+use host_tests::soak::{Outcome, plain, setup, soak};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
@@ -11,6 +11,8 @@ const THREADS: usize = 2;
 fn show<const AXES: usize>(seed: u64, stalls: bool) {
     let setup = setup::<AXES>(seed, stalls);
     println!("{:#?}\n{}\n{:?}, {} polls", setup.machine, setup.text(), setup.acts, setup.polls);
+    println!("without an operator: {:?}", plain::<AXES>(seed, false).run());
+    println!("without contour mode too: {:?}", plain::<AXES>(seed, true).run());
 }
 
 fn main() {

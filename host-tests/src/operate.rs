@@ -252,9 +252,19 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
 
 /// Whether a block may take more than the 2^26 ticks that one can have: the reduced speed is a limit, however slow, and an
 /// override makes it slower still. Such a run may end with an error.
-pub fn crawls(machine: &MachineData<3>, acts: &[(usize, Act)]) -> bool {
-    /// Longer than any block of a random program, mm.
-    const LENGTH: f64 = 1000.0;
+pub fn crawls<const AXES: usize>(machine: &MachineData<AXES>, acts: &[(usize, Act)]) -> bool {
+    crawls_along(machine, acts, LENGTH)
+}
+
+/// Longer than any block of a random program, mm.
+const LENGTH: f64 = 1000.0;
+
+/// The same for blocks no longer than `length`, mm.
+pub fn crawls_along<const AXES: usize>(
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    length: f64,
+) -> bool {
     let slowest = machine.axes.iter().map(|axis| axis.vb_max_red).filter(|v| *v > 0).min();
     let over = acts.iter().fold(1000, |least, (_, act)| match act {
         Act::Override(over) if *over > 0 => least.min(*over),
@@ -263,7 +273,7 @@ pub fn crawls(machine: &MachineData<3>, acts: &[(usize, Act)]) -> bool {
     let reduced = acts.iter().any(|(_, act)| *act == Act::Reduced(true));
     // µm/s, and 0.1 %.
     let part = f64::from(over) * f64::from(machine.channel.cycle_us) * 1e-12;
-    reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < LENGTH)
+    reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < length)
 }
 
 /// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.

@@ -71,6 +71,11 @@ fn a_hold_before_every_tick() {
     holds("corners", "TRAPEZ", 1.5);
 }
 
+#[test]
+fn a_hold_before_every_tick_in_contour_mode() {
+    holds("corners-soft", "HSC", 2.5);
+}
+
 /// The closed form is that of the time laws, and the law of a motion at hand is what is left of the whole.
 #[test]
 fn the_closed_form_is_the_end_of_a_time_law() {

@@ -1,7 +1,7 @@
 //! Machine data at the ends of their ranges: none of them switches a limit off.
 use glidepath::channel::{Channel, MachineError};
-use glidepath::machine::parameter::AXIS;
-use glidepath::machine::{Adjusted, AxisData, MachineData};
+use glidepath::machine::parameter::{AXIS, CHANNEL};
+use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
@@ -208,6 +208,108 @@ fn ramps_take_a_cycle() {
     let (columns, said) = with(400, "G133 25\nG134 25\nG233 25");
     assert!(columns == expected);
     assert_eq!(said, ids);
+}
+
+/// ISG's defaults, by id, and of the channel.
+#[test]
+fn defaults_are_those_of_the_sources() {
+    let of: [(u32, i64); 28] = [
+        (1, 1000),
+        (2, 1000),
+        (4, 1000),
+        (5, 1000),
+        (6, 1000),
+        (8, 1000),
+        (11, 1000),
+        (12, 1000),
+        (13, 0),
+        (15, 1),
+        (154, 1000),
+        (195, 50_000),
+        (196, 50_000),
+        (197, 50_000),
+        (198, 50_000),
+        (199, 10_000),
+        (200, 10_000),
+        (201, 10_000),
+        (209, 166_666),
+        (211, 100_000),
+        (212, 200_000),
+        (214, 0),
+        (221, 100_000),
+        (280, 0),
+        (281, 0),
+        (282, 0),
+        (283, 0),
+        (293, 0),
+    ];
+    let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
+    for (id, value) in of {
+        let id = format!("P-AXIS-{id:05}");
+        let parameter = AXIS.iter().find(|parameter| parameter.id == id).expect(&id);
+        assert_eq!((parameter.get)(&axis) / 1000, value, "{id}");
+    }
+    // P-CHAN-00011 stands with the axes.
+    assert_eq!(of.len() + 1, AXIS.len());
+    let channel = ChannelData::new();
+    let of = [
+        ("P-STUP-00071", 120_000),
+        ("P-CHAN-00108", 100_000),
+        ("P-CHAN-00071", 0),
+        ("P-CHAN-00001", 0),
+        ("P-CHAN-00073", 0),
+        ("P-CHAN-00009", 0),
+        ("P-CHAN-00066", 0),
+        ("P-CHAN-00002", 100_000_000_000),
+        ("P-CHAN-00208", 100_000_000_000),
+        ("P-CHAN-00090", 2_000_000_000_000),
+        ("P-CHAN-00351", 0),
+        ("P-CHAN-00350", 0),
+        ("P-CHAN-00110", 1000),
+        ("P-CHAN-00600", 0),
+    ];
+    for (id, milli) in of {
+        let parameter = CHANNEL.iter().find(|parameter| parameter.id == id).expect(id);
+        assert_eq!((parameter.get)(&channel), milli, "{id}");
+    }
+    // The cycle has no id.
+    assert_eq!(of.len() + 1, CHANNEL.len());
+}
+
+/// Four unequal ramps, set by their names: each is the one that its id stands for.
+#[test]
+fn each_ramp_has_its_name() {
+    let mut machine = machines::even::<3>(1000);
+    let names = [
+        ("P-AXIS-00196", "slope_profil.tr_beschl_zu", 60_000),
+        ("P-AXIS-00195", "slope_profil.tr_beschl_ab", 150_000),
+        ("P-AXIS-00198", "slope_profil.tr_brems_zu", 100_000),
+        ("P-AXIS-00197", "slope_profil.tr_brems_ab", 200_000),
+    ];
+    for (id, name, us) in names {
+        let parameter = AXIS.iter().find(|parameter| parameter.name == name).expect(name);
+        assert_eq!(parameter.id, id);
+        (parameter.set)(&mut machine.axes[0], us * 1000);
+    }
+    machine.axes[0].vb_max = 1_000_000;
+    let verdict = good(&Program::new("line", 3).line(&[800.0], 30_000.0), &machine);
+    let x: Vec<f64> = verdict.run.trace.columns[0].iter().map(|&x| x as f64 / 2f64.powi(32)).collect();
+    let a: Vec<f64> = x.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]) * 1e6).collect();
+    // Ticks between nearly nothing and nearly all of 2000 mm/s², in the order of time.
+    let (top, half) = (1990.0, a.len() / 2);
+    let find = |from: usize, is: &dyn Fn(f64) -> bool| from + a[from..].iter().position(|a| is(*a)).expect("a ramp");
+    let begins = find(0, &|a| a > 10.0);
+    let tops = find(begins, &|a| a > top);
+    let falls = find(tops, &|a| a < top);
+    let ends = find(falls, &|a| a < 10.0);
+    let brakes = find(half, &|a| a < -10.0);
+    let most = find(brakes, &|a| a < -top);
+    let less = find(most, &|a| a > -top);
+    let rests = find(less, &|a| a > -10.0);
+    let seen = [tops - begins, ends - falls, most - brakes, rests - less];
+    for (ticks, (_, name, us)) in seen.into_iter().zip(names) {
+        assert!((ticks as f64 - us as f64 / 1000.0).abs() <= 4.0, "{name}: {seen:?}");
+    }
 }
 
 /// Every parameter of an axis alone at both ends of its range: refused by its name, or limits hold.

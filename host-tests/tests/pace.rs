@@ -46,6 +46,32 @@ fn worked_table_of_p_chan_00066() {
     }
 }
 
+/// P-AXIS-00214 is a limit: an override above 100 % does not lift it, in any mode and with any slope.
+#[test]
+fn an_override_above_100_does_not_lift_the_reduced_speed() {
+    for slope in 0..4 {
+        for mode in 0..3 {
+            for over in [1000, 1010, 1500, 2000] {
+                let mut machine = machines::with_slope(machines::mill::<3>(1000), slope);
+                machine.channel.override_weight_prog_feed = mode;
+                machine.axes[0].vb_max_red = 83_333;
+                let program = Program::new("reduced", 3).line(&[300.0, 0.0, 0.0], 20_000.0);
+                for acts in [
+                    vec![(0, Act::Override(over)), (0, Act::Reduced(true))],
+                    vec![(0, Act::Reduced(true)), (500, Act::Override(over))],
+                ] {
+                    let fastest = speeds(&run(&program, &machine, &acts, 1000)).into_iter().fold(0.0, f64::max);
+                    let part = fastest / 5000.0;
+                    assert!(
+                        (0.9998..=1.0).contains(&part),
+                        "slope {slope}, mode {mode}, {acts:?}: {fastest} mm/min"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn override_acts_inside_a_block_downward_and_upward() {
     for slope in 0..4 {
@@ -120,7 +146,7 @@ fn a_change_at_every_tick() {
         program =
             program.arc(&[7.0, 7.44, 1.0], [0.0, -2.0], false, 5000.0).stop().line(&[0.0, 0.0, 0.0], 7000.0);
         let ticks = run(&program, &machine, &[], 12).trace.len();
-        for tick in (0..ticks).step_by(3) {
+        for tick in 0..ticks {
             let low = [200, 640, 990][tick % 3];
             let acts = [
                 (tick, Act::Override(low)),

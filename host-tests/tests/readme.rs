@@ -116,7 +116,7 @@ fn target(text: &mut String) {
     let _ = write!(
         text,
         "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3`, look-ahead 120, over all programs \
-         of\n`hil-tests`, of which one in three is in contour mode. Program by program: [docs/figures.md](docs/figures.md). Repeat \
+         of\n`hil-tests`, those in contour mode included. Program by program: [docs/figures.md](docs/figures.md). Repeat \
          with\n`cargo xtask bench`, asserted by `cargo xtask hil`.\n\n\
          | | 3 axes | 4 axes | 6 axes |\n|---|---:|---:|---:|\n",
         get(".compiler")

@@ -372,9 +372,9 @@ fn stalls_while_an_operator_acts() {
 }
 
 /// A knee, an arc, short blocks, an exact stop: stalled long and short before every 41st tick; before every one with the variable
-/// EVERY_TICK, in minutes.
+/// EVERY_TICK, in minutes. All ticks of other programs: `every_tick.rs`.
 #[test]
-fn a_stall_before_every_tick() {
+fn a_stall_before_every_41st_tick() {
     let stride = if std::env::var_os("EVERY_TICK").is_some() { 1 } else { 41 };
     let mut faults = Faults::default();
     let mut tried = 0;

@@ -109,6 +109,20 @@ fn values_of_the_channel_and_units() {
     assert!(metric[2] <= 800.0 + 0.01 && metric[2] > 799.0, "{metric:?}");
 }
 
+/// P-CHAN-00090, 00002 and 00208 do nothing until a program asks for them.
+#[test]
+fn values_of_the_channel_wait_for_their_command() {
+    let text = |words: &str| format!("%m\n{words}\nG01 X60 F12000\nM30");
+    let plain = run(&machine(), &text("(none)")).digest;
+    let mut limited = machine();
+    limited.channel.vector_velocity_milli = 1_500_000;
+    (limited.channel.vector_acceleration_milli, limited.channel.vector_deceleration_milli) = (500_000, 500_000);
+    assert_eq!(run(&limited, &text("(none)")).digest, plain);
+    for words in ["#VECTOR LIMIT ON [VEL]", "#VECTOR LIMIT ON [ACC]", "#VECTOR LIMIT ON [DEC]"] {
+        assert_ne!(run(&limited, &text(words)).digest, plain, "{words}");
+    }
+}
+
 #[test]
 fn arcs_take_a_limit_of_acceleration_where_the_channel_says_so() {
     let circle = Program::new("circle", 3).arc(&[0.0, 0.0, 0.0], [30.0, 0.0], true, 9000.0);

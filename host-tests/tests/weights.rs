@@ -114,6 +114,32 @@ fn a_weight_is_of_the_machine_data_and_leaves_the_axes_not_named() {
     equivalent(&tour, &m, &["G130 X10 Y20 Z30", "G133 10", "G131 100", "G133 100"], |_, _| {});
 }
 
+/// With STEP both stages are weighted, decelerations that are taken over from accelerations too; in rapid motion by G231.
+#[test]
+fn weights_act_on_the_stages_of_step() {
+    let mut m = machines::with_slope(machine(), 0);
+    for axis in &mut m.axes {
+        (axis.a_stufe, axis.d_stufe) = ([2000, 1200], [1600, 0]);
+        (axis.a_grenz_stufe, axis.d_grenz_stufe) = ([1500, 2400], [0, 1000]);
+        (axis.vb_stufe_1_2, axis.vb_grenz_stufe_1_2) = (50_000, 60_000);
+    }
+    equivalent(&tour(), &m, &["G131 50"], |_, a| (a.a_stufe, a.d_stufe) = ([1000, 600], [800, 600]));
+    equivalent(&tour(), &m, &["G231 50"], |_, a| {
+        (a.a_grenz_stufe, a.d_grenz_stufe) = ([750, 1200], [750, 500]);
+    });
+    equivalent(&tour(), &m, &["G130 Y150"], |k, a| {
+        if k == 1 {
+            (a.a_stufe, a.d_stufe) = ([3000, 1800], [2400, 1800]);
+        }
+    });
+    // P-CHAN-00001: accelerations alone, decelerations alone.
+    for (chosen, a_stufe, d_stufe) in [(1, [1000, 600], [1600, 1200]), (2, [2000, 1200], [800, 600])] {
+        let mut m = m;
+        m.channel.acceleration_weight = chosen;
+        equivalent(&tour(), &m, &["G131 50"], |_, a| (a.a_stufe, a.d_stufe) = (a_stufe, d_stufe));
+    }
+}
+
 #[test]
 fn weights_have_bounds() {
     let (tour, m) = (tour(), machine());

@@ -97,7 +97,8 @@ impl Toolchain {
     pub fn cargo(&self, folder: &Path, subcommand: &str) -> Command {
         let mut command = shell::cargo(folder);
         command.args([subcommand, "--release", "--target", TARGET]);
-        command.env("CARGO_TARGET_DIR", folder_of_artifacts());
+        // Incremental builds are cut into other pieces: instructions and stack would depend on the user's settings.
+        command.env("CARGO_TARGET_DIR", folder_of_artifacts()).env("CARGO_INCREMENTAL", "0");
         if let Self::FromSource { rustc, linker, .. } = self {
             command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
             command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);

@@ -208,6 +208,15 @@ fn what_is_shown_of_a_path_along_a_feed_axis() {
 }
 
 #[test]
+fn a_dwell_at_a_rounded_corner_is_told() {
+    let text = "%dwell\nN10 G261\nN20 G01 X10 F6000\nN30 G04 X0.1\nN40 Y10\nM30\n";
+    let run = run("dwell", &written("dwell", text), None);
+    let told = run.summary["warnings"].as_array().expect("a list");
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(run.stderr.contains("dwell.nc:4:") && run.stderr.contains("programmed corner"), "{}", run.stderr);
+}
+
+#[test]
 fn the_feed_factor_makes_metres_of_the_feed() {
     let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("metres.toml");
     let text = "[channel.prog_start]\nfeedrate_factor = 0.1\nslope.profile = 1\n[axis.X]\n";

@@ -61,6 +61,8 @@ pub struct Mix {
     pub stops: u64,
     /// Smallest and largest radius of an arc, mm.
     pub radius: [f64; 2],
+    /// Smallest and largest travel of a rotary axis that moves alone, degrees.
+    pub turn: [f64; 2],
     /// Most of the knees below this angle, rad; one in eight is arbitrary.
     pub knee: f64,
 }
@@ -77,6 +79,7 @@ impl Mix {
             rapids: 7,
             stops: 20,
             radius: [0.3, 60.0],
+            turn: [1.0, 90.0],
             knee: 0.3,
         }
     }
@@ -92,6 +95,7 @@ impl Mix {
             rapids: 0,
             stops: 0,
             radius: [0.3, 60.0],
+            turn: [1.0, 90.0],
             knee: 0.05,
         }
     }
@@ -151,7 +155,7 @@ pub fn program(seed: u64, mix: Mix) -> Program {
         // Now and then only tracking axes move.
         if mix.axes > 3 && r.once_in(15) {
             to[..linear].copy_from_slice(&from[..linear]);
-            to[3] += nanometres(r.between(1.0, 90.0));
+            to[3] += nanometres(r.between(mix.turn[0], mix.turn[1]));
         }
         let kind = if linear >= 2 && once(&mut r, mix.arcs) {
             arc(&mut r, &from, &mut to, linear, mix.radius)

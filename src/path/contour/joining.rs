@@ -318,17 +318,17 @@ impl<const AXES: usize> Joining<AXES> {
         let left = held.block.element.shape.length.to_bits();
         let half = if rule.weighs() { next.length } else { next.length / 2 };
         // What rounding leaves of a block between two curves would be too short for their speed.
-        let most = half.saturating_add((half >> SCRAP).max(HALVED));
+        let slack = if rule.weighs() { 0 } else { half >> SCRAP };
         for all in [half, left] {
             let more = all - reach;
-            if more > 0 && more <= all >> SCRAP && all <= most {
+            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
                 overlap = overlap.stretched(all as f64 / reach as f64);
                 reach = all;
             }
         }
         // What is left of a halved line may be some LSB less than its half, or more.
         let before = if left - reach <= HALVED { left } else { reach };
-        let cut = Cut { before, behind: reach.min(most) };
+        let cut = Cut { before, behind: reach.min(half + slack) };
         let ends = Ends::new(held, next, cut, setting.measure)?;
         if overlap.rise.v <= 0.0 {
             return None;

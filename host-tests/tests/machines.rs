@@ -1,0 +1,48 @@
+//! Random machine data over their permitted ranges, random programs and an operator: every limit of every axis at every tick, the exact
+//! end. The example `machines` goes on with it, and shows the run of one seed.
+use host_tests::soak::{Outcome, soak};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Runs seeds on two threads; panics with all faults.
+fn all_good(seeds: std::ops::Range<u64>) {
+    let (next, good) = (AtomicU64::new(seeds.start), AtomicU64::new(0));
+    let work = || {
+        let mut faults = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Relaxed);
+            if seed >= seeds.end {
+                return faults;
+            }
+            match soak(seed, false) {
+                Outcome::Good(_) => _ = good.fetch_add(1, Relaxed),
+                Outcome::Skipped => {}
+                Outcome::Fault(fault) => faults.push(format!("seed {seed}: {fault}")),
+            }
+        }
+    };
+    let faults = std::thread::scope(|scope| {
+        let other = scope.spawn(work);
+        let mut faults = work();
+        faults.extend(other.join().expect("no panic"));
+        faults
+    });
+    assert!(faults.is_empty(), "{faults:#?}");
+    let (good, count) = (good.into_inner(), seeds.end - seeds.start);
+    assert!(20 * good > 19 * count, "{good} of {count} came to their end");
+}
+
+#[test]
+fn random_machines_keep_every_limit() {
+    all_good(0..300);
+}
+
+/// Other seeds with every run; `SEED=n cargo test …` repeats those that were printed.
+#[test]
+fn random_machines_of_today_keep_every_limit() {
+    let given = std::env::var("SEED").ok().and_then(|seed| seed.parse().ok());
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64);
+    let first: u64 = given.unwrap_or(1_000_000 + now % 1_000_000_000);
+    println!("SEED={first}");
+    all_good(first..first + 60);
+}

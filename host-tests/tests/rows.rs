@@ -1,0 +1,84 @@
+//! Rows of docs/conformance.md of which a fault in the code was seen by no other test.
+use glidepath::nc::{Contour, ContourMethod};
+use host_tests::cases::{Program, machines};
+use host_tests::corner::{blocks, position, round};
+use host_tests::reference::profile::{Profile, Ramps};
+use host_tests::trace::run;
+
+/// No curve straight on and straight back, with any method that has its distance from the corner alone; one at a corner between.
+#[test]
+fn no_method_makes_a_curve_straight_on_or_straight_back() {
+    let mut machine = machines::even::<3>(1000);
+    machine.channel.ptp = true;
+    let mm = |x: i64| Some(position(x * 1_000_000));
+    let method = |method| Contour { method: Some(method), max_angle: mm(180), ..Contour::default() };
+    let methods = [
+        Contour { path_dev: mm(1), ..method(ContourMethod::Dev) },
+        Contour { pre_dist: mm(2), post_dist: mm(2), ..method(ContourMethod::Dist) },
+        Contour { pre_dist: mm(3), post_dist: mm(1), ..method(ContourMethod::Dist) },
+        Contour { path_dist: mm(3), ..method(ContourMethod::DistSoft) },
+        Contour { path_dev: mm(1), ..method(ContourMethod::Ptp) },
+    ];
+    for slope in [1, 3] {
+        machine.channel.slope_profile = slope;
+        for contour in &methods {
+            for (to, curves) in
+                [([20.0, 0.0], false), ([3.0, 0.0], false), ([20.0, 5.0], true), ([5.0, 5.0], true)]
+            {
+                let program = Program::new("corner", 3).line(&[10.0, 0.0], 6000.0).line(&to, 6000.0);
+                let pieces = round(&blocks(&program, &machine), &machine, contour);
+                let curve = pieces.iter().filter(|piece| piece.out.curving.is_some()).count();
+                assert_eq!(
+                    curve > 0,
+                    curves,
+                    "slope {slope}, {:?}, to {to:?}: {curve} pieces",
+                    contour.method
+                );
+            }
+        }
+    }
+}
+
+/// With HSC all four changes of acceleration take the longest of the four ramp times.
+#[test]
+fn hsc_has_the_longest_ramp_time() {
+    let mut machine = machines::uneven::<3>(1000);
+    machine.channel.slope_profile = 3;
+    let x = &machine.axes[0];
+    let ramps = [x.tr_beschl_zu, x.tr_beschl_ab, x.tr_brems_zu, x.tr_brems_ab].map(|us| f64::from(us) * 1e-6);
+    let longest = ramps.into_iter().fold(0.0, f64::max);
+    let law = |a: u32, ramp: f64| Ramps { a: f64::from(a), up: ramp, down: ramp };
+    for (length, feed) in [(20.0, 24_000.0), (300.0, 24_000.0), (300.0, 9000.0)] {
+        let program = Program::new("line", 3).line(&[length], feed);
+        let ticks = run::<3, 120>(&program, &machine).expect("it runs").trace.ticks() as f64;
+        let (up, down) = (law(x.a_beschl, longest), law(x.a_brems, longest));
+        let fastest = Profile::fastest(length, 0.0, 0.0, feed / 60.0, up, down).expect("from rest to rest");
+        let wanted = fastest.time() * 1000.0;
+        assert!((ticks - wanted).abs() < 1.0 + 2e-4 * wanted, "{length} mm: {ticks} ticks, not {wanted}");
+    }
+}
+
+/// A block of 14 µm between long ones is left out by distances, and never by an interim point.
+#[test]
+fn an_interim_point_leaves_no_block_out() {
+    let machine = machines::even::<3>(1000);
+    let mm = |x: i64| Some(position(x * 1_000_000));
+    let program = Program::new("short", 3)
+        .line(&[10.0], 6000.0)
+        .line(&[10.01, 0.01], 6000.0)
+        .line(&[20.0, 8.0], 6000.0);
+    let dist = Contour {
+        method: Some(ContourMethod::Dist),
+        pre_dist: mm(2),
+        post_dist: mm(2),
+        max_angle: mm(180),
+        ..Contour::default()
+    };
+    let pos = Contour { method: Some(ContourMethod::Pos), ..dist };
+    for (contour, wanted) in [(dist, 2), (pos, 3)] {
+        let pieces = round(&blocks(&program, &machine), &machine, &contour);
+        let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.out.data.number).collect();
+        numbers.dedup();
+        assert_eq!(numbers.len(), wanted, "{:?}: {numbers:?}", contour.method);
+    }
+}
