@@ -290,12 +290,10 @@ pub fn run<const AXES: usize>(
         match disturbance {
             Disturbance::Override(factor) if tick == 0 => planner.control().set_override(factor),
             Disturbance::Hold if tick == at => planner.control().feed_hold(),
-            Disturbance::Hold if tick > at && !over && planner.is_holding() => {
-                if idle >= STANDS {
-                    run.stood = Some((tick - 1).saturating_sub(idle));
-                    planner.control().resume();
-                    over = true;
-                }
+            Disturbance::Hold if tick > at && !over && planner.is_holding() && idle >= STANDS => {
+                run.stood = Some((tick - 1).saturating_sub(idle));
+                planner.control().resume();
+                over = true;
             }
             Disturbance::Stall if tick >= at && !over => {
                 stalled = tick < at + STANDS || idle < STANDS;
@@ -306,15 +304,17 @@ pub fn run<const AXES: usize>(
             _ => {}
         }
         let mut done = false;
-        while !stalled {
-            match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
-                Progress::Waiting => break,
-                Progress::Done => {
-                    done = true;
-                    break;
+        if !stalled {
+            loop {
+                match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
+                    Progress::Waiting => break,
+                    Progress::Done => {
+                        done = true;
+                        break;
+                    }
+                    Progress::Late => run.late += 1,
+                    _ => {}
                 }
-                Progress::Late => run.late += 1,
-                _ => {}
             }
         }
         let state = interpolator.tick();

@@ -1,8 +1,10 @@
 //! Rows of docs/conformance.md of which a fault in the code was seen by no other test.
 use glidepath::nc::{Contour, ContourMethod};
+use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::corner::{blocks, position, round};
 use host_tests::reference::profile::{Profile, Ramps};
+use host_tests::rounded::{quick, run_from};
 use host_tests::trace::run;
 
 /// No curve straight on and straight back, with any method that has its distance from the corner alone; one at a corner between.
@@ -81,4 +83,23 @@ fn an_interim_point_leaves_no_block_out() {
         numbers.dedup();
         assert_eq!(numbers.len(), wanted, "{:?}: {numbers:?}", contour.method);
     }
+}
+
+/// PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the smaller one counts.
+#[test]
+fn a_distance_of_ptp_counts_without_its_deviation() {
+    let corner = |mode: &str| {
+        let text =
+            format!("#CONTOUR MODE ON [{mode}]\nN10 G01 X80 F20000\nN20 Y80\n#CONTOUR MODE OFF\nM30\n");
+        let run = run_from(&text, [Position::ZERO; 3], &quick::<3>(1000));
+        let rows = (0..run.trace.len()).map(|row| run.trace.mm(row));
+        let leaves = rows.filter(|q| q[1] == 0.0).map(|q| q[0]).fold(0.0, f64::max);
+        (80.0 - leaves, run.distance([80.0, 0.0]))
+    };
+    let (distance, off) = corner("PTP PATH_DIST=20");
+    assert!((19.0..20.4).contains(&distance) && off > 1.2, "{distance} mm before the corner, {off} mm off");
+    let (shorter, off) = corner("PTP PATH_DIST=5");
+    assert!((4.5..5.4).contains(&shorter) && off > 0.1, "{shorter} mm before the corner, {off} mm off");
+    let (_, kept) = corner("PTP PATH_DIST=20 PATH_DEV=0.3");
+    assert!(kept <= 0.3 + 1e-3, "{kept} mm off");
 }
