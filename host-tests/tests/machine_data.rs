@@ -297,7 +297,8 @@ fn each_ramp_has_its_name() {
     let a: Vec<f64> = x.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]) * 1e6).collect();
     // Ticks between nearly nothing and nearly all of 2000 mm/s², in the order of time.
     let (top, half) = (1990.0, a.len() / 2);
-    let find = |from: usize, is: &dyn Fn(f64) -> bool| from + a[from..].iter().position(|a| is(*a)).expect("a ramp");
+    let find =
+        |from: usize, is: &dyn Fn(f64) -> bool| from + a[from..].iter().position(|a| is(*a)).expect("a ramp");
     let begins = find(0, &|a| a > 10.0);
     let tops = find(begins, &|a| a > top);
     let falls = find(tops, &|a| a < top);

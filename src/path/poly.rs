@@ -37,8 +37,8 @@ pub struct Bounds<const AXES: usize> {
     pub fastest: f32,
     /// Path is time: the path speed, mm/tick, that it was made for.
     pub timed: Option<f32>,
-    /// It is to be passed at one speed, at most this (mm/tick): what changes the speed is beside it.
-    pub steady: Option<f32>,
+    /// It is to be passed at one speed: what changes the speed is beside it.
+    pub steady: bool,
 }
 
 const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
@@ -118,7 +118,7 @@ impl<const AXES: usize> Draft<AXES> {
         let mut shape = Shape::resting(Distance::from_bits(bits));
         shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
         let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
-        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None, steady: None });
+        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None, steady: false });
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }

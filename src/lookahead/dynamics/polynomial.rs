@@ -80,7 +80,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v_reduced = f32::MAX;
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
-        limits.v = min(min(limits.v, bounds.steady.unwrap_or(f32::MAX)), feed * self.level);
+        limits.v = min(limits.v, feed * self.level);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
@@ -92,12 +92,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
-        let [normal_part, curve_part, slope_part] = if bounds.steady.is_some() {
+        let [normal_part, curve_part, slope_part] = if bounds.steady {
             [TIMED_PART, STEADY_PART, STEADY_SLOPE_PART]
         } else {
             [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
         };
-        let speeds = if bounds.steady.is_some() { 1 } else { ARC_SPEEDS };
+        let speeds = if bounds.steady { 1 } else { ARC_SPEEDS };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {

@@ -272,7 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
                 let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
                 let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
                 if let Some(bounds) = &element.bounds {
-                    let bounds = crate::path::Bounds { steady: Some(f32::MAX), ..*bounds };
+                    let bounds = crate::path::Bounds { steady: true, ..*bounds };
                     let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
                     steady.v = min(steady.v, limits.v);
                     steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
@@ -488,7 +488,7 @@ impl<const AXES: usize> Ends<AXES> {
         // The next corner may take half of the block behind this one.
         let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
         let at_one_speed = matches!(course, Curve::Even(_)) && (constant || beside >= self.reach / BESIDE);
-        let steady = at_one_speed.then_some(f32::MAX);
-        Turning { course, halves: [(first, due[0]), (second, due[1])], curving, steady, draft: None }
+        let halves = [(first, due[0]), (second, due[1])];
+        Turning { course, halves, curving, steady: at_one_speed, draft: None }
     }
 }

@@ -110,8 +110,8 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
-    /// It is passed at one speed, at most this (mm/tick): the blocks beside it have the way to change theirs, or it is to be constant.
-    steady: Option<f32>,
+    /// It is passed at one speed: the blocks beside it have the way to change theirs, or it is to be constant.
+    steady: bool,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
 }
