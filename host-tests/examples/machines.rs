@@ -59,8 +59,13 @@ fn main() {
                     }
                     let count = done.fetch_add(1, Relaxed) + 1;
                     if count.is_multiple_of(every) {
-                        let left = (last - first - count) as f64 * begun.elapsed().as_secs_f64() / count as f64;
-                        eprintln!("{count} of {}, {} faults, {left:.0} s to go", last - first, faults.load(Relaxed));
+                        let left =
+                            (last - first - count) as f64 * begun.elapsed().as_secs_f64() / count as f64;
+                        eprintln!(
+                            "{count} of {}, {} faults, {left:.0} s to go",
+                            last - first,
+                            faults.load(Relaxed)
+                        );
                     }
                 }
             });

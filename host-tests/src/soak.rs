@@ -7,7 +7,8 @@ use crate::cases::random::{Mix, Random, program};
 use crate::cases::{Program, set_point};
 use crate::check;
 use crate::operate::{
-    Act, Operated, TOO_LONG, crawls_along, judge, operate_text, random_acts, with_overrides, with_stalls, with_starvation,
+    Act, Operated, TOO_LONG, crawls_along, judge, operate_text, random_acts, with_overrides, with_stalls,
+    with_starvation,
 };
 use crate::properties::axis_limits;
 use glidepath::machine::{AxisData, MachineData};
@@ -115,7 +116,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     let [a, ramp, v] = [size[0], size[1] * 1e-6, size[2] * 1e-3];
     let reach = |ticks: f64| {
         let time = ticks * f64::from(cycle_us) * 1e-6;
-        let speed = if time > 2.0 * ramp { a * (0.5 * time - 0.5 * ramp) } else { a * time * time / (8.0 * ramp) };
+        let speed =
+            if time > 2.0 * ramp { a * (0.5 * time - 0.5 * ramp) } else { a * time * time / (8.0 * ramp) };
         let speed = speed.min(v);
         ((0.5 * speed * time).clamp(1e-4, 2000.0), speed)
     };
@@ -126,7 +128,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     let feed = (60.0 * speed).clamp(1.0, 1e7);
     // On smaller arcs a tick may go so far round that the judge could not tell which way.
     let a_max = machine.axes.iter().map(|data| data.a_max).max().unwrap_or(0);
-    let least_radius = (f64::from(a_max) * (f64::from(cycle_us) * 1e-6).powi(2)).max(0.3 * lengths[0]).max(0.01);
+    let least_radius =
+        (f64::from(a_max) * (f64::from(cycle_us) * 1e-6).powi(2)).max(0.3 * lengths[0]).max(0.01);
     let mix = Mix {
         axes: AXES,
         blocks,

@@ -1,8 +1,8 @@
 //! Machine data at the ends of their ranges: none of them switches a limit off.
 use glidepath::channel::{Channel, MachineError};
+use glidepath::lookahead::{Dynamics, Law};
 use glidepath::machine::parameter::{AXIS, CHANNEL};
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use glidepath::lookahead::{Dynamics, Law};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
@@ -299,7 +299,8 @@ fn each_ramp_has_its_name() {
     let a: Vec<f64> = x.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]) * 1e6).collect();
     // Ticks between nearly nothing and nearly all of 2000 mm/s², in the order of time.
     let (top, half) = (1990.0, a.len() / 2);
-    let find = |from: usize, is: &dyn Fn(f64) -> bool| from + a[from..].iter().position(|a| is(*a)).expect("a ramp");
+    let find =
+        |from: usize, is: &dyn Fn(f64) -> bool| from + a[from..].iter().position(|a| is(*a)).expect("a ramp");
     let begins = find(0, &|a| a > 10.0);
     let tops = find(begins, &|a| a > top);
     let falls = find(tops, &|a| a < top);
@@ -359,10 +360,17 @@ fn every_parameter_at_both_ends() {
     let mut runs = 0;
     for parameter in AXIS {
         for slope in 0..4 {
-            for milli in [parameter.min_milli - 1000, parameter.min_milli, parameter.max_milli, parameter.max_milli + 1000] {
+            for milli in [
+                parameter.min_milli - 1000,
+                parameter.min_milli,
+                parameter.max_milli,
+                parameter.max_milli + 1000,
+            ] {
                 let mut machine = machines::with_slope(machines::even::<3>(1000), slope);
                 let beyond = milli < parameter.min_milli || milli > parameter.max_milli;
-                if beyond && (milli < 0 || milli / 1000 > i64::from(u32::MAX)) || parameter.id == "P-CHAN-00011" {
+                if beyond && (milli < 0 || milli / 1000 > i64::from(u32::MAX))
+                    || parameter.id == "P-CHAN-00011"
+                {
                     continue;
                 }
                 machine.axes[0].tr_min = 1;

@@ -9,7 +9,10 @@ fn machine() -> MachineData<5> {
         let kind = if "XYZ".contains(name) { AxisKind::Linear } else { AxisKind::Rotary };
         AxisData::new(AxisName::new(name).expect("a letter"), kind)
     });
-    MachineData { axes, channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() } }
+    MachineData {
+        axes,
+        channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },
+    }
 }
 
 /// The decoder's refusal, if any.

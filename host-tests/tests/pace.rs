@@ -60,7 +60,8 @@ fn an_override_above_100_does_not_lift_the_reduced_speed() {
                     vec![(0, Act::Override(over)), (0, Act::Reduced(true))],
                     vec![(0, Act::Reduced(true)), (500, Act::Override(over))],
                 ] {
-                    let fastest = speeds(&run(&program, &machine, &acts, 1000)).into_iter().fold(0.0, f64::max);
+                    let fastest =
+                        speeds(&run(&program, &machine, &acts, 1000)).into_iter().fold(0.0, f64::max);
                     let part = fastest / 5000.0;
                     assert!(
                         (0.9998..=1.0).contains(&part),

@@ -114,7 +114,8 @@ fn values_of_the_channel_wait_for_their_command() {
     let plain = run(&machine(), &text("(none)")).digest;
     let mut limited = machine();
     limited.channel.vector_velocity_milli = 1_500_000;
-    (limited.channel.vector_acceleration_milli, limited.channel.vector_deceleration_milli) = (500_000, 500_000);
+    (limited.channel.vector_acceleration_milli, limited.channel.vector_deceleration_milli) =
+        (500_000, 500_000);
     assert_eq!(run(&limited, &text("(none)")).digest, plain);
     for words in ["#VECTOR LIMIT ON [VEL]", "#VECTOR LIMIT ON [ACC]", "#VECTOR LIMIT ON [DEC]"] {
         assert_ne!(run(&limited, &text(words)).digest, plain, "{words}");

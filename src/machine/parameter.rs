@@ -264,7 +264,8 @@ pub fn check_all<Target>(target: &Target, table: &[Parameter<Target>]) -> Result
     for parameter in table {
         let milli = (parameter.get)(target);
         if milli < parameter.min_milli || milli > parameter.max_milli {
-            let [value, min, max] = [milli, parameter.min_milli, parameter.max_milli].map(|milli| milli / 1000);
+            let [value, min, max] =
+                [milli, parameter.min_milli, parameter.max_milli].map(|milli| milli / 1000);
             let (id, name) = (parameter.id, parameter.name);
             return Err(RangeError { id, name, value, min, max, because: "its range" });
         }

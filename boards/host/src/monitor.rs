@@ -117,7 +117,8 @@ impl Monitor {
                     self.stepped += u64::from(!*seen);
                     *seen = true;
                     // A step of speed shows to both sides.
-                    let size = sum.unsigned_abs().max(difference.unsigned_abs()) as f64 / scale * self.cycle_s;
+                    let size =
+                        sum.unsigned_abs().max(difference.unsigned_abs()) as f64 / scale * self.cycle_s;
                     if size > self.largest.size {
                         self.largest = Step { axis, n, size };
                     }

@@ -287,9 +287,10 @@ impl Program {
 
     /// What the axis with this index may do.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
-        self.limits.get(axis).copied().unwrap_or_else(|| {
-            limits(&machine.axes[axis].planned(&machine.channel), machine.slope())
-        })
+        self.limits
+            .get(axis)
+            .copied()
+            .unwrap_or_else(|| limits(&machine.axes[axis].planned(&machine.channel), machine.slope()))
     }
 
     fn add<const AXES: usize>(

@@ -95,7 +95,10 @@ fn joints_with_a_permitted_step_are_counted() {
     let largest = number(&free.summary["steps"]["largest"]);
     assert!((largest / 1000.0 - 1.0).abs() < 0.05, "{largest} mm/s², v²/R is 1000");
     assert!(number(&free.summary["axes"]["X"]["j_max"]) > number(&free.summary["axes"]["X"]["j_limit"]));
-    for expected in ["2 joints with a step of acceleration, the largest one", "jerk not compared at joints: P-CHAN-00009 = 0"] {
+    for expected in [
+        "2 joints with a step of acceleration, the largest one",
+        "jerk not compared at joints: P-CHAN-00009 = 0",
+    ] {
         assert!(free.stdout.contains(expected), "{}", free.stdout);
     }
     let limited = run("steps-limited", &program, None);

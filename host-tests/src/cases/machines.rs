@@ -15,8 +15,7 @@ pub fn machine<const AXES: usize>(cycle_us: u32, set: impl Fn(usize, &mut AxisDa
         axis
     });
     // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
-    let channel =
-        ChannelData { cycle_us, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
+    let channel = ChannelData { cycle_us, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     MachineData { axes, channel }
 }
 

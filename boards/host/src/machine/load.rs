@@ -139,7 +139,12 @@ impl Loader<'_> {
     }
 
     fn machine(&mut self, text: &str) -> Machine {
-        let mut machine = Machine { axes: Vec::new(), channel: ChannelData::new(), name: String::new(), warnings: Vec::new() };
+        let mut machine = Machine {
+            axes: Vec::new(),
+            channel: ChannelData::new(),
+            name: String::new(),
+            warnings: Vec::new(),
+        };
         let document = match DeTable::parse(text) {
             Ok(document) => document,
             Err(error) => {
@@ -396,8 +401,7 @@ impl Loader<'_> {
         entries: &[Entry<'_>],
         axis: &AxisData,
     ) {
-        let is_given =
-            |known: &Parameter<AxisData>| entries.iter().any(|entry| entry.name == known.name);
+        let is_given = |known: &Parameter<AxisData>| entries.iter().any(|entry| entry.name == known.name);
         let Err(error) = check_axis(axis).and_then(|()| check_given_stages(axis, is_given)) else { return };
         let unit = AXIS.iter().find(|parameter| parameter.name == error.name).map_or("", |known| known.unit);
         let entry = entries.iter().find(|entry| entry.name == error.name);
