@@ -1,10 +1,12 @@
 //! Machine data at the ends of their ranges: none of them switches a limit off.
 use glidepath::channel::{Channel, MachineError};
+use glidepath::lookahead::{Dynamics, Law};
 use glidepath::machine::parameter::{AXIS, CHANNEL};
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
+use host_tests::corner::{blocks, dev, random, round};
 use host_tests::operate::{Act, operate_text};
 use host_tests::properties::{Verdict, verify};
 
@@ -311,6 +313,39 @@ fn each_ramp_has_its_name() {
     for (ticks, (_, name, us)) in seen.into_iter().zip(names) {
         assert!((ticks as f64 - us as f64 / 1000.0).abs() <= 4.0, "{name}: {seen:?}");
     }
+}
+
+/// What the look-ahead permits a curve over its length keeps the jerk of every axis: x'''·v³ + 3·x''·v·a + x'·j ≤ a / geometric ramp time.
+#[test]
+fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
+    let mut machine = machines::even::<3>(1000);
+    for axis in &mut machine.axes {
+        (axis.vb_max, axis.a_max, axis.tr_geom) = (1_000_000, 8000, 10_000);
+    }
+    let budget = 2000.0 / 0.01 * 1e-9;
+    let dynamics = Dynamics::new(&machine);
+    let (mut most, mut curves) = (0.0_f64, 0);
+    for seed in 0..400 {
+        let case = random(seed);
+        for piece in round(&blocks(&case.program, &machine), &machine, &dev(case.path_dev)) {
+            let element = &piece.out.element;
+            let (Some(bounds), Some(curving)) = (element.bounds, piece.out.curving) else { continue };
+            if bounds.timed.is_some() {
+                continue;
+            }
+            let (limits, ..) = dynamics.polynomial(element, &bounds, Some(60_000.0), curving);
+            let Law::Bowed { j, .. } = limits.law else { continue };
+            let (v, a) = (f64::from(limits.v), f64::from(limits.a_up.max(limits.a_down)));
+            let j = j.into_iter().fold(0.0, f32::max);
+            for k in 0..3 {
+                let [slope, bend, twist] = [bounds.slope[k], bounds.bend[k], bounds.twist[k]].map(f64::from);
+                let jerk = twist * v.powi(3) + 3.0 * bend * v * a + slope * f64::from(j);
+                most = most.max(jerk / budget);
+            }
+            curves += 1;
+        }
+    }
+    assert!(curves > 200 && most <= 1.0 && most > 0.9, "{most} of the permitted jerk in {curves} curves");
 }
 
 /// Every parameter of an axis alone at both ends of its range: refused by its name, or limits hold.

@@ -35,10 +35,11 @@ pub struct Adjusted {
 impl AxisData {
     /// The data that are planned with.
     pub fn planned(&self, channel: &ChannelData) -> Self {
-        let cycle = u64::from(channel.cycle_us.max(1));
-        let at_most = |micro: u64| u32::try_from(micro / cycle).unwrap_or(u32::MAX);
-        let v = at_most(LARGEST * 1_000_000_000);
-        let a = u32::try_from(LARGEST * 1_000_000_000_000 / (cycle * cycle)).unwrap_or(u32::MAX);
+        let cycle = u64::from(channel.cycle_us);
+        let by_cycle = |micro: u64| micro.checked_div(cycle).unwrap_or(u64::MAX);
+        let at_most = |most: u64| u32::try_from(most).unwrap_or(u32::MAX);
+        let v = at_most(by_cycle(LARGEST * 1_000_000_000));
+        let a = at_most(by_cycle(by_cycle(LARGEST * 1_000_000_000_000)));
         let ramp = |us: u32| us.max(channel.cycle_us.saturating_mul(SHORTEST_RAMP));
         Self {
             vb_max: self.vb_max.min(v),
