@@ -230,9 +230,8 @@ fn hsc_is_never_slower_than_trapez() {
         if ratio > worst.0 {
             worst = (ratio, seed);
         }
-        if ratio > 1.0 {
-            println!("seed {seed}: {hsc} with HSC, {trapez} with TRAPEZ {ramps:?}\n{text}");
-        }
+        // At a corner without a curve HSC leaves a knee more acceleration: two ticks of 1500 are known.
+        assert!(ratio <= 1.0015, "seed {seed}: {hsc} with HSC, {trapez} with TRAPEZ\n{text}");
     }
     println!("worst ratio {:.5} at seed {}", worst.0, worst.1);
 }
