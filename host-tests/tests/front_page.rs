@@ -10,7 +10,7 @@ fn the_example_moves_to_the_end_of_its_program() {
     use glidepath::tick::State;
 
     let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
-    let channel = ChannelData { slope_profile: 1, ..ChannelData::new() };
+    let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
     let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
 

@@ -251,8 +251,13 @@ fn defaults_are_those_of_the_sources() {
         let parameter = AXIS.iter().find(|parameter| parameter.id == id).expect(&id);
         assert_eq!((parameter.get)(&axis) / 1000, value, "{id}");
     }
+    // The zero offsets of G54…G59 are one parameter.
+    let offsets: Vec<_> = AXIS.iter().filter(|parameter| parameter.id == "P-ZERO-00003").collect();
+    let names = [1, 2, 3, 4, 5, 6].map(|set| format!("np_grp.{set}.versch"));
+    assert!(offsets.iter().map(|parameter| parameter.name).eq(names.iter().map(String::as_str)));
+    assert!(offsets.iter().all(|parameter| (parameter.get)(&axis) == 0));
     // P-CHAN-00011 stands with the axes.
-    assert_eq!(of.len() + 1, AXIS.len());
+    assert_eq!(of.len() + offsets.len() + 1, AXIS.len());
     let channel = ChannelData::new();
     let of = [
         ("P-STUP-00071", 120_000),
@@ -269,6 +274,7 @@ fn defaults_are_those_of_the_sources() {
         ("P-CHAN-00350", 0),
         ("P-CHAN-00110", 1000),
         ("P-CHAN-00600", 0),
+        ("P-ZERO-00002", 0),
     ];
     for (id, milli) in of {
         let parameter = CHANNEL.iter().find(|parameter| parameter.id == id).expect(id);
