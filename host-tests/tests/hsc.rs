@@ -264,6 +264,8 @@ fn random_corners_can_be_planned() {
         let program = program(seed, mix);
         let mut machine = machines::arbitrary::<3>(seed);
         machine.channel.slope_profile = 3;
+        // With P-AXIS-00013 jerk has no limit at a knee without a curve.
+        machine.axes.iter_mut().for_each(|axis| axis.a_trans_weight = 0);
         let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, 3, true, true, true)).collect();
         let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
         for (mode, no_opt) in
