@@ -7,6 +7,7 @@
 //! | [`REFERENCE`] | 10 nm | required; the motion itself is off by less than [`PATH`] |
 //! | [`RAMP`] | 2^-23 | ramp times are `f32` in the plan and f64 in the reference: two roundings; a point on a ramp is off by this part of the ramp's length |
 //! | [`PLAN`] | 10^-6 | required; speeds follow from about ten roundings of 2^-24, and from searches that end 2^-21 below the root |
+//! | [`TIE`] | 10^-6 | two times that decide how a corner is passed: sums of about ten roundings of 2^-24 each |
 //! | [`SPEED_MARGIN`] | 2^-19 | the library plans with this part less speed and acceleration: ten roundings of 2^-24, sixteen that a plan may use up, six of its check |
 //! | [`JERK_MARGIN`] | 2^-13 | the library plans with this part less jerk: the same, and third differences of rounded path distances |
 //! | [`MIRROR`] | 1 LSB | a set point is rounded once, ties upward; mirrored, ties fall the other way |
@@ -26,6 +27,9 @@ pub const RAMP: f64 = 1.0 / 8_388_608.0;
 
 /// Speeds at transitions and durations against the reference planner, relative.
 pub const PLAN: f64 = 1e-6;
+
+/// Times of two ways through a corner that differ by less are a tie, relative: single precision may decide it either way.
+pub const TIE: f64 = 1e-6;
 
 /// Part of speeds and accelerations that the library leaves unused.
 pub const SPEED_MARGIN: f64 = 1.0 / 524_288.0;

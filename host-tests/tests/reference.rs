@@ -5,7 +5,7 @@ use host_tests::cases::{Program, edges, machines, named};
 use host_tests::reference::limits::Machine;
 use host_tests::reference::merge::merged;
 use host_tests::reference::motion::Motion;
-use host_tests::reference::planner::{blocks, laws};
+use host_tests::reference::planner::{blocks_of, laws};
 use host_tests::tolerance;
 use host_tests::trace::run;
 
@@ -14,7 +14,7 @@ fn difference<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
     let run = run::<AXES, 120>(program, machine).unwrap();
     let axes = Machine::new(&machine.axes, &machine.channel);
     let contour = merged(&program.contour_as_decoded(machine), &axes);
-    let laws = laws(&blocks(&contour, &axes), &contour, &run.blocks);
+    let laws = laws(&blocks_of(&contour, &axes, &run.blocks), &contour, &run.blocks);
     let motion = Motion::new(&contour, &laws, 1.0);
     let ramps = laws.iter().flat_map(|law| [law.rise.distance, law.fall.distance]);
     let open = ramps.fold(0.0, f64::max) * tolerance::RAMP;

@@ -33,10 +33,12 @@ const LONG_RAMP: f64 = 4.0;
 const SLIGHT: f64 = 1.0 / 64.0;
 /// Part of the largest acceleration that may act across the path.
 const ACROSS: f64 = 0.8;
-/// Blocks that may pass within a tick.
-const BLOCKS_PER_TICK: f64 = 31.0;
 /// A knee below this is rounding of coordinates.
 const SMOOTH: f64 = 1.0 / 20_000.0;
+/// The same for STEP.
+const STEP_SMOOTH: f64 = 1.0 / 4_194_304.0;
+/// A change of the direction of an axis from which on a joint is a corner.
+const CORNER: f64 = 1e-3;
 
 /// Path limits of one block, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -274,7 +276,7 @@ impl Machine {
         let mut limits = BlockLimits {
             slope: self.slope,
             upper: [change_over, above(&|a| a.up), above(&|a| a.down)],
-            v: least(&|a| a.v).min(feed).min(BLOCKS_PER_TICK * path_length(element)),
+            v: least(&|a| a.v).min(feed),
             a_up: least(&|a| a.a_up),
             a_down: least(&|a| a.a_down),
             j: std::array::from_fn(|k| least(&|a| a.j[k])),
@@ -317,6 +319,16 @@ impl Machine {
         limits
     }
 
+    /// Highest speed of a block with any override: that of the machine, up to twice the feed. That of an arc follows from its feed.
+    pub fn overridden(&self, element: &Element) -> f64 {
+        let v = self.block(element).v;
+        if element.shape != Shape::Line || element.feed.is_none() {
+            return v;
+        }
+        let axes = self.feed.iter().zip(shares(element)).filter(|(_, d)| *d > 0.0);
+        axes.map(|(axis, d)| axis.v / d).fold(2.0 * v, f64::min)
+    }
+
     /// Whether a joint is none but for rounding, passed at the speed `fastest`.
     pub fn slight(&self, before: &Element, after: &Element, fastest: f64) -> bool {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
@@ -338,6 +350,32 @@ impl Machine {
             .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
     }
 
+    /// Whether the direction changes at a joint by more than rounding explains: that of an axis by a thousandth.
+    pub fn is_corner(&self, before: &Element, after: &Element) -> bool {
+        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
+        end.iter().zip(&begin).any(|(t0, t1)| (t1 - t0).abs() > CORNER)
+    }
+
+    /// Highest speed at which the step of speed at a joint never shows on any axis.
+    pub fn unseen(&self, before: &Element, after: &Element) -> f64 {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
+        let knees = end.iter().zip(&begin).map(|(t0, t1)| (t1 - t0).abs());
+        let smooth = if self.slope == 0 { STEP_SMOOTH } else { SMOOTH };
+        let speeds = axes.iter().zip(knees).map(|(axis, knee)| smooth * axis.jerk / knee);
+        speeds.fold(f64::INFINITY, f64::min) * (1.0 - tolerance::SPEED_MARGIN)
+    }
+
+    /// Highest speed at which the step of acceleration from the end of a block to the start of another one, with less than a tick
+    /// between them, has no more jerk than a joint may.
+    pub fn bending(&self, before: &Element, after: &Element) -> f64 {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let (end, begin) = (direction(before, 1.0).curvature, direction(after, 0.0).curvature);
+        let bends = end.iter().zip(&begin).map(|(c0, c1)| (c1 - c0).abs());
+        let squares = axes.iter().zip(bends).map(|(axis, bend)| JOINT * axis.jerk / bend);
+        squares.fold(f64::INFINITY, f64::min).sqrt() * (1.0 - tolerance::SPEED_MARGIN)
+    }
+
     /// Largest step of speed that never shows, mm/tick.
     pub fn unseen_knee(&self, rapid: bool) -> f64 {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
@@ -354,7 +392,7 @@ impl Machine {
             let knee = (begin.tangent[k] - end.tangent[k]).abs();
             let bend = (begin.curvature[k] - end.curvature[k]).abs();
             // Steps too small to be seen, at any speed the joint can be passed.
-            let smooth = if self.slope == 0 { 2f64.powi(-22) } else { SMOOTH };
+            let smooth = if self.slope == 0 { STEP_SMOOTH } else { SMOOTH };
             let unseen = |step: f64| step <= smooth * axis.jerk;
             let knee = if unseen(fastest * knee) { 0.0 } else { knee };
             let bend = if self.slope == 0 || unseen(fastest * fastest * bend) { 0.0 } else { bend };

@@ -8,6 +8,10 @@ pub mod limits;
 
 pub mod merge;
 
+pub mod brief;
+
+pub mod worth;
+
 pub mod planner;
 
 pub mod stop;

@@ -3,9 +3,11 @@
 //!
 //! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
 //! then it is filled again; long lines fill it sooner. At the end of the program all that is left is handed on.
+use super::brief::Row;
 use super::geometry::{Contour, Element, Shape};
 use super::limits::{BlockLimits, Machine, path_length};
 use super::profile::{Change, Profile, largest, reach};
+use super::worth::{Worth, worth};
 use glidepath::channel::PlannedBlock;
 use glidepath::quantity::Speed;
 
@@ -28,10 +30,26 @@ pub struct Block {
 
 /// Blocks of a contour with their limits, joints included.
 pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
+    decided(contour, machine, |_, _, standing| standing)
+}
+
+/// The same; of a corner with a tie, by the number of the block behind it and the speed of standing still, `stands` tells whether the motion
+/// stands still. It is told what this plan would do.
+pub fn decided(
+    contour: &Contour,
+    machine: &Machine,
+    stands: impl Fn(usize, f64, bool) -> bool,
+) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut before: Option<&Element> = None;
-    for element in &contour.elements {
+    let mut row = Row::default();
+    // The last one that takes more than next to nothing.
+    let mut behind: Option<&Element> = None;
+    for (number, element) in contour.elements.iter().enumerate() {
+        let length = path_length(element);
         let mut limits = machine.block(element);
+        let after_brief = row.is_brief();
+        limits.v = limits.v.min(row.take(length, machine.overridden(element)));
         let mut v_start = 0.0;
         let mut through = false;
         if let (Some(before), Some(last)) = (before, blocks.last_mut())
@@ -40,22 +58,45 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
             let cap = last.limits.v.min(limits.v);
             v_start = cap;
             let most = last.limits.most().max(limits.most());
-            let joint = machine.joint(before, element, v_start, most);
+            let mut joint = machine.joint(before, element, v_start, most);
+            if let (true, Some(behind)) = (after_brief, behind) {
+                let both = machine.bending(behind, element);
+                if both < cap {
+                    joint = Some(both.min(joint.unwrap_or(both)));
+                }
+            }
+            let unseen = if limits.slope == 0 { 0.0 } else { cap.min(machine.unseen(before, element)) };
+            let standing = match joint {
+                Some(v) if v < cap && machine.is_corner(before, element) => {
+                    match worth([(last.limits, last.length), (limits, length)], v) {
+                        Worth::Passing => false,
+                        Worth::Standing => true,
+                        Worth::Tie(standing) => stands(number, unseen, standing),
+                    }
+                }
+                _ => false,
+            };
             // With STEP, blocks that may pass within a tick count as joints.
-            let within = last.length < last.limits.v || path_length(element) < limits.v;
-            if joint.is_some() || (limits.slope == 0 && within) {
+            let within = last.length < last.limits.v || length < limits.v;
+            if standing {
+                v_start = unseen;
+            } else if joint.is_some() || (limits.slope == 0 && within) {
                 v_start = v_start.min(joint.unwrap_or(v_start));
                 last.limits.share();
                 limits.share();
             }
             let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
             through = limits.slope != 0
+                && !standing
                 && joint.is_none_or(|v| v >= cap && machine.slight(before, element, cap))
                 && limits.are(&last.limits)
                 && machine.turns_little(before, element, fastest);
         }
+        if !row.is_brief() || behind.is_none() {
+            behind = Some(element);
+        }
         blocks.push(Block {
-            length: path_length(element),
+            length,
             limits,
             v_start,
             long: element.long,
@@ -66,6 +107,30 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     }
     blocks
 }
+
+/// The blocks as a library decided where both ways take as long: whether its plan enters the block behind such a corner no faster than
+/// where it stands still.
+pub fn blocks_of(contour: &Contour, machine: &Machine, planned: &[PlannedBlock]) -> Vec<Block> {
+    let mut entries = vec![None; contour.elements.len()];
+    let mut first = 0;
+    for planned in planned {
+        if let Some(entry) = entries.get_mut(first) {
+            *entry = Some(planned.v_in.to_bits() as f64 * SPEED);
+        }
+        let mut left = planned.blocks as usize;
+        while left > 0 && first < contour.elements.len() {
+            left -= contour.elements[first].blocks;
+            first += 1;
+        }
+    }
+    let stands = |number: usize, v: f64, standing| {
+        entries[number].map_or(standing, |entry: f64| entry <= v * (1.0 + 1e-5) + SPEED)
+    };
+    decided(contour, machine, stands)
+}
+
+/// LSB of a planned speed, mm/tick.
+pub const SPEED: f64 = 1.0 / (1u64 << 58) as f64;
 
 /// Path length from rest to the highest speed of a block, or from there to rest: the longer one.
 pub fn ways(limits: &BlockLimits) -> f64 {
@@ -213,7 +278,7 @@ fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
 pub fn laws(blocks: &[Block], contour: &Contour, planned: &[PlannedBlock]) -> Vec<Profile> {
     let mut next = 0;
     let law = |planned: &PlannedBlock| {
-        let speed = |v: Speed| v.to_bits() as f64 / 2f64.powi(58);
+        let speed = |v: Speed| v.to_bits() as f64 * SPEED;
         let mut limits = blocks[next].limits;
         let mut left = planned.blocks as usize;
         while left > 0 {
