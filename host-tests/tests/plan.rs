@@ -147,6 +147,57 @@ fn the_library_plans_what_the_reference_plans_at_the_edges() {
     same_plan::<3>([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)].into_iter(), 1000);
 }
 
+/// Fewer than the ring holds: lines straight on, 100 nm to a millimetre long, of two feeds (at most `feed`) so that none grows. With `arcs`, quarter circles
+/// behind short ones.
+fn short_blocks(seed: u64, feed: f64, arcs: bool) -> Program {
+    let mut state = seed;
+    let mut next = |n: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % n
+    };
+    let mut program = Program::new("short blocks", 3);
+    let (mut at, mut along, mut last) = ([0.0, 0.0], 0, 0);
+    for block in 0..90 {
+        let feed = (feed * (1.0 - 0.02 * (block % 2) as f64)).round();
+        // Blocks of one kind twenty in a row, between longer ones.
+        let nanometres = match ((block / 20 + seed) % 5, next(8)) {
+            (_, 0) => 200_000 + next(800_000),
+            (0, _) => 100 + next(300),
+            (1, _) => 100 + next(500),
+            (2, _) => 20_000 + next(2_000),
+            (3, 1..4) => 100 + next(1_900),
+            (3, _) => 20_000 + next(60_000),
+            (_, 1) => 100 + next(50),
+            _ => 300_000 + next(700_000),
+        };
+        // No two alike, which would be one span.
+        let nanometres = if nanometres == last { nanometres + 1 } else { nanometres };
+        last = nanometres;
+        at[along] += nanometres as f64 * 1e-6;
+        program = program.line(&at, feed);
+        if arcs && nanometres < 5_000 && next(4) == 0 {
+            let radius = 2.0;
+            let mut centre = [0.0; 2];
+            centre[1 - along] = radius;
+            at = [at[0] + radius, at[1] + radius];
+            program = program.arc(&at, centre, along == 1, feed);
+            along = 1 - along;
+        }
+    }
+    program
+}
+
+#[test]
+fn the_library_plans_what_the_reference_plans_of_short_blocks() {
+    let mut worst = 0.0_f64;
+    for (seed, machine) in (0..8).flat_map(|seed| machines_of::<3>(1000, &SLOPES).map(move |m| (seed, m))) {
+        let v = f64::from(machine.axes[0].vb_max.min(machine.axes[1].vb_max));
+        let feed = 0.9 * v * 0.06;
+        worst = worst.max(compare(&short_blocks(seed, feed, seed % 2 == 1), &machine));
+    }
+    assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
 #[test]
 fn the_library_plans_what_the_reference_plans_along_feed_axes() {
     let mut worst = 0.0_f64;
