@@ -317,6 +317,15 @@ impl Limits {
         self.lower_accelerations(share.a);
     }
 
+    /// Whether that leaves them as they are.
+    pub(super) fn are_within(&self, share: &Share) -> bool {
+        let most = max(self.a_up, self.a_down);
+        match self.law {
+            Law::Bowed { j, .. } => most <= share.a && j.iter().all(|j| *j <= share.j),
+            Law::Stepped { .. } => self.most() <= share.a,
+        }
+    }
+
     /// With a transition's part left to it.
     pub(super) fn shared(mut self, share: &Share) -> Self {
         self.share(share);

@@ -30,11 +30,11 @@ pub(super) enum Way {
 /// The way that takes the least time between two blocks, which leave their shares if the corner is passed with the speed `v`. `passes`:
 /// acceleration may pass it, which needs more of their own.
 pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
-    let [through, resting] = [|share: &Share| *share, |share: &Share| share.resting()]
-        .map(|of| blocks.map(|(limits, share, length)| (limits.shared(&of(share)), length)));
-    if blocks.iter().zip(&through).all(|((limits, ..), (shared, _))| shared == *limits) {
+    if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;
     }
+    let [through, resting] = [|share: &Share| *share, |share: &Share| share.resting()]
+        .map(|of| blocks.map(|(limits, share, length)| (limits.shared(&of(share)), length)));
     let sum = |blocks: &[(Limits, f32); 2], v: f32| -> f32 {
         blocks.iter().map(|(limits, length)| time(limits, *length, v)).sum()
     };
