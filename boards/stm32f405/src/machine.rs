@@ -30,10 +30,5 @@ const fn linear(letter: &str) -> AxisData {
 /// (P-CHAN-00009 = 0) it is not.
 pub const MACHINE: MachineData<{ crate::AXES }> = MachineData {
     axes: [linear("X"), linear("Y"), linear("Z")],
-    channel: ChannelData {
-        cycle_us: 1000,
-        slope_profile: 1,
-        corr_v_trans_jerk: true,
-        ..ChannelData::new()
-    },
+    channel: ChannelData { cycle_us: 1000, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },
 };
