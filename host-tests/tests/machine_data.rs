@@ -39,6 +39,9 @@ fn geometric(us: u32, set: impl Fn(&mut AxisData)) -> MachineData<3> {
 }
 
 /// P-AXIS-00199 = 0 is preset with P-AXIS-00201.
+/// Writes a ramp time.
+type SetRamp = fn(&mut AxisData, u32);
+
 #[test]
 fn a_geometric_ramp_of_zero_is_the_smallest_ramp() {
     for slope in 1..4 {
@@ -141,7 +144,7 @@ fn no_ramp_is_below_the_smallest_one() {
         set(&mut machine.axes[0], us);
         refused(&machine)
     };
-    let ramps: [(&str, fn(&mut AxisData, u32)); 5] = [
+    let ramps: [(&str, SetRamp); 5] = [
         ("P-AXIS-00195", |axis, us| axis.tr_beschl_ab = us),
         ("P-AXIS-00196", |axis, us| axis.tr_beschl_zu = us),
         ("P-AXIS-00197", |axis, us| axis.tr_brems_ab = us),

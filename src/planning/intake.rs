@@ -247,7 +247,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let data =
             Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
         let parted = self.functions.are_open();
-        self.contouring.take(&Block { element: *element, from, to, form, data }, &self.dynamics, parted);
+        self.contouring.take(&Block { element: *element, from, to, form, data }, self.dynamics, parted);
         self.functions.settle(true, self.contouring.rounds());
         Ok(())
     }
@@ -268,7 +268,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// The dynamics, for weights and path limits of the blocks that follow. Only after [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
-        &mut self.dynamics
+        self.dynamics
     }
 
     /// The way into the look-ahead, and what is held back before it.
