@@ -302,7 +302,7 @@ pub fn judge_with(
         return Ok(seen);
     }
 
-    seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.timed.is_some()));
+    seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.is_timed()));
 
     // Joints: position to the bit, direction and curvature to the resolution.
     let mut at = blocks[0].from;

@@ -339,7 +339,7 @@ fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
         for piece in round(&blocks(&case.program, &machine), &machine, &dev(case.path_dev)) {
             let element = &piece.out.element;
             let (Some(bounds), Some(curving)) = (element.bounds, piece.out.curving) else { continue };
-            if bounds.timed.is_some() {
+            if bounds.is_timed() {
                 continue;
             }
             let (limits, ..) = dynamics.polynomial(element, &bounds, Some(60_000.0), curving);

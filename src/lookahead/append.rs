@@ -26,6 +26,7 @@ pub(super) struct Last<const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length.
     pub bent: bool,
+    pub trades: bool,
     /// Where the last one ends that is not brief.
     pub behind: End<AXES>,
 }
@@ -124,11 +125,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             };
             smooth = way == Way::Through
                 && last.slope == slope
-                && last.timed == timed
-                && (!timed || one_curve)
                 && (slope == SlopeType::Step || turns_little());
             anchor = !(through
                 && smooth
+                && last.trades == element.trades
+                && (!timed || one_curve)
                 && last.bent == bent
                 && (!bent || limits.are(&before.limits))
                 && self.span + distance < LONGEST_SPAN);
@@ -153,8 +154,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Some(last) if self.row.is_brief() => last.behind,
             _ => *element.exit,
         };
+        let trades = element.trades;
         self.last =
-            Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, behind });
+            Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, trades, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);
@@ -173,6 +175,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             joint: Joint::new(rises, !anchor && slope == SlopeType::Hsc),
             marks,
             continued: false,
+            trades,
         });
     }
 }

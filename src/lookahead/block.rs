@@ -31,6 +31,8 @@ pub struct Block {
     pub(super) marks: Marks,
     /// It was cut off from the block before: their curve is one.
     pub(super) continued: bool,
+    /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
+    pub(super) trades: bool,
 }
 
 /// What else is said of the transition at the start of a block: in the upper bit, whether it may be tried to do without an

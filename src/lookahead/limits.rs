@@ -227,7 +227,7 @@ impl Limits {
     }
 
     /// Of a ramp; of STEP none.
-    pub(super) fn jerk(&self, ramp: usize) -> f32 {
+    pub fn jerk(&self, ramp: usize) -> f32 {
         match self.law {
             Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
             Law::Stepped { .. } => f32::MAX,

@@ -35,6 +35,8 @@ pub struct Release {
     pub checked: bool,
     /// A deceleration may pass its start.
     pub smooth: bool,
+    /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
+    pub trades: bool,
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
     pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
@@ -63,6 +65,7 @@ impl Release {
         v_out: Speed::ZERO,
         checked: false,
         smooth: false,
+        trades: false,
         ceiling: 0.0,
         headroom: Headroom::BLANK,
         v_next: 0.0,
@@ -195,7 +198,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.limits = limits;
         (release.headroom, release.ceiling) = (headroom, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
-        release.smooth = first.is(Marks::SMOOTH);
+        (release.smooth, release.trades) = (first.is(Marks::SMOOTH), first.trades);
         (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -27,7 +27,7 @@ pub use line::line;
 pub(crate) use line::{Straight, straight};
 pub use measure::Measure;
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
-pub use poly::Bounds;
+pub use poly::{Bounds, Passage};
 
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
@@ -81,6 +81,8 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length: how much speed may change differs from part to part.
     pub bent: bool,
+    /// Acceleration inside it is bought with speed.
+    pub trades: bool,
 }
 
 impl<const AXES: usize> Element<AXES> {
@@ -88,8 +90,9 @@ impl<const AXES: usize> Element<AXES> {
     #[inline(always)]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
-        let timed = bounds.as_ref().is_some_and(|bounds| bounds.timed.is_some());
-        Piece { shape, entry, exit, timed, bent: bounds.is_some() && !timed }
+        let timed = bounds.as_ref().is_some_and(Bounds::is_timed);
+        let trades = bounds.as_ref().is_some_and(Bounds::trades);
+        Piece { shape, entry, exit, timed, bent: bounds.is_some() && !timed, trades }
     }
 }
 

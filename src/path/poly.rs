@@ -35,10 +35,33 @@ pub struct Bounds<const AXES: usize> {
     pub twist: [f32; AXES],
     /// Speed along the curve per path speed: 1, and more by what the argument misses of the arc length.
     pub fastest: f32,
+    /// What its speed does.
+    pub passage: Passage,
+}
+
+/// What the speed does inside a polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// It changes as in any other element.
+    Varying,
+    /// It is to be one: what changes the speed is beside it.
+    Steady,
+    /// It is one (CONST_VEL).
+    Constant,
     /// Path is time: the path speed, mm/tick, that it was made for.
-    pub timed: Option<f32>,
-    /// It is to be passed at one speed: what changes the speed is beside it.
-    pub steady: bool,
+    Timed(f32),
+}
+
+impl<const AXES: usize> Bounds<AXES> {
+    /// Its path is time.
+    pub const fn is_timed(&self) -> bool {
+        matches!(self.passage, Passage::Timed(_))
+    }
+
+    /// Acceleration inside it is bought with speed.
+    pub const fn trades(&self) -> bool {
+        matches!(self.passage, Passage::Timed(_) | Passage::Steady)
+    }
 }
 
 const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
@@ -118,7 +141,7 @@ impl<const AXES: usize> Draft<AXES> {
         let mut shape = Shape::resting(Distance::from_bits(bits));
         shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
         let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
-        let bounds = Some(Bounds { slope, bend, twist, fastest, timed: None, steady: false });
+        let bounds = Some(Bounds { slope, bend, twist, fastest, passage: Passage::Varying });
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }

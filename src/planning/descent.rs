@@ -6,7 +6,8 @@
 //! spans behind keep their limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration
 //! zero, at the planned speed or below, and the next law goes on from there.
 //!
-//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does.
+//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does. A curve
+//! in which acceleration is bought with speed is entered so slowly that the deceleration of the law may go on in it.
 use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock, min, speed_f32};
 use crate::lookahead::{Law, Limits, Release};
@@ -14,6 +15,9 @@ use crate::math::float::to_f32;
 
 /// Most spans of one law. A longer way has several.
 const SPANS: usize = 32;
+
+/// The ramp with which a deceleration begins: all ramps of a curve that trades have one jerk at most.
+const BRAKES: usize = 2;
 
 /// A way has to be shorter than the room by this part: rounding of its length.
 const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
@@ -71,8 +75,11 @@ struct Stretch {
     /// Speed planned at its start; of several blocks the slowest one.
     v_in: Speed,
     v_slow: f32,
+    v_least: f32,
     is_uneven: bool,
     smooth: bool,
+    /// Acceleration inside it is bought with speed.
+    trades: bool,
     /// Path distance of its end, and the speed planned there.
     end: i64,
     v_out: Speed,
@@ -84,8 +91,10 @@ impl Stretch {
             limits: Limits { a_down: span.a_down, ..span.limits },
             v_in: span.v_in,
             v_slow: span.v_slow,
+            v_least: min(span.v_least, span.limits.v),
             is_uneven: span.is_uneven(),
             smooth: span.smooth,
+            trades: span.trades,
             end,
             v_out: span.v_out,
         }
@@ -210,6 +219,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let Some(stretch) = self.ahead(&mut cursor) else { return Err(spans.max(1)) };
             let mut cap = stretch.cap(limits);
             if spans > 0 {
+                if stretch.trades {
+                    let j = stretch.limits.jerk(BRAKES);
+                    cap = min(cap, brake.trade(&self.profile, stretch.v_least, j));
+                }
                 cap = min(cap, speed_f32(stretch.v_in.to_bits()));
             }
             if cap < f32::MAX && !is_slower(&self.profile, brake, at, cap) {

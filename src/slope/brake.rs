@@ -17,7 +17,7 @@ use super::area;
 use super::bend::Bend;
 use super::profile::{Change, Form, Profile, speed_bits, speed_f32};
 use super::ramp::{Bowed, Ramp};
-use crate::lookahead::{Law, Limits, max};
+use crate::lookahead::{Law, Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
@@ -73,6 +73,7 @@ const NO_ACCEL: i64 = 1 << 8;
 /// Steps of the search for an end speed, and how close it comes.
 const STEPS: usize = 48;
 const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
+const CLOSE_BELOW: f32 = 1.0 - CLOSE;
 
 /// Steps by which a ramp that came out too long by rounding gives way.
 const SHRINKS: usize = 8;
@@ -201,6 +202,28 @@ impl Brake {
             let w = sqrt_f32((v - v1) / max(vb - v1, f32::MIN_POSITIVE));
             before + s1 + s2 + s3 - t3 * w * (v1 + (vb - v1) * w * w * (1.0 / 3.0))
         }
+    }
+
+    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤ `most` from there on;
+    /// its own jerks are no higher than `j`. While a deceleration rises that sum does not grow, so the speed before it may
+    /// stand for it; later it falls.
+    pub fn trade(&self, profile: &Profile, most: f32, j: f32) -> f32 {
+        let down = &profile.down;
+        let [v0, va, vb, v1] = down.speeds.map(speed_f32);
+        let [t1, _, t3] = down.times.map(|t| size_f32(t) * (1.0 / (1u64 << 36) as f32));
+        let most = most * CLOSE_BELOW;
+        if v0 <= most || j <= 0.0 {
+            return f32::MAX;
+        }
+        // Even ramps: dv = a·t/2.
+        let decel = 2.0 * max((v0 - va) / max(t1, f32::MIN_POSITIVE), (vb - v1) / max(t3, f32::MIN_POSITIVE));
+        let held = most - decel * decel / (2.0 * j);
+        if held >= vb {
+            return held;
+        }
+        // a² = 2·(v − v1)·(a/t3) while it falls.
+        let part = decel / (max(t3, f32::MIN_POSITIVE) * j);
+        min((most + v1 * part) / (1.0 + part), vb)
     }
 
     fn reach(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits, aim: Aim) -> Option<Self> {

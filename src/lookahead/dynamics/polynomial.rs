@@ -7,7 +7,7 @@ use crate::lookahead::limits::{
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
-use crate::path::{Bounds, Element};
+use crate::path::{Bounds, Element, Passage};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
@@ -24,8 +24,10 @@ const EVENLY: f32 = 0.866;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
 
-/// The same of the curvature in an element that is passed at one speed, and what is left of `B` to its slope.
-const STEADY_PART: f32 = 0.95;
+/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed, and with CONST_VEL what is left of `B` to its
+/// slope.
+const STEADY_NORMAL_PART: f32 = 0.97;
+const STEADY_PART: f32 = 0.93;
 const STEADY_SLOPE_PART: f32 = 0.02;
 
 /// What limits a curve that replaces a corner, beside the axes.
@@ -72,7 +74,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> Permitted {
         let rapid = feed.is_none();
         let length = to_f32(element.shape.length.to_bits()) * LSB_44;
-        if let Some(speed) = bounds.timed {
+        if let Passage::Timed(speed) = bounds.passage {
             return self.timed(bounds, speed, feed);
         }
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
@@ -92,12 +94,14 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
-        let [normal_part, curve_part, slope_part] = if bounds.steady {
-            [TIMED_PART, STEADY_PART, STEADY_SLOPE_PART]
+        let steady = matches!(bounds.passage, Passage::Steady | Passage::Constant);
+        let [normal_part, curve_part, slope_part] = if steady {
+            [STEADY_NORMAL_PART, STEADY_PART, STEADY_SLOPE_PART]
         } else {
             [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
         };
-        let speeds = if bounds.steady { 1 } else { ARC_SPEEDS };
+        let trades = bounds.trades() && !stepped;
+        let speeds = if steady { 1 } else { ARC_SPEEDS };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
@@ -113,10 +117,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 if *twist > 0.0 {
                     limits.v = min(limits.v, cbrt_f32(curve_part * budget / twist));
                 }
-                if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0, &mut limits.law) {
+                if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0 && !trades, &mut limits.law) {
                     lower(j, [slope_part / bend.peak_jerk() * budget / slope; 4]);
                 }
             }
+        }
+        if trades {
+            let whole = |axis: &Axis| {
+                let set = axis.set(rapid);
+                max(set.curving_budget(curving.jerk), set.joint.budget)
+            };
+            let slopes = self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0);
+            let jerk = slopes.fold(f32::MAX, |j, (axis, slope)| min(j, whole(axis) / slope));
+            self.trade(bounds, &mut limits, jerk, whole);
+            self.path.lower(&mut limits, rapid, true);
+            let headroom = limits.take_feed(feed, v_reduced, self.level);
+            return (limits, share_left, headroom);
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
@@ -151,22 +167,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, headroom)
     }
 
-    /// Limits of an element whose path is time. Nearly all of acceleration and jerk belongs to the curve as long as it is passed at
-    /// the highest speed V; a path acceleration needs 3·x''·v·a beside it.
-    ///
-    /// But acceleration is zero at both ends of a span, and between them it changes with the jerk j at most: from zero at a
-    /// speed of V at most, or to zero there. So v + a²/(2·j) ≤ V, which leaves room where there is acceleration: the only
-    /// question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
-    ///
-    /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
-    ///
-    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
-    /// e·(1 − e²) is at most 0.385.
-    ///
-    /// The search for j begins where one of the terms alone takes all: |x'|·j ≤ B, |x'|·√(2·j·V) ≤ a_max and
-    /// 0.385·3·|x''|·V·√(2·j·V) ≤ B. With ρ of that jerk, and the curve's own acceleration and jerk at their largest ([`TIMED_PART`] of
-    /// a_max and B), the conditions above ask for ρ ≤ 0.08 and, of the jerk, for ρ ≤ 0.0069: so the search ends, however short
-    /// the ramps are against the time in which V is reached.
+    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as long as it is passed at
+    /// the highest speed. What is left to its slope: [`Self::trade`].
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
@@ -191,11 +193,44 @@ impl<const AXES: usize> Dynamics<AXES> {
                 limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
             }
         }
+        self.trade(bounds, &mut limits, jerk, |axis| axis.set(rapid).joint.budget);
+        self.path.lower(&mut limits, rapid, true);
+        let headroom = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, headroom)
+    }
+
+    /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk; a path acceleration
+    /// needs 3·x''·v·a beside it.
+    ///
+    /// Acceleration is bought with speed: v + a²/(2·j) ≤ V. That is so from acceleration zero at a speed of V at most, and to there,
+    /// with that jerk; and a slowing down that has it where the curve begins keeps it inside. The only question is, how high j may be.
+    /// With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
+    ///
+    /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
+    ///
+    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
+    /// e·(1 − e²) is at most 0.385.
+    ///
+    /// The search for j begins at `jerk`, and where one of the terms alone takes all: |x'|·√(2·j·V) ≤ a_max and
+    /// 0.385·3·|x''|·V·√(2·j·V) ≤ B. With ρ of that jerk, and the curve's own acceleration and jerk at their largest ([`TIMED_PART`] of
+    /// a_max and B), the conditions above ask for ρ ≤ 0.08 and, of the jerk, for ρ ≤ 0.0069: so the search ends, however short
+    /// the ramps are against the time in which V is reached.
+    fn trade(
+        &self,
+        bounds: &Bounds<AXES>,
+        limits: &mut Limits,
+        jerk: f32,
+        budget_of: impl Fn(&Axis) -> f32,
+    ) {
         let v = limits.v;
+        let Law::Bowed { bend: ramp, j: ramps, .. } = &mut limits.law else { return };
+        // No more than the ramps use.
+        let mut jerk = min(jerk, ramps.iter().fold(0.0, |most, j| max(most, *j)) * ramp.peak_jerk());
+        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
         let mut highest = f32::MAX;
         for (axis, ((slope, bend), _)) in self.axes.iter().zip(derivatives()) {
             let along = axis.a_max / max(*slope, TINY);
-            let across = EVENLY * axis.set(rapid).joint.budget / max(bend * v, TINY);
+            let across = EVENLY * budget_of(axis) / max(bend * v, TINY);
             let root = min(along, across);
             highest = min(highest, 0.5 * root * root / v);
         }
@@ -208,7 +243,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         for _ in 0..TIMED_STEPS {
             let root = sqrt_f32(2.0 * jerk * v);
             let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {
-                let (a, left) = (bend * v * v, axis.set(rapid).joint.budget - slope * jerk);
+                let budget = budget_of(axis);
+                let (a, left) = (bend * v * v, budget - slope * jerk);
                 let (along, across) = (slope * root, 3.0 * bend * v * root);
                 let third = twist * v * v * v;
                 let near = a + along <= axis.a_max || a * a + along * along * (1.0 / 7.0) <= axis.a_max * a;
@@ -223,11 +259,6 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             jerk *= TIMED_STEP;
         }
-        if let Law::Bowed { bend, j, .. } = &mut limits.law {
-            lower(j, [jerk / bend.peak_jerk(); 4]);
-        }
-        self.path.lower(&mut limits, rapid, true);
-        let headroom = limits.take_feed(feed, v_reduced, self.level);
-        (limits, share_left, headroom)
+        lower(ramps, [jerk / ramp.peak_jerk(); 4]);
     }
 }

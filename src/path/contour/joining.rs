@@ -11,7 +11,7 @@ use crate::lookahead::{Curving, Dynamics, Steady, max, min};
 use crate::math::float::to_f32;
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
-use crate::path::{Element, Measure};
+use crate::path::{Element, Measure, Passage};
 use crate::quantity::{Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
@@ -272,7 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
                 let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
                 let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
                 if let Some(bounds) = &element.bounds {
-                    let bounds = crate::path::Bounds { steady: true, ..*bounds };
+                    let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
                     let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
                     steady.v = min(steady.v, limits.v);
                     steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
@@ -483,12 +483,17 @@ impl<const AXES: usize> Ends<AXES> {
         if self.rest > 0 {
             held.block.element.exit = self.from.end;
         }
-        let constant = setting.parameters.const_vel;
         let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
         // The next corner may take half of the block behind this one.
         let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
-        let at_one_speed = matches!(course, Curve::Even(_)) && (constant || beside >= self.reach / BESIDE);
+        let passage = if setting.parameters.const_vel {
+            Passage::Constant
+        } else if beside >= self.reach / BESIDE {
+            Passage::Steady
+        } else {
+            Passage::Varying
+        };
         let halves = [(first, due[0]), (second, due[1])];
-        Turning { course, halves, curving, steady: at_one_speed, draft: None }
+        Turning { course, halves, curving, passage, draft: None }
     }
 }

@@ -40,7 +40,7 @@ use self::held::{Held, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use super::poly::Draft;
-use super::{Element, Measure, line};
+use super::{Element, Measure, Passage, line};
 use crate::lookahead::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
 use crate::quantity::{Distance, Position};
@@ -110,8 +110,8 @@ struct Turning<const AXES: usize> {
     course: Curve<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
-    /// It is passed at one speed: the blocks beside it have the way to change theirs, or it is to be constant.
-    steady: bool,
+    /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time has its own.
+    passage: Passage,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
 }
@@ -121,8 +121,8 @@ impl<const AXES: usize> Turning<AXES> {
     fn begin(&mut self) -> Option<Outgoing<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
         let (mut element, draft) = self.course.next_element()?;
-        if let Some(bounds) = &mut element.bounds {
-            bounds.steady = self.steady;
+        if let Some(bounds) = element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
+            bounds.passage = self.passage;
         }
         self.draft = Some(draft);
         let data = Data { stop: false, ..data };

@@ -26,7 +26,7 @@
 use crate::lookahead::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::poly::{Draft, Knot};
-use crate::path::{Element, End};
+use crate::path::{Element, End, Passage};
 use crate::quantity::Position;
 
 /// A change of speed between standstill and `v` along a line: mm and ticks.
@@ -343,7 +343,7 @@ impl<const AXES: usize> Timed<AXES> {
     /// Acceleration changes evenly: of a short piece that is known better than from its points.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
-            bounds.timed = Some(self.overlap.rise.v as f32);
+            bounds.passage = Passage::Timed(self.overlap.rise.v as f32);
             bounds.bend = larger(&element.entry.curvature, &element.exit.curvature);
             bounds.twist = self.twist;
         }
