@@ -16,9 +16,6 @@ use crate::math::float::to_f32;
 /// Most spans of one law. A longer way has several.
 const SPANS: usize = 32;
 
-/// The ramp with which a deceleration begins: all ramps of a curve that trades have one jerk at most.
-const BRAKES: usize = 2;
-
 /// A way has to be shorter than the room by this part: rounding of its length.
 const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
 
@@ -220,8 +217,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let mut cap = stretch.cap(limits);
             if spans > 0 {
                 if stretch.trades {
-                    let j = stretch.limits.jerk(BRAKES);
-                    cap = min(cap, brake.trade(&self.profile, stretch.v_least, j));
+                    cap = min(cap, brake.trade(&self.profile, stretch.v_least, stretch.limits.a_down));
                 }
                 cap = min(cap, speed_f32(stretch.v_in.to_bits()));
             }

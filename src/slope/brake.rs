@@ -204,10 +204,11 @@ impl Brake {
         }
     }
 
-    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤ `most` from there on;
-    /// its own jerks are no higher than `j`. While a deceleration rises that sum does not grow, so the speed before it may
-    /// stand for it; later it falls.
-    pub fn trade(&self, profile: &Profile, most: f32, j: f32) -> f32 {
+    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤ `most` from there on,
+    /// where `a_most` = √(2·j·`most`). Its own jerks are no higher than j: while a deceleration rises that sum does not grow, so the
+    /// speed before it may stand for it; later it falls.
+    pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
+        let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;
         let [v0, va, vb, v1] = down.speeds.map(speed_f32);
         let [t1, _, t3] = down.times.map(|t| size_f32(t) * (1.0 / (1u64 << 36) as f32));

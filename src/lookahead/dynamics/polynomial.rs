@@ -1,6 +1,7 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
-use super::{Dynamics, KNEE_PART, NORMAL_PART, Permitted};
+use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
+use crate::lookahead::pace::Headroom;
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
@@ -13,14 +14,8 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
-/// Jerks tried there, each by that factor less: down to a thousandth. A 145th of the highest one is always low enough, see
-/// [`Dynamics::timed`].
-const TIMED_STEPS: usize = 44;
-const TIMED_STEP: f32 = 0.85;
-/// Jerks passed over at most before the first one is tried: 10^-14 of the ramps' own.
-const SKIPPED: usize = 200;
-/// 1 / (3 · 0.385).
-const EVENLY: f32 = 0.866;
+/// For rounding.
+const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
 
@@ -127,12 +122,8 @@ impl<const AXES: usize> Dynamics<AXES> {
                 let set = axis.set(rapid);
                 max(set.curving_budget(curving.jerk), set.joint.budget)
             };
-            let slopes = self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0);
-            let jerk = slopes.fold(f32::MAX, |j, (axis, slope)| min(j, whole(axis) / slope));
-            self.trade(bounds, &mut limits, jerk, whole);
-            self.path.lower(&mut limits, rapid, true);
-            let headroom = limits.take_feed(feed, v_reduced, self.level);
-            return (limits, share_left, headroom);
+            self.trade(bounds, &mut limits, whole);
+            return (limits, share_left, self.traded(&mut limits, rapid, feed, v_reduced));
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
@@ -178,12 +169,10 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut v_reduced = f32::MAX;
         limits.law = self.law(f32::MAX);
         let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
-        let mut jerk = f32::MAX;
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
                 limits.restrict(&mut share_left, set, 1.0 / slope, true);
-                jerk = min(jerk, set.joint.budget / slope);
                 v_reduced = min(v_reduced, axis.v_reduced / slope);
             }
             if *bend > 0.0 {
@@ -193,10 +182,19 @@ impl<const AXES: usize> Dynamics<AXES> {
                 limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
             }
         }
-        self.trade(bounds, &mut limits, jerk, |axis| axis.set(rapid).joint.budget);
-        self.path.lower(&mut limits, rapid, true);
+        self.trade(bounds, &mut limits, |axis| axis.set(rapid).joint.budget);
+        (limits, share_left, self.traded(&mut limits, rapid, feed, v_reduced))
+    }
+
+    /// Takes in what limits the path of such a curve.
+    fn traded(&self, limits: &mut Limits, rapid: bool, feed: f32, v_reduced: f32) -> Headroom {
+        let v = limits.v;
+        self.path.lower(limits, rapid, true);
         let headroom = limits.take_feed(feed, v_reduced, self.level);
-        (limits, share_left, headroom)
+        // From a lower speed the same j leads to a lower acceleration.
+        let a = max(limits.a_up, limits.a_down);
+        limits.lower_accelerations(a * sqrt_f32(min(limits.v / v, 1.0)));
+        headroom
     }
 
     /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk; a path acceleration
@@ -209,56 +207,39 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
     ///
     /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
-    /// e·(1 − e²) is at most 0.385.
+    /// e·(1 − e²) is at most 0.385. With x = √(2·j·V), A = |x''|·V², C = |x'''|·V³ and D = 3·|x''|·V what is to be kept becomes
     ///
-    /// The search for j begins at `jerk`, and where one of the terms alone takes all: |x'|·√(2·j·V) ≤ a_max and
-    /// 0.385·3·|x''|·V·√(2·j·V) ≤ B. With ρ of that jerk, and the curve's own acceleration and jerk at their largest ([`TIMED_PART`] of
-    /// a_max and B), the conditions above ask for ρ ≤ 0.08 and, of the jerk, for ρ ≤ 0.0069: so the search ends, however short
-    /// the ramps are against the time in which V is reached.
-    fn trade(
-        &self,
-        bounds: &Bounds<AXES>,
-        limits: &mut Limits,
-        jerk: f32,
-        budget_of: impl Fn(&Axis) -> f32,
-    ) {
+    /// - A + |x'|·x ≤ a_max or A² + (|x'|·x)²/7 ≤ a_max·A, and |x'|·x ≤ a_max and 9/16·A + |x'|·x/2 ≤ a_max;
+    /// - C + 0.385·D·x + |x'|·j ≤ B or C² + D²·x²/9 ≤ (B − |x'|·j)·C, and 27/64·C + 0.385·D·x + |x'|·j ≤ B.
+    ///
+    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so j is known from it.
+    fn trade(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
         let v = limits.v;
         let Law::Bowed { bend: ramp, j: ramps, .. } = &mut limits.law else { return };
-        // No more than the ramps use.
-        let mut jerk = min(jerk, ramps.iter().fold(0.0, |most, j| max(most, *j)) * ramp.peak_jerk());
-        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
-        let mut highest = f32::MAX;
-        for (axis, ((slope, bend), _)) in self.axes.iter().zip(derivatives()) {
-            let along = axis.a_max / max(*slope, TINY);
-            let across = EVENLY * budget_of(axis) / max(bend * v, TINY);
-            let root = min(along, across);
-            highest = min(highest, 0.5 * root * root / v);
-        }
-        for _ in 0..SKIPPED {
-            if jerk <= highest {
-                break;
+        let mut most = f32::MAX;
+        let derivatives = bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives) {
+            if *slope <= 0.0 {
+                continue;
             }
-            jerk *= TIMED_STEP;
+            let a = bend * v * v;
+            let free = max(axis.a_max - a, 0.0);
+            let near = max(free, sqrt_f32(7.0 * a * free));
+            most = min(most, min(min(near, axis.a_max), 2.0 * (axis.a_max - 0.5625 * a)) / slope);
+            let budget = min(budget_of(axis), NO_LIMIT);
+            let (third, across, along) = (twist * v * v * v, bend * v, slope / (2.0 * v));
+            // The largest x of 0.385·D·x + |x'|·j ≤ rest.
+            let reach = |rest: f32| {
+                let half = 0.5 * 0.385 * 3.0 * across;
+                rest / max(half + sqrt_f32(half * half + along * rest), TINY)
+            };
+            let slack = max(budget - third, 0.0);
+            let evenly = sqrt_f32(third * slack / (across * across + third * along));
+            let whole = reach(budget - 0.421_875 * third);
+            most = min(most, max(reach(slack), min(evenly, whole)));
         }
-        for _ in 0..TIMED_STEPS {
-            let root = sqrt_f32(2.0 * jerk * v);
-            let keeps = self.axes.iter().zip(derivatives()).all(|(axis, ((slope, bend), twist))| {
-                let budget = budget_of(axis);
-                let (a, left) = (bend * v * v, budget - slope * jerk);
-                let (along, across) = (slope * root, 3.0 * bend * v * root);
-                let third = twist * v * v * v;
-                let near = a + along <= axis.a_max || a * a + along * along * (1.0 / 7.0) <= axis.a_max * a;
-                let evenly = third + 0.385 * across <= left
-                    || third * third + across * across * (1.0 / 9.0) <= left * third;
-                near && evenly
-                    && max(along, 0.5625 * a + 0.5 * along) <= axis.a_max
-                    && 0.421_875 * third + 0.385 * across <= left
-            });
-            if keeps {
-                break;
-            }
-            jerk *= TIMED_STEP;
-        }
-        lower(ramps, [jerk / ramp.peak_jerk(); 4]);
+        most *= TRADED;
+        lower(ramps, [most * most / (2.0 * v * ramp.peak_jerk()); 4]);
+        limits.lower_accelerations(most);
     }
 }
