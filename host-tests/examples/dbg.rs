@@ -4,9 +4,19 @@ fn main() {
     let case = Case::named(&a[0]).unwrap();
     let slope = SLOPES.iter().find(|(n, _)| *n == a[1]).unwrap().1;
     let at: usize = a[2].parse().unwrap();
-    let d = if a[3] == "hold" { Disturbance::Hold } else if a[3] == "stall" { Disturbance::Stall } else { Disturbance::None };
+    let d = if a[3] == "hold" {
+        Disturbance::Hold
+    } else if a[3] == "stall" {
+        Disturbance::Stall
+    } else {
+        Disturbance::None
+    };
     let (from, to): (usize, usize) = (a[4].parse().unwrap(), a[5].parse().unwrap());
-    if case.axes() == 4 { go::<4>(case, slope, at, d, from, to) } else { go::<3>(case, slope, at, d, from, to) }
+    if case.axes() == 4 {
+        go::<4>(case, slope, at, d, from, to)
+    } else {
+        go::<3>(case, slope, at, d, from, to)
+    }
 }
 fn go<const N: usize>(case: Case, slope: Slope, at: usize, d: Disturbance, from: usize, to: usize) {
     let text = case.text(slope, case.path.blocks());

@@ -455,15 +455,22 @@ impl<const AXES: usize> Track<AXES> {
         Ok(())
     }
 
-    /// Way along the path of the main axes in the tick behind a row, mm.
+    /// Path distance of the tick behind a row, mm. In a curve over time the axes slow down and turn while the path goes on evenly: what
+    /// a stop there has to slow down is the path.
     fn step(&self, run: &Run, row: usize) -> f64 {
-        let next = (row + 1).min(run.trace.len() - 1);
-        let step = |axes: std::ops::Range<usize>| -> f64 {
-            let x = axes.map(|k| (run.trace.columns[k][next] - run.trace.columns[k][row]) as f64);
+        let next = (row + 1).min(run.distances.len() - 1);
+        (run.distances[next] - run.distances[row]) as f64 / 2.0_f64.powi(44)
+    }
+
+    /// Way of the main axes in the tick behind a row, mm; of the others where those rest.
+    fn length(&self, row: usize) -> f64 {
+        let length = |axes: std::ops::Range<usize>| -> f64 {
+            let columns = &self.plain.trace.columns[axes];
+            let x = columns.iter().map(|x| (x[row + 1] - x[row]) as f64);
             x.map(|x| x * x).sum::<f64>().sqrt() / (1u64 << 32) as f64
         };
-        let main = step(0..3);
-        if main > 0.0 { main } else { step(3..AXES.max(3)) }
+        let main = length(0..3);
+        if main > 0.0 { main } else { length(3..AXES.max(3)) }
     }
 
     /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of the axis with the largest
@@ -474,9 +481,10 @@ impl<const AXES: usize> Track<AXES> {
         for row in row..self.ticks() - 1 {
             let step = self.step(&self.plain, row);
             let most = self.plain.trace.columns.iter().map(|x| (x[row + 1] - x[row]).unsigned_abs()).max();
+            let length = self.length(row);
             // Less than a nanometre has no direction.
-            if step > 1e-6 {
-                let part = most.unwrap_or(0) as f64 / (1u64 << 32) as f64 / step;
+            if length > 1e-6 {
+                let part = most.unwrap_or(0) as f64 / (1u64 << 32) as f64 / length;
                 if part > share {
                     share = part;
                     stop = if self.slope.number == 0 {

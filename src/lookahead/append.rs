@@ -123,9 +123,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 (v.is_none() && a <= STEEP * fastest)
                     || dynamics.turns_little(&last.exit, element.entry, rapid, a)
             };
-            smooth = way == Way::Through
-                && last.slope == slope
-                && (slope == SlopeType::Step || turns_little());
+            smooth =
+                way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
             anchor = !(through
                 && smooth
                 && last.trades == element.trades
@@ -155,8 +154,18 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             _ => *element.exit,
         };
         let trades = element.trades;
-        self.last =
-            Some(Last { exit: *element.exit, length, share, rapid, shared, slope, timed, bent, trades, behind });
+        self.last = Some(Last {
+            exit: *element.exit,
+            length,
+            share,
+            rapid,
+            shared,
+            slope,
+            timed,
+            bent,
+            trades,
+            behind,
+        });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);

@@ -1,10 +1,10 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
-use crate::lookahead::pace::Headroom;
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
+use crate::lookahead::pace::Headroom;
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
@@ -21,8 +21,8 @@ const TINY: f32 = 1e-12;
 
 /// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed, and with CONST_VEL what is left of `B` to its
 /// slope.
-const STEADY_NORMAL_PART: f32 = 0.97;
-const STEADY_PART: f32 = 0.93;
+const STEADY_NORMAL_PART: f32 = 0.95;
+const STEADY_PART: f32 = 0.88;
 const STEADY_SLOPE_PART: f32 = 0.02;
 
 /// What limits a curve that replaces a corner, beside the axes.
@@ -91,7 +91,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.law = self.law(change_over);
         let steady = matches!(bounds.passage, Passage::Steady | Passage::Constant);
         let [normal_part, curve_part, slope_part] = if steady {
-            [STEADY_NORMAL_PART, STEADY_PART, STEADY_SLOPE_PART]
+            // A deceleration of STEP has to be there from the first tick on.
+            [if stepped { NORMAL_PART } else { STEADY_NORMAL_PART }, STEADY_PART, STEADY_SLOPE_PART]
         } else {
             [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
         };
