@@ -304,7 +304,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 (self.seen, self.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
-            Stage::Releasing(_) if self.reopened && !self.queue.segments.is_over() => Ok(self.plan_anew()),
+            Stage::Releasing(_)
+                if (self.reopened || self.has_other_level()) && !self.queue.segments.is_over() =>
+            {
+                Ok(self.plan_anew())
+            }
             Stage::Releasing(left) => self.release(left),
             Stage::Filling => Ok(self.fill()),
         }
@@ -327,6 +331,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_full() || self.runs_dry() {
             return self.begin_pass();
         }
+        if self.lookahead.ring.is_empty() {
+            self.follow_level();
+        }
         if !self.contouring.is_empty() && self.round_off() {
             return Work::Working;
         }
@@ -345,7 +352,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.flush || self.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
-    /// Instead of handing on what was planned with gates that are open now.
+    /// Instead of handing on what was planned with gates that are open now, or for another level.
     fn plan_anew(&mut self) -> Work {
         self.reopened = false;
         if self.flush {
@@ -358,6 +365,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     fn begin_pass(&mut self) -> Work {
         self.reopened = false;
+        self.follow_level();
         self.lookahead.begin_pass(!self.flush);
         self.stage = Stage::Passing;
         Work::Working
@@ -373,15 +381,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.secure(self.reserve.near) {
             return Ok(Work::Working);
         }
-        if self.queue.segments.is_sated() || self.flights.is_full() {
+        if self.keeps_ahead() || self.queue.segments.is_sated() || self.flights.is_full() {
             return Ok(Work::Waiting);
         }
+        let level = self.level();
         let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
         let Some(first) = self.lookahead.ring.release(&mut flight.span) else {
             self.stage = Stage::Filling;
             return Ok(Work::Working);
         };
         flight.begin(self.handed);
+        if flight.span.level < level {
+            flight.span.raise(level);
+        }
         let blocks = flight.span.blocks;
         self.stage = Stage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));

@@ -491,6 +491,40 @@ fn jerk_is_checked_where_it_is_asked_for() {
     assert_eq!(run(between).time(), none);
 }
 
+/// CHECK_JERK=1: P-AXIS-00199 limits the jerk that a curve causes where it is longer than the ramp times, too.
+#[test]
+fn a_geometric_ramp_time_above_the_ramp_times_slows_curves_down() {
+    let run = |check: u8, geometric: u32| {
+        let mut machine = machines::even::<3>(1000);
+        for axis in &mut machine.axes {
+            axis.tr_geom = geometric;
+        }
+        let text = format!(
+            "#CONTOUR MODE [DEV PATH_DEV 4 CONST_VEL=1 CHECK_JERK={check}]\nN6 G01 X100 G61 F20000\nN8 Y100\nM30\n"
+        );
+        run_from(&text, [Position::ZERO; 3], &machine)
+    };
+    let [short, long] = [50_000, 200_000].map(|geometric| run(1, geometric));
+    assert!(short.time() < long.time(), "{} {}", short.time(), long.time());
+    // Ramp times are not its business.
+    assert_eq!(run(2, 50_000).time(), run(2, 200_000).time());
+    // a / geometric ramp time inside the curve, away from its ends: mm/s³.
+    let a = f64::from(machines::even::<3>(1000).axes[0].a_max);
+    let jerk = |run: &Run| {
+        let rows: Vec<_> = (0..run.trace.len()).map(|k| run.trace.mm(k)).collect();
+        let curve = |q: &[f64]| q[0] < 100.0 - 0.05 && q[1] > 0.05;
+        let inside = rows.windows(4).filter(|w| w.iter().all(|q| curve(q)));
+        let third = |w: &[Vec<f64>], k: usize| (w[3][k] - 3.0 * (w[2][k] - w[1][k]) - w[0][k]).abs() / 1e-9;
+        inside.flat_map(|w| [third(w, 0), third(w, 1)]).fold(0.0, f64::max)
+    };
+    for (run, ramp) in [(&short, 0.05), (&long, 0.2)] {
+        let (jerk, limit) = (jerk(run), a / ramp);
+        println!("{jerk} of {limit} mm/s³");
+        assert!(jerk <= limit, "{jerk} of {limit} mm/s³");
+        assert!(jerk > 0.2 * limit, "{jerk} of {limit} mm/s³");
+    }
+}
+
 #[test]
 fn constant_speed_through_the_corner() {
     let text = "#CONTOUR MODE [DEV PATH_DEV=2 CONST_VEL=1]\nN10 G01 X100 G61 F8000\nN20 X30 Y100\nM30\n";

@@ -5,7 +5,7 @@ use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, edges, machines, named, set_point};
 use host_tests::check;
-use host_tests::operate::{Act, Operated, operate, operate_text};
+use host_tests::operate::{Act, Operated, judge, operate, operate_text};
 use host_tests::properties::{Verdict, permitted, verify};
 use host_tests::reference::optimum::TOLERANCE;
 use host_tests::trace::{run, run_text};
@@ -330,6 +330,42 @@ fn an_override_is_kept_in_every_block() {
                 let above = above_the_feed(&path, &run, part, down + SETTLED);
                 assert!(above.is_none_or(|tick| tick >= up), "path {number}, {over} at {down}: {above:?}");
                 assert_eq!(above_the_feed(&path, &run, 1.0, 0), None, "path {number}, {over} at {down}");
+            }
+        }
+    }
+}
+
+/// The same behind a higher override: what was planned for that is left no faster than the one of now permits.
+#[test]
+fn an_override_is_kept_in_every_block_behind_a_higher_one() {
+    const SETTLED: usize = 500;
+    for number in 0..40 {
+        let path = Feeds::new(number);
+        let mut machine = feeds_machine(&path);
+        machine.channel.override_weight_prog_feed = (number % 2) as u8;
+        for optimised in [false, true] {
+            let program = Program { optimised, ..path.program(format!("feeds {number}"), 1) };
+            let operated = |acts: &[(usize, Act)]| {
+                let run = operate::<1, 120>(&program, &machine, acts, 1000).unwrap();
+                judge(&program, &machine, &run).unwrap_or_else(|fault| panic!("{}: {fault}", program.name));
+                run
+            };
+            let whole = operated(&[]).trace.len();
+            for (high, low) in [(1500, 1000), (2000, 700), (1200, 1100), (1000, 600)] {
+                let down = whole / 4;
+                let acts = [(0, Act::Override(high)), (down, Act::Override(low))];
+                let run = operated(&acts);
+                let part = f64::from(low) / 1000.0;
+                let above = above_the_feed(&path, &run, part, down + SETTLED);
+                assert_eq!(above, None, "path {number}, NO_OPT=0 {optimised}, {high} to {low} at {down}");
+                let above = above_the_feed(&path, &run, f64::from(high) / 1000.0, 0);
+                assert_eq!(above, None, "path {number}, NO_OPT=0 {optimised}, {high} to {low} at {down}");
+                // And up and down again.
+                let (up, again) = (down + 600, down + 1200);
+                let acts = [acts[0], acts[1], (up, Act::Override(high)), (again, Act::Override(low))];
+                let run = operated(&acts);
+                let above = above_the_feed(&path, &run, part, again + SETTLED);
+                assert_eq!(above, None, "path {number}, NO_OPT=0 {optimised}, {high} to {low} at {again}");
             }
         }
     }

@@ -54,15 +54,23 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let (timed, bent) = (element.timed, element.bent);
         let after_brief = self.row.is_brief();
-        self.row.take(length, (&mut limits.v, &mut headroom), self.level, timed);
+        // Of the block at 100 % at least: its limits hold for a higher level too.
+        self.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), timed);
+        let full = limits.v;
+        if self.level < 1.0 {
+            limits.v *= headroom.raised(self.level);
+        }
         let mut cap = 0.0;
-        let mut rises = 2.0;
+        let mut highest = 0.0;
         let mut shared = false;
         let mut smooth = false;
         let mut anchor = true;
         let slope = dynamics.slope();
         if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
-            cap = min(before.limits.v, limits.v);
+            let full_before = before.full(self.level);
+            cap = min(full_before, full);
+            // No more than the double is known.
+            highest = 2.0 * cap;
             let rapid = rapid && last.rapid;
             let shorter = min(last.length, length);
             let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
@@ -73,7 +81,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 v = if both < cap { Some(min(both, v.unwrap_or(both))) } else { v };
             }
             // STEP: what passes within a tick of a knee shows together with it.
-            let brief = last.length < before.limits.v || length < limits.v;
+            let brief = last.length < full_before || length < full;
             let sides = [(&before.limits, &last.share, last.length), (&limits, &share, length)];
             let way = match v {
                 Some(v) if v < cap && is_corner(&last.exit, element.entry) => {
@@ -89,11 +97,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
                 let unseen = || dynamics.unseen(&last.exit, element.entry, rapid);
                 cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
-                rises = 1.0;
+                highest = cap;
             } else if v.is_some() || (brief && slope == SlopeType::Step) {
                 if let Some(v) = v {
                     cap = min(cap, v);
-                    rises = min(rises, v / cap);
+                    highest = min(highest, v);
                 }
                 limits.share(&shares[1]);
                 shared = true;
@@ -118,7 +126,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 SlopeType::Step => false,
             };
             // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
-            let (fastest, a) = (min(before.limits.v, limits.v), limits.fastest(&before.limits));
+            let (fastest, a) = (min(full_before, full), limits.fastest(&before.limits));
             let turns_little = || {
                 (v.is_none() && a <= STEEP * fastest)
                     || dynamics.turns_little(&last.exit, element.entry, rapid, a)
@@ -132,6 +140,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && last.bent == bent
                 && (!bent || limits.are(&before.limits))
                 && self.span + distance < LONGEST_SPAN);
+            cap = min(cap, min(before.limits.v, limits.v));
         }
         let gate = core::mem::take(&mut self.gate);
         anchor |= gate;
@@ -177,11 +186,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             length: distance,
             limits,
             cap,
+            highest,
             v_in,
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             headroom,
-            joint: Joint::new(rises, !anchor && slope == SlopeType::Hsc),
+            joint: Joint::new(!anchor && slope == SlopeType::Hsc),
             marks,
             continued: false,
             trades,

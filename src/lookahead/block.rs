@@ -19,6 +19,8 @@ pub struct Block {
     pub(super) limits: Limits,
     /// Speed at which its start may be passed at most, mm/tick.
     pub(super) cap: f32,
+    /// The same whatever the speeds of the blocks beside it: their feeds may rise with the override.
+    pub(super) highest: f32,
     /// Planned speed at its start.
     pub(super) v_in: Speed,
     /// Speed at its start as far as it can be reached from the first block. Not of an anchor: [`Ease`], if any.
@@ -35,32 +37,44 @@ pub struct Block {
     pub(super) trades: bool,
 }
 
-/// What else is said of the transition at the start of a block: in the upper bit, whether it may be tried to do without an
-/// anchor there; below, how far it lets [`Block::cap`] rise beyond once: LSB 2^-7.
+/// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*: it is the piece of a
+/// slow block in a faster span, where the speed at the anchor beside it keeps its limit ([`super::dip`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Joint(u8);
 
 impl Joint {
-    const ONE: f32 = 128.0;
-    const OPEN: u8 = 128;
+    const OPEN: u8 = 1;
+    const LENT: u8 = 2;
 
-    /// `rises`: 1…2.
-    pub(super) fn new(rises: f32, open: bool) -> Self {
-        let rises = ((rises - 1.0) * Self::ONE) as u32;
-        Self(rises.min(Self::OPEN as u32 - 1) as u8 | if open { Self::OPEN } else { 0 })
-    }
-
-    pub(super) fn rises(self) -> f32 {
-        1.0 + f32::from(self.0 & (Self::OPEN - 1)) * (1.0 / Self::ONE)
+    /// Not lent.
+    pub(super) fn new(open: bool) -> Self {
+        Self(if open { Self::OPEN } else { 0 })
     }
 
     pub(super) const fn is_open(self) -> bool {
         self.0 & Self::OPEN != 0
     }
 
+    /// The anchor may be tried.
+    pub(super) const fn open(&mut self) {
+        self.0 |= Self::OPEN;
+    }
+
     /// The anchor was tried.
     pub(super) const fn close(&mut self) {
-        self.0 &= Self::OPEN - 1;
+        self.0 &= !Self::OPEN;
+    }
+
+    pub(super) const fn is_lent(self) -> bool {
+        self.0 & Self::LENT != 0
+    }
+
+    pub(super) const fn lend(&mut self) {
+        self.0 |= Self::LENT;
+    }
+
+    pub(super) const fn take_back(&mut self) {
+        self.0 &= !Self::LENT;
     }
 }
 
@@ -112,9 +126,24 @@ impl Block {
         self.marks.has(mark)
     }
 
+    /// Whether blocks with other speeds may be in one span with it: HSC.
+    pub fn varies(&self) -> bool {
+        self.limits.varies()
+    }
+
     /// Whether it waits for acknowledgements.
     pub fn is_gate(&self) -> bool {
         self.is(Marks::GATE)
+    }
+
+    /// The speed that a law has to keep in it.
+    pub(super) fn speed(&self) -> f32 {
+        if self.joint.is_lent() { f32::MAX } else { self.limits.v }
+    }
+
+    /// Its speed at 100 %, or at the level if that is higher.
+    pub(super) fn full(&self, level: f32) -> f32 {
+        if level < 1.0 { self.limits.v / self.headroom.raised(level) } else { self.limits.v }
     }
 
     /// Speed at which its start may be passed now.

@@ -44,6 +44,11 @@ impl Ease {
         Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
     }
 
+    /// With a lower highest speed.
+    pub fn lowered(self, part: f32) -> Self {
+        Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
+    }
+
     /// The parts of acceleration and deceleration that are used, and the highest speed.
     pub fn parts(self) -> ([f32; 2], f32) {
         (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
@@ -405,7 +410,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             pass.way += block.length;
             let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
             let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
-            for (v, places) in [(cap, [start; 2]), (block.limits.v, [start, end])] {
+            for (v, places) in [(cap, [start; 2]), (block.speed(), [start, end])] {
                 if pass.law.keeps(v, places[0], places[1]) {
                     continue;
                 }

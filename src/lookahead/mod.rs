@@ -84,12 +84,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Speeds are planned for another level, a higher one unless the ring is empty. What was planned stays possible.
-    pub fn set_level(&mut self, level: f32) {
-        self.ring.set_level(level);
-        if !self.plan.is_done() && !self.ring.is_empty() {
-            self.plan.begin(&mut self.ring);
+    /// Speeds are planned for another level; only before a plan begins. The first block is entered at the speed `v_in`. `false`, and
+    /// nothing has changed, if that is too fast for a lower level. What was planned stays possible.
+    pub fn set_level(&mut self, level: f32, v_in: Speed) -> bool {
+        let lower = level < self.ring.level();
+        if lower && v_in > self.ring.entry_for(level) {
+            return false;
         }
+        if lower {
+            self.ring.lower(level, v_in);
+        } else {
+            self.ring.raise(level);
+        }
+        true
     }
 
     /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its

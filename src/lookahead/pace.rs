@@ -10,14 +10,16 @@
 //! reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at which every axis keeps its P-AXIS-00214.
 //! In rapid motion v_prog is v_max.
 //!
-//! The ring is planned for the *level*, the highest override since it was empty, at least 100 %. What is slower is
+//! The ring is planned for a *level*, and follows the override with it whenever a plan begins: at least 100 %, but where the override
+//! counts for the programmed feed alone (mode 1) that of now. What is slower is
 //! decided when the time law of a span is made: so an override that falls acts at once, and what was possible stays
-//! possible. Arcs and curves know their limits for the level of the moment at which they are taken in, and exceed that
-//! speed only when new blocks come.
+//! possible. The level falls when the motion enters the ring at that part of the speed planned there
+//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level of the moment at which they are taken in, at least
+//! 100 %, and exceed that speed only when new blocks come.
 //!
 //! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an override below the level it is
 //! that law at a part of its speed, s(t · part): all accelerations are smaller then, and no block is faster than its part. That
-//! needs the span to be entered at the same part of its planned speed, so spans of HSC are left so, whatever P-CHAN-00066 says. In what is
+//! needs the span to be entered at the same part of its planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is
 //! left of a span when the override changes, or after a hold, it is the law from where it cruises on. Entered at another speed,
 //! before and behind its cruise, and while the speed is reduced, its slowest block is the limit.
 //!
@@ -74,9 +76,10 @@ impl Headroom {
         [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
     }
 
-    /// Speed at a level by that at 100 %.
+    /// Speed at a level by that at 100 %: a level below that counts for the feed alone.
     pub fn raised(self, level: f32) -> f32 {
-        min(level, self.parts()[0])
+        let [above, below] = self.parts();
+        min(level / below, above)
     }
 
     /// The highest speed at any level of a block that is planned with `v` for one.
@@ -144,6 +147,8 @@ impl Slowest {
 const SLOWER: f32 = 0.75;
 /// Roundings add up from span to span: two parts that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 262_144.0;
+/// That and as much again.
+const LESS: f32 = 1.0 - 1.0 / 131_072.0;
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
@@ -177,24 +182,37 @@ impl Pace {
 
     /// The level it needs.
     pub fn level(&self) -> f32 {
-        max(1.0, self.over)
+        if self.is_of_program() { self.over } else { max(1.0, self.over) }
     }
 
     /// All that was planned for `level` runs as planned.
     #[inline(always)]
-    pub fn is_full(&self, level: f32) -> bool {
-        self.over == level && !self.reduced
+    fn is_full(&self, level: f32) -> bool {
+        self.over == level && !self.reduced && (level >= 1.0 || self.mode == 1)
+    }
+
+    /// The span runs as planned.
+    #[inline(always)]
+    pub fn is_planned(&self, span: &Release) -> bool {
+        self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
     }
 
     /// Highest speed of a span now.
     pub fn limit(&self, span: &Release) -> f32 {
-        let v = if self.is_full(span.level) { span.limits.v } else { self.slowed(span) };
+        let v = if self.is_planned(span) { span.limits.v } else { self.slowed(span) };
         min(v, span.ceiling)
+    }
+
+    /// An override alone makes a span no slower.
+    fn slowest(&self, span: &Release) -> f32 {
+        let v = if span.is_uneven() { max(span.v_slow, span.cruise) } else { span.limits.v };
+        let full = if span.level < 1.0 { v / span.headroom.raised(span.level) } else { v };
+        min(full, to_f32(span.length.to_bits()) * (1.0 / SLOWEST))
     }
 
     fn slowed(&self, span: &Release) -> f32 {
         let v = if span.is_uneven() { max(span.v_slow, span.cruise) } else { span.limits.v };
-        let slowest = min(v, to_f32(span.length.to_bits()) * (1.0 / SLOWEST));
+        let slowest = self.slowest(span);
         let part =
             if span.is_uneven() { self.part(span.level) } else { self.factor(span.headroom, span.level) };
         self.reduce(span, max(v * part, slowest))
@@ -220,8 +238,10 @@ impl Pace {
     }
 
     /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next one is entered as planned.
+    /// A little less: with what roundings add up to it is still that part.
     pub fn part(&self, level: f32) -> f32 {
-        min(self.over / level, 1.0)
+        let level = if self.is_of_program() { level } else { max(1.0, level) };
+        if self.over >= level { 1.0 } else { self.over / level * LESS }
     }
 
     /// Highest speed of the block behind a span now.
@@ -245,7 +265,6 @@ impl Pace {
     fn factor(&self, headroom: Headroom, level: f32) -> f32 {
         let [above, below] = headroom.parts();
         let over = if self.is_of_program() { self.over / below } else { self.over };
-        let factor = min(over, above);
-        min(factor / min(level, above), 1.0)
+        min(min(over, above) / headroom.raised(level), 1.0)
     }
 }

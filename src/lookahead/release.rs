@@ -152,7 +152,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut ease = Ease::NONE;
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
-        let mut v_least = first.limits.v;
+        let mut v_least = first.speed();
         let mut headroom = first.headroom;
         let mut limits = first.limits;
         let next = loop {
@@ -161,7 +161,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     if blocks == 1 {
                         ease = block.ease();
                     }
-                    v_least = min(v_least, min(block.cap, block.limits.v));
+                    v_least = min(v_least, min(block.cap, block.speed()));
                     limits.join(&block.limits);
                     headroom.join(block.headroom);
                     length += block.length;
@@ -170,6 +170,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 next => break next,
             }
         };
+        v_least = min(v_least, limits.v);
         release.a_down = limits.a_down;
         if blocks > 1 {
             limits.ease(ease);

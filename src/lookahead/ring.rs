@@ -1,9 +1,11 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
-use super::block::{Block, Joint, Marks, ROUNDED};
+use super::block::{Block, Marks, ROUNDED, UNPLANNED};
 use super::brief::Row;
 use super::limits::{max, min};
 use super::pace::Slowest;
+use crate::math::float::to_bits;
+use crate::math::wide::mul_shift;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_bits;
 use heapless::Deque;
@@ -49,6 +51,14 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) spare: usize,
 }
 
+/// A lower level takes more from planned speeds than rounding takes from limits.
+const LOWERS: f32 = 1.0 - 1.0 / 524_288.0;
+
+/// A planned speed at a part of itself, LSB 2^-36; none stays none.
+fn scaled(v: Speed, part: i64) -> Speed {
+    if v < Speed::ZERO { v } else { Speed::from_bits(mul_shift(v.to_bits(), part, 36)) }
+}
+
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
 const LONG_BLOCKS: usize = 2;
 
@@ -85,24 +95,68 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.level
     }
 
-    /// Speeds are planned for another level, a higher one unless the ring is empty. What was planned stays possible.
-    pub(super) fn set_level(&mut self, level: f32) {
-        let before = self.level;
-        self.level = level;
-        let mut last = 0.0;
+    /// The speed at which the first block has to be entered for a lower level, at most.
+    pub fn entry_for(&self, level: f32) -> Speed {
+        self.blocks.front().map_or(Speed::ZERO, |first| scaled(first.v_in, self.lowers(level)))
+    }
+
+    /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of limits.
+    fn lowers(&self, level: f32) -> i64 {
+        to_bits::<36>(level / self.level * LOWERS)
+    }
+
+    /// Speeds are planned for a higher level. What was planned stays possible.
+    pub(super) fn raise(&mut self, level: f32) {
+        let before = core::mem::replace(&mut self.level, level);
+        let (mut last, mut lent) = (0.0, false);
         for (k, block) in self.blocks.iter_mut().enumerate() {
             let by = block.headroom.raised(level) / block.headroom.raised(before);
             block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
-            if k > 0 {
-                // From the highest speed that the transition permits, of which no more than the double is known.
-                let highest = block.cap * block.joint.rises();
-                block.cap = max(block.cap, min(highest, min(last, block.limits.v)) * ROUNDED);
-                block.joint = Joint::new(min(highest / block.cap, 2.0), block.joint.is_open());
+            // A dip stays as fast as it is.
+            if k > 0 && !lent && !block.joint.is_lent() {
+                let fastest = min(block.highest, min(last, block.limits.v));
+                block.cap = max(block.cap, fastest * ROUNDED);
             }
-            last = block.limits.v;
+            (last, lent) = (block.limits.v, block.joint.is_lent());
         }
         if !self.blocks.is_empty() {
+            self.until = 0;
+        }
+    }
+
+    /// Speeds are planned for a lower level; the first block is entered at `v_in`, at most [`Self::entry_for`]. What was planned
+    /// stays possible at the part of its speed that the level is lowered by: all accelerations are smaller then. Slow blocks
+    /// get back what they have lent.
+    pub(super) fn lower(&mut self, level: f32, v_in: Speed) {
+        let part = self.lowers(level);
+        let before = core::mem::replace(&mut self.level, level);
+        let (mut last, mut lent) = (f32::MAX, false);
+        for block in &mut *self.blocks {
+            let by = block.headroom.raised(level) / block.headroom.raised(before);
+            block.limits.v *= by * ROUNDED;
+            block.marks.set(Marks::CHECKED, false);
+            block.marks.set(Marks::KEPT, true);
+            block.cap = min(block.highest, min(last, block.limits.v));
+            let is_anchor = block.is(Marks::ANCHOR);
+            if (lent || block.joint.is_lent()) && !block.continued {
+                // Where the slow block begins or ends.
+                self.untried += usize::from(is_anchor && !block.joint.is_open());
+                block.joint.open();
+            }
+            (last, lent) = (block.limits.v, block.joint.is_lent());
+            block.joint.take_back();
+            for v in [&mut block.v_in, &mut block.v_old] {
+                *v = scaled(*v, part);
+            }
+            if is_anchor {
+                block.v_reached = scaled(block.v_reached, part);
+            } else if block.v_reached > UNPLANNED {
+                block.v_reached = block.ease().lowered(by).kept();
+            }
+        }
+        if let Some(first) = self.blocks.front_mut() {
+            first.v_in = v_in;
             self.until = 0;
         }
     }

@@ -354,7 +354,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     pass.cut = pass.block;
                 }
             }
-            let v = block.limits.v;
+            let v = block.speed();
             match &mut pass.worst {
                 // The limit goes on.
                 Some(worst) if worst.v == v && worst.behind == pass.block => {

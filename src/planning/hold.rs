@@ -394,7 +394,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(mut flight) = self.flights.get_mut(k) else { return Ok(()) };
         (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.pace);
         let span = &flight.span;
-        let as_planned = v_in == span.v_in && span.checked && self.pace.is_full(span.level);
+        let as_planned = v_in == span.v_in && span.checked && self.pace.is_planned(span);
         (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.mode.stopping || self.mode.uneven {
@@ -436,7 +436,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         flight.look(flight.start.to_bits());
         let (span, v_in) = (&mut flight.span, flight.enters);
-        if self.mode.stopping || self.pace.is_full(span.level) {
+        if self.mode.stopping || self.pace.is_planned(span) {
             return false;
         }
         if let Some(part) = self.pace.stretch(span, v_in) {
@@ -468,7 +468,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flight = self.flights.get_mut(k)?;
         let (end, v_in) = (flight.end(), flight.enters);
         let span = &mut flight.span;
-        let full = self.pace.is_full(span.level);
+        let full = self.pace.is_planned(span);
         let mut v = self.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;

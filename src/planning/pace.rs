@@ -6,8 +6,13 @@
 //! that have no law yet get the right one when it is made.
 use super::descent::Descent;
 use super::flight::Flight;
-use super::{Brake, Commands, Planning, Work, min};
+use super::{Brake, Commands, Planning, Work, clock, max, min};
+use crate::lookahead::Block;
+use crate::nc::SlopeType;
 use crate::slope::profile::speed_bits;
+
+/// Ticks of motion in the queue that are enough, with HSC.
+const AHEAD: u32 = 1024;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The pace of the commands, for all laws to be made.
@@ -17,16 +22,50 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.pace == before {
             return;
         }
-        let level = self.pace.level();
-        if level > self.lookahead.ring.level() || self.lookahead.ring.is_empty() {
-            self.lookahead.set_level(level);
-            self.dynamics.set_level(level);
-            self.renew_held();
-            for flight in self.flights.from(0).filter(|flight| flight.span.level < level) {
-                flight.span.raise(level);
-            }
+        let level = self.level();
+        for flight in self.flights.from(0).filter(|flight| flight.span.level < level) {
+            flight.span.raise(level);
+        }
+        if self.lookahead.ring.is_empty() {
+            self.follow_level();
         }
         self.mode.adjusting = true;
+    }
+
+    /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one speed.
+    pub(super) fn level(&self) -> f32 {
+        let level = self.pace.level();
+        if self.dynamics.slope() == SlopeType::Hsc { level } else { max(level, 1.0) }
+    }
+
+    /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the level it was planned for.
+    pub(super) fn keeps_ahead(&self) -> bool {
+        self.end.wrapping_sub(self.queue.clock.now()) > clock::TICK * AHEAD
+            && self.lookahead.ring.first().is_some_and(Block::varies)
+    }
+
+    /// The ring is planned for the level of now, if the motion enters it slowly enough. Only when all laws are made, before a plan begins.
+    pub(super) fn follow_level(&mut self) {
+        let (before, level) = (self.lookahead.ring.level(), self.level());
+        let empty = self.lookahead.ring.is_empty();
+        let made = self.laid == self.flights.len();
+        if level == before || !(empty || made) || !self.lookahead.set_level(level, self.speed) {
+            return;
+        }
+        if level < before && !empty {
+            // With a higher override again, they do not end faster than what is behind begins.
+            self.flights.lower(self.laid, self.speed);
+        }
+        self.dynamics.set_level(max(level, 1.0));
+        self.renew_held();
+    }
+
+    /// Whether the ring is planned for another level than that of now, and can follow it while there is time.
+    pub(super) fn has_other_level(&self) -> bool {
+        let (ring, level) = (&self.lookahead.ring, self.level());
+        level != ring.level()
+            && (level > ring.level() || self.speed <= ring.entry_for(level))
+            && self.is_far(self.end)
     }
 
     /// Its law was made for another pace, and is not the one of now.

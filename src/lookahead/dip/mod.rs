@@ -9,7 +9,8 @@
 //! soonest, and where s is given, v grows with w above v/2 and falls below: its highest values are those of w = V − h, which is
 //! V, and of w = 0, which is below V as long as h ≤ V/8. The same seen backward. So any motion that begins or ends with acceleration zero at the
 //! anchor, at its speed or slower, keeps the limit of the piece: after a hold, with another override, with new
-//! blocks behind. The piece has the limit of the fast block from then on.
+//! blocks behind. The piece is *lent* to the fast span: its own limit does not count there. With another level the
+//! slow block gets all of it back ([`Ring::set_level`]).
 //!
 //! A dip costs time inside the slow block and gains some in front of it: with a fast block of speed F the best depth is about
 //! V (1 − V/F)/4. A slow block too short for two dips gets one from end to end. Two laws, or three, are compared with those of
@@ -20,7 +21,7 @@
 //! A block that is cut takes two places of the ring. They share its curve.
 mod shift;
 
-use super::block::{Joint, Marks, UNPLANNED};
+use super::block::{Marks, UNPLANNED};
 use super::ease::{self, Ease, GAIN, Trial};
 use super::law::{Law, RISE, Span, length_mm};
 use super::limits::{max, min};
@@ -496,6 +497,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut piece = *block;
         piece.length = block.length - distance;
         piece.continued = true;
+        piece.highest = f32::MAX;
         block.length = distance;
         piece.marks = Marks::default();
         piece.marks.set(Marks::LONG, block.is(Marks::LONG));
@@ -514,7 +516,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
         (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
         block.cap = v;
-        block.joint = Joint::new(1.0, false);
+        block.joint.close();
         self.through -= 1;
     }
 
@@ -523,20 +525,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let open = block.joint.is_open();
         block.give_way();
-        block.joint = Joint::new(2.0, false);
+        block.joint.close();
         block.cap = cap;
         self.through += 1;
         self.untried -= usize::from(open).min(self.untried);
     }
 
-    /// The block `k` is part of a span with another limit, that of the block `like`.
-    fn give_to(&mut self, k: usize, like: usize) {
-        let Some((v, headroom)) = self.blocks.get(like).map(|block| (block.limits.v, block.headroom)) else {
-            return;
-        };
+    /// The block `k` is part of a faster span.
+    fn lend(&mut self, k: usize) {
         if let Some(block) = self.blocks.get_mut(k) {
-            block.limits.v = v;
-            block.headroom = headroom;
+            block.joint.lend();
         }
     }
 
@@ -552,7 +550,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             cuts += 1;
             c += 1;
             self.open_up(b, self.limit(b - 1));
-            self.give_to(b, b - 1);
+            self.lend(b);
             at = b + 1;
             self.dip_at(at, plan.v[0]);
             self.keep_ease(a, plan.eases[0]);
@@ -580,7 +578,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 (at, c) = (c, c + 1);
                 self.dip_at(at, plan.v[1]);
             }
-            self.give_to(at, c);
+            self.lend(at);
             self.open_up(c, self.limit(c));
             if let Some(block) = self.blocks.get_mut(c + 1)
                 && !block.is(Marks::ANCHOR)

@@ -3,7 +3,7 @@
 //! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
 //! zero either: it moves into the block on the other side, as far as the limit where it was permits.
 use super::{Dip, Step};
-use crate::lookahead::block::{Joint, Marks, ROUNDED, UNPLANNED};
+use crate::lookahead::block::{Marks, ROUNDED, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
 use crate::lookahead::law::{LSB_44, Law, RISE, Span};
 use crate::lookahead::limits::Limits;
@@ -168,24 +168,17 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let early = at < was;
         // The anchor that was.
-        let (cap, joint) =
-            self.blocks.get(was).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
+        let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
         self.open_up(was, cap);
-        if let Some(block) = self.blocks.get_mut(was) {
-            block.joint = Joint::new(joint.rises(), false);
-        }
-        let (cap_here, joint_here) =
-            self.blocks.get(at).map_or((0.0, Joint::new(1.0, false)), |block| (block.cap, block.joint));
+        let (cap_here, open_here) =
+            self.blocks.get(at).map_or((0.0, false), |block| (block.cap, block.joint.is_open()));
         self.dip_at(at, plan.v[0]);
         if let Some(block) = self.blocks.get_mut(at) {
-            if plan.cuts[0] != 0 {
-                block.joint = Joint::new(2.0, true);
-                block.cap = block.limits.v;
+            let is_cut = plan.cuts[0] != 0;
+            block.cap = if is_cut { block.limits.v } else { cap_here };
+            if is_cut || open_here {
+                block.joint.open();
                 self.untried += 1;
-            } else {
-                block.cap = cap_here;
-                block.joint = joint_here;
-                self.untried += usize::from(joint_here.is_open());
             }
         }
         if early

@@ -25,6 +25,8 @@ pub struct Set {
     pub joint: Joint,
     /// The least a / ramp time, at most `B`.
     pub ramp_budget: f32,
+    /// The least a / geometric ramp time: `B`, or less where that is longer than the ramp times.
+    pub geometric_budget: f32,
     /// Acceleration left to the slope beside a knee.
     pub a_shared: f32,
     /// The same where acceleration is zero at the knee.
@@ -86,7 +88,7 @@ impl Set {
     pub(super) fn curving_budget(&self, check: u8) -> f32 {
         match check {
             0 => f32::MAX,
-            1 => self.joint.budget,
+            1 => self.geometric_budget,
             _ => self.ramp_budget,
         }
     }
@@ -123,11 +125,13 @@ impl Axis {
             let mut j = [0.0; 4];
             let mut budget = f32::MAX;
             let mut ramp_budget = f32::MAX;
+            let mut geometric_budget = f32::MAX;
             let [mut shortest, mut longest] = [f32::MAX, 0.0];
             for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
                 *j = over(tr, k) * JERK_MARGIN;
                 budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
                 ramp_budget = min(ramp_budget, *j);
+                geometric_budget = min(geometric_budget, over(geometric, k) * JERK_MARGIN);
                 longest = max(longest, tr);
                 shortest = min(shortest, tr);
             }
@@ -163,6 +167,7 @@ impl Axis {
                     gained: 0.5 * near,
                 },
                 ramp_budget: min(ramp_budget, budget),
+                geometric_budget,
                 a_shared: (1.0 - KNEE_PART) * a_max,
                 a_resting: (1.0 - SLIGHT_KNEE) * a_max,
             };
@@ -170,6 +175,7 @@ impl Axis {
                 // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
                 let knee = min(set.least(), KNEE_PART * a_max);
                 set.joint.budget = knee / TRANSITION_PART;
+                set.geometric_budget = set.joint.budget;
                 (set.joint.knee, set.joint.is_weighted, set.joint.bend) = (knee, false, f32::MAX);
             } else {
                 set.upper = [f32::MAX; 2];

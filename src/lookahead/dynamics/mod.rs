@@ -13,6 +13,8 @@
 //! `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows at most the larger one of `B` and
 //! π/2 · a / ramp time.
 //!
+//! The curvature of a curve with CHECK_JERK=1 has `a / geometric ramp time`, which is less than `B` where that time is the longer one.
+//!
 //! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
 //! the slope, which does not vanish there. A quarter of `a_max` is left to knees: beside them and beside blocks that may pass
 //! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.

@@ -1,0 +1,127 @@
+//! The ring is planned for the override of now: the table of P-CHAN-00066 in every block, and nothing is left of an override before.
+use glidepath::machine::MachineData;
+use host_tests::cases::{Program, machines};
+use host_tests::operate::{Act, Operated, judge, operate};
+
+fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)]) -> Operated {
+    operate::<3, 120>(program, machine, acts, 1000)
+        .and_then(|run| judge(program, machine, &run).map(|()| run))
+        .unwrap_or_else(|fault| panic!("{}, {acts:?}: {fault}", program.name))
+}
+
+/// A slope with a mode of P-CHAN-00066.
+fn mill(slope: u8, mode: u8) -> MachineData<3> {
+    let mut machine = machines::with_slope(machines::mill::<3>(1000), slope);
+    machine.channel.override_weight_prog_feed = mode;
+    machine
+}
+
+/// 2^-44 mm.
+fn mm(distance: i64) -> f64 {
+    distance as f64 / 2f64.powi(44)
+}
+
+/// Length of a block, mm, and feeds of two that take turns, mm/min; a block in the middle of a change has no steady speed.
+const LENGTH: f64 = 600.0;
+const FEEDS: [f64; 2] = [80_000.0, 20_000.0];
+const BLOCKS: usize = 24;
+/// What the machine permits, mm/min.
+const V_MAX: f64 = 50_000.0;
+
+/// Highest speed in every block, mm/min.
+fn fastest(run: &Operated) -> Vec<f64> {
+    let mut fastest = vec![0.0_f64; BLOCKS];
+    let at = |tick: usize| mm(run.distances[tick].wrapping_sub(run.distances[0]));
+    for tick in 1..run.distances.len() {
+        let (before, now) = (at(tick - 1), at(tick));
+        let [first, last] = [before + 1e-6, now - 1e-6].map(|s| (s / LENGTH) as usize);
+        if first == last && last < BLOCKS {
+            fastest[last] = fastest[last].max((now - before) / run.trace.cycle * 60.0);
+        }
+    }
+    fastest
+}
+
+/// D3-264 to D3-267 with an override from the start, and after another one: every block of a span reaches what the table says.
+#[test]
+fn every_block_has_the_speed_of_the_table() {
+    for (slope, optimised) in [(0, false), (1, false), (2, false), (3, false), (3, true)] {
+        for mode in 0..3 {
+            let mut machine = mill(slope, mode);
+            for axis in &mut machine.axes {
+                (axis.vb_max, axis.vb_eilgang) = (833_333, 833_333);
+            }
+            let mut program = Program::new("turns", 3);
+            for k in 0..BLOCKS {
+                program = program.line(&[(k + 1) as f64 * LENGTH], FEEDS[k % 2]);
+            }
+            program.optimised = optimised;
+            for over in [500, 800, 1000, 1500] {
+                for before in [1000, 1500, 600] {
+                    let acts = [(0, Act::Override(before)), (2000, Act::Override(over))];
+                    let run = run(&program, &machine, &acts);
+                    let part = f64::from(over) / 1000.0;
+                    // So far it may be the law of before.
+                    let changed = mm(run.distances[2000].wrapping_sub(run.distances[0])) / LENGTH;
+                    for (k, v) in fastest(&run).into_iter().enumerate().skip(changed as usize + 8) {
+                        let feed = FEEDS[k % 2];
+                        let wanted = match mode {
+                            1 => (feed * part).min(V_MAX),
+                            _ => (feed.min(V_MAX) * part).min(V_MAX),
+                        };
+                        assert!(
+                            (0.9999..=1.000_001).contains(&(v / wanted)),
+                            "slope {slope}, NO_OPT=0 {optimised}, mode {mode}, {before} to {over}, block {k}: {v} for {wanted}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Blocks of changing feeds, and corners.
+fn track(count: usize) -> Program {
+    let mut program = Program::new("track", 3);
+    let mut x = 0.0;
+    for k in 0..count {
+        x += [3.0, 6.0, 1.0, 4.0, 2.0][k % 5];
+        let feed = [9000.0, 4000.0, 12_000.0, 6000.0][k % 4];
+        let y = if k % 7 < 4 { 0.0 } else { [0.4, 1.0, 0.6][k % 3] };
+        program = program.line(&[x, y, 0.0], feed);
+    }
+    program
+}
+
+/// Ticks from where the path distance `from` is passed to the end.
+fn rest(run: &Operated, from: i64) -> usize {
+    let start = run.distances[0];
+    let at = run.distances.iter().position(|s| s.wrapping_sub(start) >= from).expect("on the way");
+    run.trace.len() - at
+}
+
+#[test]
+fn nothing_is_left_of_a_higher_override() {
+    for optimised in [false, true] {
+        let program = Program { optimised, ..track(300) };
+        for mode in 0..3 {
+            let machine = mill(3, mode);
+            for back in [1000, 800] {
+                let steady = run(&program, &machine, &[(0, Act::Override(back))]);
+                let acts =
+                    [(0, Act::Override(back)), (500, Act::Override(1500)), (1500, Act::Override(back))];
+                let changed = run(&program, &machine, &acts);
+                // A second behind the change there are blocks that were planned for another override; later there are none.
+                for (tick, tolerance) in [(2500, 0.01), (20_000, 0.001)] {
+                    let from = changed.distances[tick].wrapping_sub(changed.distances[0]);
+                    let [changed, steady] = [&changed, &steady].map(|run| rest(run, from));
+                    println!("NO_OPT=0 {optimised}, mode {mode}, {back}: {changed} ticks, {steady} without");
+                    assert!(
+                        changed as f64 <= steady as f64 * (1.0 + tolerance),
+                        "NO_OPT=0 {optimised}, mode {mode}, {back}: {changed} ticks, {steady} without"
+                    );
+                }
+            }
+        }
+    }
+}
