@@ -4,7 +4,6 @@ use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::lookahead::limits::{
     ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
 };
-use crate::lookahead::pace::Headroom;
 use crate::math::float::to_f32;
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
@@ -124,7 +123,9 @@ impl<const AXES: usize> Dynamics<AXES> {
                 max(set.curving_budget(curving.jerk), set.joint.budget)
             };
             self.trade(bounds, &mut limits, whole);
-            return (limits, share_left, self.traded(&mut limits, rapid, feed, v_reduced));
+            self.path.lower(&mut limits, rapid, true);
+            let headroom = limits.take_feed(feed, v_reduced, self.level);
+            return (limits, share_left, headroom);
         }
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = limits.v;
@@ -184,18 +185,9 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         self.trade(bounds, &mut limits, |axis| axis.set(rapid).joint.budget);
-        (limits, share_left, self.traded(&mut limits, rapid, feed, v_reduced))
-    }
-
-    /// Takes in what limits the path of such a curve.
-    fn traded(&self, limits: &mut Limits, rapid: bool, feed: f32, v_reduced: f32) -> Headroom {
-        let v = limits.v;
-        self.path.lower(limits, rapid, true);
+        self.path.lower(&mut limits, rapid, true);
         let headroom = limits.take_feed(feed, v_reduced, self.level);
-        // From a lower speed the same j leads to a lower acceleration.
-        let a = max(limits.a_up, limits.a_down);
-        limits.lower_accelerations(a * sqrt_f32(min(limits.v / v, 1.0)));
-        headroom
+        (limits, share_left, headroom)
     }
 
     /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk; a path acceleration
@@ -213,7 +205,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// - A + |x'|·x ≤ a_max or A² + (|x'|·x)²/7 ≤ a_max·A, and |x'|·x ≤ a_max and 9/16·A + |x'|·x/2 ≤ a_max;
     /// - C + 0.385·D·x + |x'|·j ≤ B or C² + D²·x²/9 ≤ (B − |x'|·j)·C, and 27/64·C + 0.385·D·x + |x'|·j ≤ B.
     ///
-    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so j is known from it.
+    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so j is known from it. With a
+    /// lower V and the same x, the rule is stricter at any speed.
     fn trade(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
         let v = limits.v;
         let Law::Bowed { bend: ramp, j: ramps, .. } = &mut limits.law else { return };
