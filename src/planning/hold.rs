@@ -580,6 +580,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let all = self.laid == self.flights.len() && self.lookahead.ring.is_empty();
         if self.mode.stopping && (self.speed == Speed::ZERO || all) {
             self.mode.standing = true;
+            self.show_end();
             return Ok(Some(Work::Working));
         }
         if self.laid < self.flights.len() {
@@ -594,6 +595,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         Ok(None)
+    }
+
+    /// A law ends between two ticks. Where no other one follows, a tick of rest shows its end. There is room.
+    fn show_end(&mut self) {
+        let last = self.end.wrapping_sub(clock::TICK);
+        let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
+        let ended = self.laid.checked_sub(1).and_then(|k| self.flights.get(k)).map(Flight::end);
+        if let (true, Some(end)) = (moves, ended) {
+            self.put_rest(Distance::from_bits(end), 1);
+        }
     }
 
     /// After a law that failed: what has none is forgotten.
