@@ -396,15 +396,15 @@ impl<const AXES: usize> Setup<AXES> {
         modes.any(|line| line.contains("CHECK_JERK=0") || (off && !line.contains("CHECK_JERK")))
     }
 
-    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is good to [`PATH`]; an axis
-    /// that travels further than the path shows as many times that.
+    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is good to [`PATH`]
+    /// (`src/slope/emit.rs`); an axis that travels further than the path shows as many times that.
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
         let travels = (0..AXES).map(|axis| {
             let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
             contour.elements.iter().map(travel).fold(0.0, f64::max)
         });
-        let most = travels.map(|times| if times > 1.0 { times * PATH } else { 0.0 });
+        let most = travels.map(|times| times.max(1.0) * PATH);
         most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) }).collect()
     }
 

@@ -154,6 +154,9 @@ pub fn program(seed: u64, mix: Mix) -> Program {
         for nm in to.iter_mut().skip(linear) {
             if r.once_in(3) {
                 *nm += nanometres(r.between(-1.0, 1.0) * length * mix.spin);
+                if nm.abs() > 50_000 * NM {
+                    *nm = 0;
+                }
             }
         }
         // Now and then only tracking axes move.
