@@ -217,6 +217,8 @@ pub enum Error {
     Motion(Place, MotionError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
+    /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
+    ReducedTooSlow,
     /// The plan of a block failed its verification: a defect of the planner.
     Unplannable,
 }
@@ -230,7 +232,7 @@ impl Error {
             | Self::NotEnabled(place, _)
             | Self::Motion(place, _)
             | Self::PathAcceleration(place) => *place,
-            Self::Unplannable => Place::default(),
+            Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
     }
 }
@@ -251,6 +253,9 @@ impl core::fmt::Display for Error {
             ),
             Self::PathAcceleration(_) => f.write_str(
                 "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
+            ),
+            Self::ReducedTooSlow => f.write_str(
+                "at the reduced speed a block takes more than 134 217 728 ticks; raise vb_max_red (P-AXIS-00214) or the override",
             ),
             Self::Unplannable => {
                 f.write_str("internal: the plan of a block broke a limit and is not executed")
@@ -343,9 +348,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 self.held = None;
                 return Ok(Progress::Working);
             }
-            Err(Unplannable) => {
+            Err(error) => {
                 self.source = Source::Ended;
-                return Err(Error::Unplannable);
+                return Err(match error {
+                    Unplannable::Broken => Error::Unplannable,
+                    Unplannable::TooSlow => Error::ReducedTooSlow,
+                });
             }
         }
         if let Some(held) = self.held {

@@ -234,7 +234,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Goes on.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner, found by its own verification. Nothing more is planned.
+    /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a block takes too long.
+    /// Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         if let Some(work) = self.attend() {
             return Ok(work);

@@ -34,7 +34,7 @@ fn main() {
     };
     println!("seeds {first} to {last}, {}", if stalls { "with stalls" } else { "without stalls" });
     let (next, done) = (AtomicU64::new(first), AtomicU64::new(0));
-    let (faults, skipped, ticks) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    let [faults, too_long, refused, ticks] = [const { AtomicU64::new(0) }; 4];
     let begun = Instant::now();
     let every = if std::io::stderr().is_terminal() { 50 } else { 1000 };
     std::thread::scope(|scope| {
@@ -47,7 +47,8 @@ fn main() {
                     }
                     match std::panic::catch_unwind(|| soak(seed, stalls)) {
                         Ok(Outcome::Good(count)) => _ = ticks.fetch_add(count as u64, Relaxed),
-                        Ok(Outcome::Skipped) => _ = skipped.fetch_add(1, Relaxed),
+                        Ok(Outcome::TooLong) => _ = too_long.fetch_add(1, Relaxed),
+                        Ok(Outcome::Refused(_)) => _ = refused.fetch_add(1, Relaxed),
                         Ok(Outcome::Fault(fault)) => {
                             faults.fetch_add(1, Relaxed);
                             println!("seed {seed}: {fault}");
@@ -73,10 +74,11 @@ fn main() {
     });
     let faults = faults.into_inner();
     println!(
-        "{} programs, {} ticks, {faults} faults, {} longer than a million ticks",
+        "{} programs, {} ticks, {faults} faults; {} refused (a block of more than 2^26 ticks), {} longer than a million ticks",
         last - first,
         ticks.into_inner(),
-        skipped.into_inner()
+        refused.into_inner(),
+        too_long.into_inner()
     );
     std::process::exit(i32::from(faults > 0));
 }

@@ -15,7 +15,7 @@
 mod path;
 mod place;
 
-pub use path::{Course, path};
+pub use path::{Course, measured, path};
 pub use place::by_place;
 
 use crate::trace::Trace;

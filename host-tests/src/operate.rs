@@ -13,6 +13,7 @@ use glidepath::quantity::Position;
 use glidepath::technology::Output;
 use glidepath::tick::State;
 use std::cell::Cell;
+use std::collections::VecDeque;
 
 /// What an operator does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,8 @@ pub enum Act {
     Slow(usize),
     /// The planner is not called before this tick and those behind it, so many in all.
     Stall(usize),
+    /// From now on functions that wait are acknowledged so many ticks behind their output.
+    Acknowledge(usize),
 }
 
 impl Act {
@@ -44,13 +47,13 @@ impl Act {
             Self::Abort => control.abort(),
             Self::Override(feed) => control.set_override(feed),
             Self::Reduced(on) => control.set_reduced(on),
-            Self::Starve(_) | Self::Slow(_) | Self::Stall(_) => {}
+            Self::Starve(_) | Self::Slow(_) | Self::Stall(_) | Self::Acknowledge(_) => {}
         }
     }
 
     /// Whether it is a command: the others happen to the operator too.
     pub fn is_command(self) -> bool {
-        !matches!(self, Self::Starve(_) | Self::Slow(_) | Self::Stall(_))
+        !matches!(self, Self::Starve(_) | Self::Slow(_) | Self::Stall(_) | Self::Acknowledge(_))
     }
 }
 
@@ -144,6 +147,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
 ) -> Result<Operated, String> {
     let wire = Wire::new(text);
     let (mut late_until, mut rate, mut stalled_until) = (0, text.len(), 0);
+    let (mut answer, mut due) = (None, VecDeque::new());
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let (mut planner, mut interpolator) = channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
@@ -167,8 +171,13 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
                     wire.arrived.set(wire.read.get());
                 }
                 Act::Stall(ticks) => stalled_until = stalled_until.max(tick + ticks),
+                Act::Acknowledge(ticks) => answer = Some(*ticks),
                 _ => {}
             }
+        }
+        while let Some((_, function)) = due.pop_front_if(|(at, _)| *at <= tick) {
+            // Behind an abort nothing waits for it.
+            let _ = control.acknowledge(function);
         }
         wire.closed.set(tick < late_until);
         wire.arrived.set(wire.arrived.get().saturating_add(rate));
@@ -188,7 +197,12 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         run.distances.push(interpolator.telemetry().distance.to_bits());
-        run.outputs.extend(std::iter::from_fn(|| interpolator.event()).map(|output| (tick, output)));
+        while let Some(output) = interpolator.event() {
+            run.outputs.push((tick, output));
+            if let (true, Some(ticks)) = (output.waits, answer) {
+                due.push_back((tick + 1 + ticks, output.function));
+            }
+        }
         if planner.is_holding() && !held {
             run.holds.push(tick);
         }

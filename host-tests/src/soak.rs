@@ -4,15 +4,17 @@
 //! acceleration of 1 mm/s² at 0.1 ms as with 50 000 mm/s² at 10 ms.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
-use crate::cases::{Program, set_point};
-use crate::check;
+use crate::cases::{NM, Program, decimal, set_point};
+use crate::check::{self, Limits};
 use crate::operate::{
-    Act, Operated, TOO_LONG, crawls_along, judge, operate_text, random_acts, with_overrides, with_stalls,
-    with_starvation,
+    Act, Operated, POLLS, TOO_LONG, operate_text, random_acts, with_overrides, with_stalls, with_starvation,
 };
-use crate::properties::axis_limits;
-use glidepath::machine::{AxisData, MachineData};
+use crate::properties::{axis_limits, permitted_at};
+use crate::reference::geometry::{Contour, Element};
+use crate::reference::merge::path_tolerance;
+use glidepath::machine::{AccelerationUnit, AxisData, MODE_LINEAR, MODE_MASTER, MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;
+use std::fmt::Write;
 
 /// What came of a seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +22,9 @@ pub enum Outcome {
     /// All is well, in so many ticks.
     Good(usize),
     /// It takes longer than a run may.
-    Skipped,
+    TooLong,
+    /// The library refused it, with the reason that the rules of the language give.
+    Refused(String),
     /// A fault, with all that it needs.
     Fault(String),
 }
@@ -30,26 +34,57 @@ pub enum Outcome {
 pub struct Setup<const AXES: usize> {
     /// The machine.
     pub machine: MachineData<AXES>,
-    /// The program without its contour mode.
+    /// Its motion blocks.
     pub program: Program,
     /// A line that switches contour mode on; empty without.
     pub contour: String,
-    /// No block is longer, mm or degrees.
-    pub longest: f64,
+    /// Lines before a motion block (its index): dwells, weights, functions, contour mode.
+    pub lines: Vec<(usize, String)>,
+    /// Words at the end of a motion block (its index): functions.
+    pub words: Vec<(usize, &'static str)>,
     /// Commands of the operator.
     pub acts: Vec<(usize, Act)>,
     /// Calls of the planner between two ticks.
     pub polls: usize,
 }
 
+/// Cycles, µs.
+const CYCLES: [f64; 2] = [100.0, 10_000.0];
+/// Blocks of the look-ahead.
+const LOOK_AHEAD: [f64; 2] = [10.0, 500.0];
 /// Ramp times, µs.
 const RAMPS: [f64; 2] = [100.0, 2e6];
 /// Accelerations, mm/s².
 const ACCELERATIONS: [f64; 2] = [1.0, 50_000.0];
 /// Largest speeds, µm/s.
-const SPEEDS: [f64; 2] = [1e3, 2e9];
+const SPEEDS: [f64; 2] = [1.0, 2e9];
+/// Those of most machines.
+const USUAL_SPEEDS: [f64; 2] = [1e3, 2e9];
 /// Ticks that a block takes.
-const TICKS: [f64; 2] = [0.3, 400.0];
+const TICKS: [f64; 2] = [0.3, 300.0];
+/// Ticks that all blocks of a slow machine take, if each is a shortest one.
+const LONG: f64 = 20_000.0;
+/// Shortest blocks, mm: most of them, and the resolution of the text.
+const SHORTEST: [f64; 2] = [1e-4, 1e-6];
+/// Resolution of the path distance at a tick, mm.
+const PATH: f64 = 1.0 / (1u64 << 37) as f64;
+/// Functions of the programs.
+const FUNCTIONS: [&str; 6] = ["M3", "M24", "M25", "M26", "M27", "H7"];
+
+/// Between two bounds, evenly in orders of magnitude; once in eight one of them.
+fn within(r: &mut Random, [low, high]: [f64; 2]) -> f64 {
+    match r.bits() % 16 {
+        0 => low,
+        1 => high,
+        _ => r.magnitude(low, high),
+    }
+}
+
+/// What an axis is about: acceleration, ramp time, speed.
+fn size(r: &mut Random) -> [f64; 3] {
+    let speeds = if r.once_in(8) { SPEEDS } else { USUAL_SPEEDS };
+    [within(r, ACCELERATIONS), within(r, RAMPS), within(r, speeds)]
+}
 
 fn axis(r: &mut Random, data: &mut AxisData, [a, ramp, v]: [f64; 3], cycle_us: u32) {
     let near = |r: &mut Random, x: f64, [low, high]: [f64; 2]| (x * r.magnitude(0.4, 2.5)).clamp(low, high);
@@ -76,55 +111,90 @@ fn axis(r: &mut Random, data: &mut AxisData, [a, ramp, v]: [f64; 3], cycle_us: u
         0 => 0,
         1 => r.magnitude(1.0, f64::from(cycle_us)) as u32,
         2 => shortest,
-        _ => r.magnitude(RAMPS[0], RAMPS[1]) as u32,
+        _ => within(r, RAMPS) as u32,
     };
     data.vb_max = near(r, v, SPEEDS) as u32;
-    data.vb_eilgang = (f64::from(data.vb_max) * r.between(0.2, 1.0)) as u32;
-    data.vb_max_red = (f64::from(data.vb_max) * r.unit()) as u32;
+    data.vb_eilgang = (f64::from(data.vb_max) * r.between(0.2, 1.0)).max(1.0) as u32;
+    data.vb_max_red = match r.bits() % 4 {
+        0 => 0,
+        1 => r.magnitude(1.0, f64::from(data.vb_max).max(1.0)) as u32,
+        _ => (f64::from(data.vb_max) * r.unit()) as u32,
+    };
     data.a_trans_weight = if r.once_in(3) { r.between(1.0, 1000.9) as u32 } else { 0 };
     data.r_trans_weight = if r.once_in(3) { r.between(0.0, 1000.9) as u32 } else { 1000 };
     let mut stage = || (f64::from(data.a_max) * r.between(0.1, 1.0)).max(1.0) as u32;
     (data.a_stufe, data.a_grenz_stufe) = ([stage(), stage()], [stage(), stage()]);
     (data.d_stufe, data.d_grenz_stufe) = ([0, stage()], [stage(), 0]);
-    data.vb_stufe_1_2 = r.magnitude(1.0, f64::from(data.vb_max)) as u32;
-    data.vb_grenz_stufe_1_2 = r.magnitude(1.0, f64::from(data.vb_max)) as u32;
+    data.vb_stufe_1_2 = r.magnitude(1.0, f64::from(data.vb_max).max(1.0)) as u32;
+    data.vb_grenz_stufe_1_2 = r.magnitude(1.0, f64::from(data.vb_max).max(1.0)) as u32;
+}
+
+/// The machine, and the slowest [`size`] of its axes.
+fn machine<const AXES: usize>(r: &mut Random) -> (MachineData<AXES>, [f64; 3]) {
+    let cycle_us = within(r, CYCLES) as u32;
+    let mut slowest = size(r);
+    let independent = r.once_in(4);
+    let mut machine = machines::machine::<AXES>(cycle_us, |_, _| {});
+    for data in &mut machine.axes {
+        let own = if independent { size(r) } else { slowest };
+        axis(r, data, own, cycle_us);
+        slowest = [slowest[0].min(own[0]), slowest[1].max(own[1]), slowest[2].min(own[2])];
+    }
+    let channel = &mut machine.channel;
+    channel.slope_profile = (r.bits() % 4) as u8;
+    channel.look_ahead = within(r, LOOK_AHEAD) as u32;
+    channel.corr_v_trans_jerk = r.once_in(2);
+    channel.check_jerk_on_poly_path = (r.bits() % 3) as u8;
+    channel.override_weight_prog_feed = (r.bits() % 3) as u8;
+    channel.ptp = true;
+    channel.acceleration_weight = (r.bits() % 3) as u8;
+    channel.ramp_weight = (r.bits() % 5) as u8;
+    channel.cir_radial_acc_limit = r.once_in(2);
+    channel.vector_unit = AccelerationUnit::MmS2;
+    channel.m_synch = SynchTable::NONE
+        .with(24, Synch::NoSynch)
+        .with(25, Synch::MvsSns)
+        .with(26, Synch::MvsSvs)
+        .with(27, Synch::MnsSns);
+    channel.h_synch = SynchTable::NONE.with(7, Synch::MnsSns);
+    (machine, slowest)
 }
 
 /// The run of a seed; `stalls`: the planner gets no time now and then.
 pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     let mut random = Random::new(seed ^ 0x6d61_6368_696e_6573);
     let r = &mut random;
-    let cycle_us = r.magnitude(100.0, 10_000.9) as u32;
-    let size = [
-        r.magnitude(ACCELERATIONS[0], ACCELERATIONS[1]),
-        r.magnitude(RAMPS[0], RAMPS[1]),
-        r.magnitude(SPEEDS[0], SPEEDS[1]),
-    ];
-    let mut machine = machines::machine::<AXES>(cycle_us, |_, _| {});
-    for data in &mut machine.axes {
-        axis(r, data, size, cycle_us);
+    let (mut machine, size) = machine::<AXES>(r);
+    let cycle_us = machine.channel.cycle_us;
+    // One axis or several that the path is measured along; one of them alone may be the master.
+    let feeds = if r.once_in(8) { r.bits() as usize % AXES + 1 } else { 0 };
+    for _ in 0..feeds {
+        let axis = &mut machine.axes[r.bits() as usize % AXES];
+        axis.default_feed_axis = true;
+        axis.achs_mode = MODE_LINEAR | MODE_MASTER;
     }
-    let channel = &mut machine.channel;
-    channel.slope_profile = (r.bits() % 4) as u8;
-    channel.look_ahead = r.magnitude(10.0, 500.9) as u32;
-    channel.corr_v_trans_jerk = r.once_in(2);
-    channel.check_jerk_on_poly_path = (r.bits() % 3) as u8;
-    channel.override_weight_prog_feed = (r.bits() % 3) as u8;
-    channel.ptp = true;
 
     // How far it goes in so many ticks from rest to rest, and its speed then.
+    let spin = if AXES > 3 && r.once_in(4) { r.magnitude(1.0, 1000.0) } else { 1.0 };
+    let shortest = SHORTEST[usize::from(r.once_in(3))];
     let [a, ramp, v] = [size[0], size[1] * 1e-6, size[2] * 1e-3];
     let reach = |ticks: f64| {
         let time = ticks * f64::from(cycle_us) * 1e-6;
         let speed =
             if time > 2.0 * ramp { a * (0.5 * time - 0.5 * ramp) } else { a * time * time / (8.0 * ramp) };
         let speed = speed.min(v);
-        ((0.5 * speed * time).clamp(1e-4, 2000.0), speed)
+        ((0.5 * speed * time / spin).clamp(shortest, 2000.0), speed)
     };
-    let mut ticks = [r.magnitude(TICKS[0], TICKS[1]), r.magnitude(TICKS[0], TICKS[1])];
+    // Now and then so many that a deep look-ahead is full.
+    let many = r.once_in(12);
+    let most = if many { 12.0 } else { TICKS[1] };
+    let mut ticks = [r.magnitude(TICKS[0], most), r.magnitude(TICKS[0], most)];
     ticks.sort_by(f64::total_cmp);
     let (lengths, speed) = (ticks.map(|ticks| reach(ticks).0), reach(ticks[1]).1);
-    let blocks = r.between(5.0, 60.0) as usize;
+    // A machine that is slow beside its cycle takes longer for the shortest block: fewer of them.
+    let least = (16.0 * shortest * spin * ramp / a).cbrt().max(shortest * spin / v) / (f64::from(cycle_us) * 1e-6);
+    let blocks = if many { r.between(60.0, 900.0) } else { r.between(5.0, 60.0) };
+    let blocks = blocks.min(LONG / least).max(4.0) as usize;
     let feed = (60.0 * speed).clamp(1.0, 1e7);
     // On smaller arcs a tick may go so far round that the judge could not tell which way.
     let a_max = machine.axes.iter().map(|data| data.a_max).max().unwrap_or(0);
@@ -135,51 +205,164 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
         blocks,
         length: lengths,
         feed: [(feed * r.magnitude(0.05, 1.0)).max(1.0), feed * r.magnitude(1.0, 4.0)],
-        arcs: if least_radius > 500.0 { 0 } else { [0, 2, 5][(r.bits() % 3) as usize] },
+        // An arc needs both axes of its plane among the feed axes, and is no longer than some hundred lines.
+        arcs: if least_radius > (30.0 * lengths[1]).min(500.0) || feeds > 0 { 0 } else { [0, 2, 5][(r.bits() % 3) as usize] },
         rapids: [0, 4, 9][(r.bits() % 3) as usize],
         stops: 20,
         knee: r.magnitude(1e-4, 3.0),
         radius: [least_radius, (2.0 * lengths[1]).min(500.0).max(2.0 * least_radius)],
         turn: [lengths[0], 10.0 * lengths[1]],
+        spin,
     };
     let mut program = program(seed, mix);
     program.optimised = r.once_in(2);
 
-    let contour = if r.once_in(2) { String::new() } else { contour_mode(r, lengths) };
+    let mut setup = Setup {
+        machine,
+        program,
+        contour: String::new(),
+        lines: Vec::new(),
+        words: Vec::new(),
+        acts: Vec::new(),
+        polls: if r.once_in(4) { POLLS[(r.bits() % 2) as usize] } else { POLLS[2] },
+    };
+    if r.once_in(2) {
+        setup.contour = contour_mode(r, &setup, lengths, 0, "ON ");
+        let changes = r.once_in(3);
+        for k in 1..blocks {
+            let at = setup.contour.contains("POS") && r.once_in(2);
+            if at || (changes && r.once_in(8)) {
+                let line = match r.bits() % 6 {
+                    0 if !at => "#CONTOUR MODE OFF".to_owned(),
+                    1 if !at => contour_mode(r, &setup, lengths, k, "ON "),
+                    _ => contour_mode(r, &setup, lengths, k, ""),
+                };
+                setup.lines.push((k, line));
+            }
+        }
+    }
+    setup.interrupt(r, a, feed);
+
     let expected = (blocks as f64 * ticks[1] * 0.7) as usize + 50;
     let holds = if r.once_in(2) { random_acts(r, expected) } else { Vec::new() };
     let acts = if r.once_in(3) { holds } else { with_overrides(r, expected, holds) };
-    let acts = if r.once_in(3) { with_starvation(r, expected, acts) } else { acts };
-    let acts = if stalls { with_stalls(r, expected, acts) } else { acts };
-    // Turns of a helix, and lines of rotary axes alone.
-    let longest = (20.0 * lengths[1]).max(100.0);
-    Setup { machine, program, contour, longest, acts, polls: 1000 }
+    let mut acts = if r.once_in(3) { with_starvation(r, expected, acts) } else { acts };
+    if r.once_in(4) {
+        // Down to a standstill.
+        let tick = (r.unit() * expected as f64) as usize;
+        acts.push((tick, Act::Override(r.between(0.0, 20.0) as u16)));
+        acts.push((tick + r.magnitude(1.0, 500.0) as usize, Act::Override(1000)));
+    }
+    acts.push((0, Act::Acknowledge(if r.once_in(3) { 0 } else { r.magnitude(1.0, 300.0) as usize })));
+    acts.sort_by_key(|(tick, _)| *tick);
+    setup.acts = if stalls { with_stalls(r, expected, acts) } else { acts };
+    setup
 }
 
-/// A line that switches contour mode on, with a tolerance about the lengths of the blocks.
-fn contour_mode(r: &mut Random, lengths: [f64; 2]) -> String {
-    let d = r.magnitude(0.01 * lengths[0], lengths[1]).clamp(0.0001, 100.0);
-    let e = r.magnitude(0.01 * lengths[0], lengths[1]).clamp(0.0001, 100.0);
-    let mut method = match r.bits() % 6 {
-        0 => format!("DEV PATH_DEV={d:.4} TRACK_DEV={e:.4}"),
-        1 => format!("DIST PRE_DIST={d:.4} POST_DIST={e:.4} TRACK_DEV=10"),
-        2 => format!("DIST_SOFT PATH_DIST={d:.4} RAMP_TIME={} ACC_MIN={}", r.bits() % 200, r.bits() % 101),
-        3 => format!("PTP PATH_DEV={d:.4}"),
-        4 => format!("DIST PRE_DIST={d:.4} POST_DIST={d:.4} TRACK_DEV=10"),
-        _ => format!("DEV PATH_DEV={d:.4} RELEVANT_PATH={d:.4} TRACK_DEV=10"),
+/// A line of contour mode with a tolerance about the lengths of the blocks; `k`: the block before whose end it stands.
+fn contour_mode<const AXES: usize>(
+    r: &mut Random,
+    setup: &Setup<AXES>,
+    lengths: [f64; 2],
+    k: usize,
+    on: &str,
+) -> String {
+    let [d, e] = [(); 2].map(|()| r.magnitude(0.01 * lengths[0], lengths[1]).clamp(1e-6, 100.0));
+    let masters = setup.machine.axes.iter().filter(|axis| axis.default_feed_axis).count();
+    let mut method = match r.bits() % 9 {
+        _ if masters == 1 && r.once_in(2) => {
+            format!("DIST_MASTER SYM_DIST={d:.6} RAMP_TIME={} ACC_MIN={}", r.bits() % 200, r.bits() % 101)
+        }
+        0 => format!("DEV PATH_DEV={d:.6} TRACK_DEV={e:.6}"),
+        1 => format!("DIST PRE_DIST={d:.6} POST_DIST={e:.6} TRACK_DEV=10"),
+        2 => format!("DIST_SOFT PATH_DIST={d:.6} RAMP_TIME={} ACC_MIN={}", r.bits() % 200, r.bits() % 101),
+        3 => format!("PTP PATH_DEV={d:.6}"),
+        4 => format!("DIST PRE_DIST={d:.6} POST_DIST={d:.6} TRACK_DEV=10"),
+        5 => format!("PTP PATH_DEV={d:.6} PATH_DIST={e:.6} MERGE={}", r.bits() % 2),
+        6 => format!("DIST_SOFT PATH_DIST={d:.6} TRACK_DIST={e:.6} DIST_WEIGHT={}", r.bits() % 101),
+        7 => {
+            // Near the end of the block.
+            let mut line = format!("POS PRE_DIST={d:.6} POST_DIST={e:.6}");
+            let end = setup.program.moves.get(k).map_or(&setup.program.start, |block| &block.target);
+            for (name, nm) in ["X", "Y", "Z"].into_iter().zip(end) {
+                let off = r.between(-1.0, 1.0) * d.max(e) * NM as f64;
+                let _ = write!(line, " {name}{}", decimal(nm + off as i64));
+            }
+            line
+        }
+        _ => format!("DEV PATH_DEV={d:.6} RELEVANT_PATH={d:.6} TRACK_DEV=10"),
     };
-    if (method.starts_with("DEV") || method.starts_with("DIST ")) && r.once_in(3) {
+    let of_corners = ["DEV", "DIST ", "POS"].into_iter().any(|name| method.starts_with(name));
+    if of_corners && r.once_in(3) {
         method.push_str([" CHECK_JERK=0", " CHECK_JERK=2", " CONST_VEL=1"][(r.bits() % 3) as usize]);
     }
-    format!("#CONTOUR MODE ON [{method}]")
+    if method.starts_with("DEV") && r.once_in(4) {
+        let _ = write!(method, " REMAIN_PART={} MAX_ANGLE={}", r.bits() % 101, r.bits() % 181);
+    }
+    if !method.starts_with("DIST_") && r.once_in(4) {
+        method.push_str([" PRE_ACTION", " INTER_ACTION", " POST_ACTION"][(r.bits() % 3) as usize]);
+    }
+    format!("#CONTOUR MODE {on}[{method}]")
 }
 
 impl<const AXES: usize> Setup<AXES> {
+    /// Functions, dwells and weights at random blocks. A weight makes nothing faster and no ramp shorter.
+    fn interrupt(&mut self, r: &mut Random, a: f64, feed: f64) {
+        let blocks = self.program.moves.len();
+        let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
+        if r.once_in(3) {
+            let seldom = 2 + r.bits() % 10;
+            for k in 0..blocks {
+                let name = FUNCTIONS[r.bits() as usize % FUNCTIONS.len()];
+                match r.bits() % 2 {
+                    _ if !r.once_in(seldom) => {}
+                    0 => self.words.push((k, name)),
+                    _ => self.lines.push((k, name.to_owned())),
+                }
+            }
+        }
+        if r.once_in(4) {
+            for _ in 0..1 + r.bits() % 4 {
+                let dwell = format!("G04 X{:.4}", r.between(0.0, 100.0) * cycle);
+                self.lines.push((r.bits() as usize % blocks, dwell));
+            }
+        }
+        if r.once_in(4) {
+            for _ in 0..1 + r.bits() % 4 {
+                let percent = 20 + r.bits() % 81;
+                let line = match r.bits() % 5 {
+                    0 => format!("G131 = {percent}"),
+                    1 => format!("G130 X{percent} Y{}", 120 - percent),
+                    2 => format!("G133 = {}", 100 + percent),
+                    3 => format!("#VECTOR LIMIT ON [ACC={:.3} DEC={:.3}]", (a * r.between(0.2, 1.0)).max(1.0), a.max(1.0)),
+                    _ => format!("#VECTOR LIMIT ON [VEL={:.3}]", feed * r.magnitude(0.1, 10.0)),
+                };
+                self.lines.push((r.bits() as usize % blocks, line));
+            }
+        }
+    }
+
     /// The NC text.
     pub fn text(&self) -> String {
         let text = self.program.text(&self.machine);
         let (head, rest) = text.split_once('\n').expect("a head");
-        if self.contour.is_empty() { text.clone() } else { format!("{head}\nN0 {}\n{rest}", self.contour) }
+        let mut all = format!("{head}\n");
+        if !self.contour.is_empty() {
+            let _ = writeln!(all, "N0 {}", self.contour);
+        }
+        for line in rest.lines() {
+            let number = line.strip_prefix('N').and_then(|line| line.split(' ').next()?.parse::<usize>().ok());
+            let block = number.filter(|n| *n > 0 && n.is_multiple_of(10)).map(|n| n / 10 - 1);
+            for (_, line) in self.lines.iter().filter(|(k, _)| Some(*k) == block) {
+                let _ = writeln!(all, "{line}");
+            }
+            all.push_str(line);
+            for (_, word) in self.words.iter().filter(|(k, _)| Some(*k) == block) {
+                let _ = write!(all, " {word}");
+            }
+            all.push('\n');
+        }
+        all
     }
 
     /// Runs it before the judge.
@@ -190,34 +373,72 @@ impl<const AXES: usize> Setup<AXES> {
         let verdict = run.and_then(|run| self.judge(&run).map(|()| run.trace.ticks()));
         match verdict {
             Ok(ticks) => Outcome::Good(ticks),
-            Err(fault) if fault.ends_with(TOO_LONG) || fault.contains("TooSlow") => Outcome::Skipped,
-            // The operator asks for a speed at which a block takes longer than one may.
-            Err(fault)
-                if fault.ends_with("Unplannable")
-                    && crawls_along(&self.machine, &self.acts, self.longest) =>
-            {
-                Outcome::Skipped
-            }
+            Err(fault) if fault.ends_with(TOO_LONG) => Outcome::TooLong,
+            Err(fault) if fault.ends_with("ReducedTooSlow") && self.reduces() => Outcome::Refused(fault),
+            Err(fault) if fault.ends_with("TooSlow)") => Outcome::Refused(fault),
             Err(fault) => Outcome::Fault(fault),
         }
     }
 
+    /// Whether the operator asks for the reduced speed.
+    fn reduces(&self) -> bool {
+        self.acts.iter().any(|(_, act)| *act == Act::Reduced(true))
+    }
+
+    /// Whether it may show any jerk in the curves of corners.
+    fn is_unchecked(&self) -> bool {
+        let lines = self.lines.iter().map(|(_, line)| line).filter(|line| line.contains('['));
+        if self.contour.is_empty() {
+            return false;
+        }
+        let mut modes = lines.filter(|line| line.starts_with("#CONTOUR")).chain([&self.contour]);
+        let off = self.machine.channel.check_jerk_on_poly_path == 0;
+        modes.any(|line| line.contains("CHECK_JERK=0") || (off && !line.contains("CHECK_JERK")))
+    }
+
+    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is good to [`PATH`]
+    /// (`src/slope/emit.rs`); an axis that travels further than the path shows as many times that.
+    fn resolution(&self, contour: &Contour) -> Vec<Limits> {
+        let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
+        let travels = (0..AXES).map(|axis| {
+            let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
+            contour.elements.iter().map(travel).fold(0.0, f64::max)
+        });
+        let most = travels.map(|times| times.max(1.0) * PATH);
+        most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) }).collect()
+    }
+
     /// All limits at every tick and the exact end; on the contour without contour mode.
     fn judge(&self, run: &Operated) -> Result<(), String> {
-        if self.contour.is_empty() {
-            return judge(&self.program, &self.machine, run);
-        }
-        let contour = self.program.contour(&self.machine);
+        let mut contour = self.program.contour(&self.machine);
+        let resolution = self.resolution(&contour);
+        let with = |limits: Limits, axis: usize| {
+            let Limits { v, a, jerk } = resolution[axis];
+            Limits { v: limits.v + v, a: limits.a + a, jerk: limits.jerk + jerk }
+        };
         let mut limits = axis_limits(&self.machine, &contour);
-        let channel = &self.machine.channel;
-        if self.contour.contains("CHECK_JERK=0")
-            || (channel.check_jerk_on_poly_path == 0 && !self.contour.contains("CHECK_JERK"))
-        {
-            limits.iter_mut().for_each(|limits| limits.jerk = f64::INFINITY);
+        for (axis, limits) in limits.iter_mut().enumerate() {
+            *limits = with(*limits, axis);
+            if self.is_unchecked() {
+                limits.jerk = f64::INFINITY;
+            }
         }
         check::limits(&run.trace, &limits)?;
         if run.aborted {
             return Ok(());
+        }
+        if self.contour.is_empty() {
+            for feed in contour.elements.iter_mut().filter_map(|element| element.feed.as_mut()) {
+                *feed *= run.over;
+            }
+            let start: Vec<i64> = self.program.start.iter().map(|&nm| set_point(nm)).collect();
+            let rapid = |axis: &AxisData| (f64::from(axis.vb_eilgang) * 1e-3).powi(2);
+            let v_rapid = self.machine.axes.iter().map(rapid).sum::<f64>().sqrt();
+            check::ends(&run.trace, &start, &self.program.end_points())?;
+            let course = check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid)?;
+            return check::by_place(&run.trace, &course, &contour, |axis, elements| {
+                with(permitted_at(&self.machine, axis, &contour.elements[elements]), axis)
+            });
         }
         let end: Vec<i64> = self.program.end().iter().map(|&nm| set_point(nm)).collect();
         let last = run.trace.len() - 1;
@@ -230,9 +451,13 @@ impl<const AXES: usize> Setup<AXES> {
 
 /// A seed without some of it, to find the cause of a fault: without an operator, without contour mode.
 pub fn plain<const AXES: usize>(seed: u64, sharp: bool) -> Setup<AXES> {
-    let setup = setup::<AXES>(seed, false);
-    let contour = if sharp { String::new() } else { setup.contour };
-    Setup { acts: Vec::new(), contour, ..setup }
+    let mut setup = setup::<AXES>(seed, false);
+    setup.acts.retain(|(_, act)| matches!(act, Act::Acknowledge(_)));
+    if sharp {
+        setup.contour.clear();
+        setup.lines.retain(|(_, line)| !line.starts_with("#CONTOUR"));
+    }
+    setup
 }
 
 /// A seed, with the number of axes that belongs to it.

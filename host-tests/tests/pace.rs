@@ -73,6 +73,33 @@ fn an_override_above_100_does_not_lift_the_reduced_speed() {
     }
 }
 
+/// The lowest P-AXIS-00214 (1 µm/s) beside high speeds: the motion goes on, as slow as that.
+#[test]
+fn a_reduced_speed_far_below_the_feed_is_no_standstill() {
+    for slope in 0..4 {
+        for v in [1, 10, 100] {
+            let mut machine = machines::with_slope(machines::mill::<3>(1000), slope);
+            machine.axes[0].vb_max_red = v;
+            let length = f64::from(v) * 5e-3;
+            let program = Program::new("crawl", 3).line(&[length, 0.0, 0.0], 60_000.0).line(&[-length, 0.0, 0.0], 60_000.0);
+            let fastest = speeds(&run(&program, &machine, &[(0, Act::Reduced(true))], 1000));
+            let part = fastest.into_iter().fold(0.0, f64::max) / (f64::from(v) * 0.06);
+            assert!((0.98..=1.001).contains(&part), "slope {slope}, {v} µm/s: {part}");
+        }
+    }
+}
+
+/// At 1 µm/s a block of a metre takes eleven days.
+#[test]
+fn a_block_too_long_for_the_reduced_speed_is_refused() {
+    let mut machine = machines::mill::<3>(1000);
+    machine.axes[0].vb_max_red = 1;
+    let program = Program::new("crawl", 3).line(&[1000.0, 0.0, 0.0], 60_000.0);
+    let acts = [(0, Act::Reduced(true))];
+    let fault = operate::<3, 120>(&program, &machine, &acts, 1000).expect_err("too slow");
+    assert!(fault.ends_with("ReducedTooSlow"), "{fault}");
+}
+
 #[test]
 fn override_acts_inside_a_block_downward_and_upward() {
     for slope in 0..4 {

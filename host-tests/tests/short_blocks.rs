@@ -1,7 +1,12 @@
 //! Blocks shorter than a tick, without a straight line among them.
 //!
 //! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop in the look-ahead.
+use glidepath::lookahead::{Joins, Law, Limits, Release};
 use glidepath::machine::MachineData;
+use glidepath::quantity::{Distance, Speed};
+use glidepath::slope::bend::Bend;
+use glidepath::slope::profile::Profile;
+use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines};
 use host_tests::properties::verify;
 
@@ -56,4 +61,34 @@ fn no_faster_than_a_tick_can_pass() {
     let fastest = steps(&chords(0.01, 5.0, 60.0, 10_000.0), &stiff(3, 5000)).into_iter().fold(0.0, f64::max);
     println!("{fastest} mm a tick");
     assert!(fastest > 0.3 && fastest <= 0.3101, "{fastest}");
+}
+
+/// A slowing down that fills a block: where the block has few LSB of length (2^-44 mm), rounding it is a larger part of it than limits
+/// have to spare.
+#[test]
+fn a_slope_that_fills_a_block_of_few_lsb() {
+    let mut r = Random::new(7);
+    let mut least = i64::MAX;
+    for bend in [Bend::Linear, Bend::SineSquare] {
+        for case in 0..20_000 {
+            let length = r.magnitude(4096.0, 1e9) as i64;
+            let v_out = Speed::from_bits(r.magnitude(1e6, 1e13) as i64);
+            let [a, j] = [r.magnitude(1e-9, 1e-6), r.magnitude(1e-11, 1e-8)].map(|x| x as f32);
+            let law = Law::Bowed { bend, joins: Joins::Alike, j: [j; 4] };
+            let limits = Limits { v: 1.0, a_up: a, a_down: a, law };
+            let length = Distance::from_bits(length);
+            let v_in = Speed::from_bits(1 << 58);
+            let span = Release { limits, length, v_in, v_out, ..Release::BLANK };
+            let mut profile = Profile::default();
+            let [high, low] = [span.enter(), v_out];
+            for [v_in, v_out] in [[high, low], [low, high]] {
+                let planned = profile.plan(length, v_in, v_out, &limits);
+                assert_eq!(planned, Ok(()), "case {case}, {bend:?}: {length:?} from {v_in:?} to {v_out:?}, {limits:?}");
+                let rest = length.to_bits() - profile.up.length() - profile.down.length();
+                assert!(rest >= 0, "case {case}, {bend:?}: {length:?}, {rest} left");
+                least = least.min(rest);
+            }
+        }
+    }
+    assert_eq!(least, 0, "none fills its block");
 }

@@ -28,9 +28,11 @@
 //!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
+use super::block::ROUNDED;
 use super::{Release, max, min};
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::math::float::to_f32;
+use crate::math::root::sqrt_f32;
 use crate::quantity::Speed;
 use crate::slope::profile::speed_f32;
 
@@ -40,7 +42,8 @@ pub struct Headroom {
     /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the feed, up to twice as
     /// much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 − n/2^15. Both rounded towards the slower.
     over: u16,
-    /// Reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced.
+    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so that the lowest reduced
+    /// speed (1 µm/s) is not 0 beside the highest speed.
     reduced: u16,
 }
 
@@ -65,9 +68,16 @@ impl Headroom {
         }
         let v = min(v_max, feed);
         if v_reduced < v {
-            headroom.reduced = (v_reduced / v * (2.0 * ONE)) as u16;
+            let root = (sqrt_f32(v_reduced / v) * (2.0 * ONE * ROUNDED)) as u16;
+            headroom.reduced = root.clamp(1, WHOLE - 1);
         }
         headroom
+    }
+
+    /// Reduced speed by speed at 100 %; `None`: not reduced.
+    fn part_reduced(self) -> Option<f32> {
+        let root = f32::from(self.reduced) * (0.5 / ONE);
+        (self.reduced != WHOLE).then_some(root * root)
     }
 
     /// What the machine permits by the feed, 1…2, and by what it is less than the feed, 0…1.
@@ -91,8 +101,7 @@ impl Headroom {
     pub(super) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);
-        let reduced =
-            if self.reduced == WHOLE { f32::MAX } else { even * f32::from(self.reduced) * (0.5 / ONE) };
+        let reduced = self.part_reduced().map_or(f32::MAX, |part| even * part);
         Self::new(most, feed, reduced)
     }
 
@@ -103,8 +112,7 @@ impl Headroom {
 
     /// Speed of a block while the speed is reduced, planned with `v` for a level.
     fn reduced(self, v: f32, level: f32) -> Option<f32> {
-        let part = f32::from(self.reduced) * (0.5 / ONE);
-        (self.reduced != WHOLE).then(|| v / self.raised(level) * part)
+        self.part_reduced().map(|part| v / self.raised(level) * part)
     }
 }
 

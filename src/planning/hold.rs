@@ -345,7 +345,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if self.end == at && self.speed == Speed::ZERO {
             // It stands there already.
+            // At the end of a law without a tick, or inside the span.
+            let ended = self.laid.checked_sub(1).filter(|last| *last >= k).and_then(|last| self.flights.get(last));
             let in_span = self.flights.get(k).map_or(flight.start, |flight| flight.start);
+            let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
             let stands = self.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
@@ -587,6 +590,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.put_rest(stands, 1);
             }
             self.mode.standing = true;
+            self.show_end();
             return Ok(Some(Work::Working));
         }
         if self.laid < self.flights.len() {
@@ -601,6 +605,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         Ok(None)
+    }
+
+    /// A law ends between two ticks. Where no other one follows, a tick of rest shows its end. There is room.
+    fn show_end(&mut self) {
+        let last = self.end.wrapping_sub(clock::TICK);
+        let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
+        let ended = self.laid.checked_sub(1).and_then(|k| self.flights.get(k)).map(Flight::end);
+        if let (true, Some(end)) = (moves, ended) {
+            self.put_rest(Distance::from_bits(end), 1);
+        }
     }
 
     /// After a law that failed: what has none is forgotten.

@@ -4,7 +4,8 @@
 //! allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both slopes is then
 //! computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a slope that fills the
 //! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
-//! that, and [`Profile::plan`] verifies it.
+//! that, and [`Profile::plan`] verifies it. In a block so short that rounding its length is more than that, a length gives
+//! way by up to 2^-42 mm instead.
 use super::area;
 use super::bend::Bend;
 use super::ramp::{Bowed, Ramp, Stepped, root_of_cubic};
@@ -55,10 +56,15 @@ pub struct Profile {
     pub down: Change,
 }
 
-/// The plan broke a limit: a defect of the planner, reported instead of executed.
+/// Why a block has no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Unplannable;
+pub enum Unplannable {
+    /// The plan broke a limit: a defect of the planner, reported instead of executed.
+    Broken,
+    /// It takes more than 2^27 ticks: only a reduced speed (P-AXIS-00214) asks for that.
+    TooSlow,
+}
 
 /// Longest block: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
@@ -195,6 +201,15 @@ impl Change {
         self.set(self.form, self.speeds[0], self.speeds[3], times);
     }
 
+    /// The longest part loses so much of its length, which is rounding. Times and speeds stay.
+    #[cold]
+    #[inline(never)]
+    fn give_way(&mut self, rounding: i64) {
+        if let Some(longest) = self.lengths.iter_mut().max() {
+            *longest = (*longest - rounding).max(0);
+        }
+    }
+
     /// Whether both accelerations of a stepped change are permitted.
     fn is_stepped_inside(&self, a: [f32; 2]) -> bool {
         let [v0, middle, _, v1] = self.speeds;
@@ -233,12 +248,18 @@ const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 /// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
 const ROUNDING: u64 = 64;
+/// The six lengths of a profile are rounded to 2^-44 mm each: all together are longer than the block by that at most.
+const ROUNDED_LENGTHS: i64 = 4;
+/// Times may shrink by this power of two without use of the margins. Where a rounded length is a larger part of a short block, the
+/// length gives way instead of the times.
+const MARGIN: u32 = 22;
 
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
-    /// [`Unplannable`] if the speeds cannot be joined over that length, which the look-ahead rules out.
+    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules out;
+    /// [`Unplannable::TooSlow`].
     pub fn plan(
         &mut self,
         length: Distance,
@@ -263,6 +284,10 @@ impl Profile {
             } else {
                 div_shift(rest as u64, 50, peak.max(1) as u64)
             };
+        } else if rest >= -ROUNDED_LENGTHS && rest << MARGIN < -length {
+            self.cruise = 0;
+            let longer = if self.up.length() > self.down.length() { &mut self.up } else { &mut self.down };
+            longer.give_way(-rest);
         } else {
             let factor = div_shift(length as u64, 62, slopes as u64);
             self.cruise = 0;
@@ -279,8 +304,10 @@ impl Profile {
                     && self.down.is_stepped_inside([a_down, limits.a_down])
             }
         };
-        let inside = changes && peak <= speed_bits(limits.v * ACCEL_SLACK) && self.cruise < LONGEST;
-        if inside { Ok(()) } else { Err(Unplannable) }
+        if !changes || peak > speed_bits(limits.v * ACCEL_SLACK) {
+            return Err(Unplannable::Broken);
+        }
+        if self.cruise < LONGEST { Ok(()) } else { Err(Unplannable::TooSlow) }
     }
 
     /// Duration of the block.

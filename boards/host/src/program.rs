@@ -255,7 +255,7 @@ pub fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
 pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
         Error::Nc(error) => refused(files, error),
-        Error::Unplannable => Diagnostic::error(error.to_string()),
+        Error::ReducedTooSlow | Error::Unplannable => Diagnostic::error(error.to_string()),
         Error::NotAvailable(at, _)
         | Error::NotEnabled(at, _)
         | Error::Motion(at, _)

@@ -65,6 +65,8 @@ pub struct Mix {
     pub turn: [f64; 2],
     /// Most of the knees below this angle, rad; one in eight is arbitrary.
     pub knee: f64,
+    /// Largest travel of a rotary axis beside main axes, degrees per mm.
+    pub spin: f64,
 }
 
 impl Mix {
@@ -81,6 +83,7 @@ impl Mix {
             radius: [0.3, 60.0],
             turn: [1.0, 90.0],
             knee: 0.3,
+            spin: 1.0,
         }
     }
 
@@ -97,6 +100,7 @@ impl Mix {
             radius: [0.3, 60.0],
             turn: [1.0, 90.0],
             knee: 0.05,
+            spin: 1.0,
         }
     }
 }
@@ -149,7 +153,10 @@ pub fn program(seed: u64, mix: Mix) -> Program {
         }
         for nm in to.iter_mut().skip(linear) {
             if r.once_in(3) {
-                *nm += nanometres(r.between(-1.0, 1.0) * length);
+                *nm += nanometres(r.between(-1.0, 1.0) * length * mix.spin);
+                if nm.abs() > 50_000 * NM {
+                    *nm = 0;
+                }
             }
         }
         // Now and then only tracking axes move.

@@ -5,7 +5,7 @@
 //! can be reached from a candidate of the row before, forward, with no more than the feed. The motion is on the contour
 //! in order if a candidate of the last row is the end of the contour.
 use super::ROUNDING;
-use crate::reference::geometry::{Contour, Element};
+use crate::reference::geometry::{Contour, Element, Shape};
 use crate::reference::limits::path_length;
 use crate::trace::Trace;
 
@@ -43,7 +43,7 @@ fn length(element: &Element) -> f64 {
 }
 
 /// The length that speeds count along: the same, or that of other feed axes.
-pub(super) fn measured(element: &Element) -> f64 {
+pub fn measured(element: &Element) -> f64 {
     if element.feed_axes == element.main { length(element) } else { path_length(element) }
 }
 
@@ -165,8 +165,18 @@ struct Deviation {
 }
 
 impl Deviation {
+    /// At the point nearest in all axes, or in the main axes alone: where an axis travels far beside a short path, the former is that
+    /// of this axis.
     fn of(element: &Element, q: &[f64], near: f64, tolerance: f64) -> Self {
-        let u = element.project(q, near);
+        let off = Self::at(element, q, element.project(q, near), tolerance);
+        if off.inside || element.shape != Shape::Line || element.main_length() == 0.0 {
+            return off;
+        }
+        let along = Self::at(element, q, element.project_on(q, &element.main), tolerance);
+        if along.inside { along } else { off }
+    }
+
+    fn at(element: &Element, q: &[f64], u: f64, tolerance: f64) -> Self {
         let p = element.at(u.clamp(0.0, 1.0));
         let main = element.main.iter().map(|&k| (q[k] - p[k]).powi(2)).sum::<f64>().sqrt();
         let mut tracking = 0.0_f64;
@@ -174,7 +184,7 @@ impl Deviation {
         for k in (0..q.len()).filter(|k| !element.main.contains(k)) {
             let off = (q[k] - p[k]).abs();
             tracking = tracking.max(off);
-            inside &= off <= tolerance * (1.0 + element.travel(k).abs() / length(element).max(1e-9));
+            inside &= off <= tolerance * (1.0 + element.travel(k).abs() / measured(element).max(1e-9));
         }
         Self { u, main, tracking, inside }
     }

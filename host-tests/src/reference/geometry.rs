@@ -109,18 +109,21 @@ impl Element {
         d
     }
 
+    /// Of a line: the parameter of the point nearest to `q` in these axes.
+    pub fn project_on(&self, q: &[f64], axes: &[usize]) -> f64 {
+        let (mut dot, mut square) = (0.0, 0.0);
+        for &k in axes {
+            let d = self.travel(k);
+            dot += (q[k] - self.from[k]) * d;
+            square += d * d;
+        }
+        if square > 0.0 { dot / square } else { 0.0 }
+    }
+
     /// The parameter of the point nearest to `q`, not clamped to 0…1. For an arc, the turn nearest to `near`.
     pub fn project(&self, q: &[f64], near: f64) -> f64 {
         match &self.shape {
-            Shape::Line => {
-                let (mut dot, mut square) = (0.0, 0.0);
-                for (k, x) in q.iter().enumerate() {
-                    let d = self.travel(k);
-                    dot += (x - self.from[k]) * d;
-                    square += d * d;
-                }
-                if square > 0.0 { dot / square } else { 0.0 }
-            }
+            Shape::Line => self.project_on(q, &(0..q.len()).collect::<Vec<_>>()),
             Shape::Arc { axes, centre, angle, sweep, .. } => {
                 let at = (q[axes[1]] - centre[1]).atan2(q[axes[0]] - centre[0]);
                 let turn = std::f64::consts::TAU / sweep;
