@@ -582,13 +582,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.mode.uneven &= self.laid < self.flights.len();
         let all = self.laid == self.flights.len() && self.lookahead.ring.is_empty();
         if self.mode.stopping && (self.speed == Speed::ZERO || all) {
-            // The last tick of a law ends behind it: it is the first one of rest.
-            if !self.mode.standing
-                && let Some(flight) = self.laid.checked_sub(1).and_then(|k| self.flights.get(k))
-            {
-                let stands = Distance::from_bits(flight.end());
-                self.put_rest(stands, 1);
-            }
             self.mode.standing = true;
             self.show_end();
             return Ok(Some(Work::Working));
