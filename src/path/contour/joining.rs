@@ -1,7 +1,7 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
 //! it reaches into the blocks, and the elements that it is cut into.
 use super::choice::{Approach, Candidate};
-use super::corner::{Corner, Reach, turn};
+use super::corner::{Corner, Reach, Tolerance, turn};
 use super::course::{CONSTANT, Course, EVEN, Fit};
 use super::curve::Side;
 use super::held::{Held, Stray, travel};
@@ -72,12 +72,20 @@ struct Cut {
     behind: i64,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
-    candidate: Option<Candidate>,
-    stop: Option<f32>,
+    candidate: Rival,
+    may_stop: bool,
+}
+
+/// A curve over time, if there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rival {
+    Known(Option<Candidate>),
+    /// It has not been looked for.
+    Unknown,
 }
 
 /// What is done next.
@@ -184,33 +192,88 @@ impl<const AXES: usize> Joining<AXES> {
         setting: &Setting<'_, AXES>,
     ) -> Option<Stage<AXES>> {
         let corner = corner(held, next, setting.measure);
+        let tolerance = Self::tolerance(held, next, rule);
+        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let limits = (room.least(), &tolerance);
+        let within = tolerance.path.is_some() || tolerance.track > 0.0;
+        // DEV: only where a curve over arc length is slower than the blocks beside it.
+        let dev = rule.method == ContourMethod::Dev;
+        let later = dev && within;
+        let tried = if later {
+            None
+        } else {
+            Candidate::new([held, next], &corner, rule, setting, limits, &approach)
+        };
+        if let Some(Candidate { way, time: None }) = tried {
+            return Some(Stage::Overlapping(way));
+        }
+        let position = rule.method == ContourMethod::Pos;
+        if position || (!within && tried.is_none()) {
+            return room.cut(held, next, rule, None);
+        }
+        // With a curve over time to choose instead: the same search.
+        let reach = Reach::new(&corner, tolerance, room.distances);
+        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        let may_stop = dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let candidate = if later { Rival::Unknown } else { Rival::Known(tried) };
+        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } })
+    }
+
+    /// What a curve may deviate.
+    fn tolerance(held: &Held<AXES>, next: &Held<AXES>, rule: &Parameters) -> Tolerance {
         let mut tolerance = rule.tolerance();
         // What straight lines that stand for several blocks have already taken.
         let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
-        let [unseen, unseen_track] = if corner.gap.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
+        let [unseen, unseen_track] = if held.skipped.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
             *path = (*path - stray.path) * (1.0 - unseen);
         }
         if tolerance.track > 0.0 {
             tolerance.track = max((tolerance.track - stray.track) * (1.0 - unseen_track), f32::MIN_POSITIVE);
         }
-        let approach = Approach::new([held, next], room.most, setting.dynamics);
-        let limits = (room.least(), &tolerance);
-        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
-        if let Some(Candidate { way, time: None }) = candidate {
-            return Some(Stage::Overlapping(way));
+        tolerance
+    }
+
+    /// What is quickest: a curve over arc length with the part of the distances that was found, one over time, or a standstill.
+    #[inline(never)]
+    fn compare(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        (room, rivals, found): (Room, Rivals, Option<(f32, f32)>),
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Stage<AXES>> {
+        let Rivals { approach, candidate, may_stop } = rivals;
+        let even = || found.and_then(|found| room.cut(held, next, rule, Some(found)));
+        if candidate == Rival::Known(None) && !may_stop {
+            return even();
         }
-        let position = rule.method == ContourMethod::Pos;
-        if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
-            return room.cut(held, next, rule, None);
+        let corner = corner(held, next, setting.measure);
+        let over_length = found.map(|(part, _)| {
+            let distances = room.distances.map(|c| c * part);
+            approach.even(&corner, distances, held.is_rapid(), setting)
+        });
+        if over_length.is_some_and(|passed| passed.is_full) {
+            return even();
         }
-        // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(&corner, tolerance, room.distances);
-        // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop =
-            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
-        let stop = may_stop.then(|| approach.stop());
-        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
+        let candidate = match candidate {
+            Rival::Known(candidate) => candidate,
+            Rival::Unknown => {
+                let tolerance = Self::tolerance(held, next, rule);
+                let limits = (room.least(), &tolerance);
+                Candidate::new([held, next], &corner, rule, setting, limits, &approach)
+            }
+        };
+        let over_time = candidate.and_then(|candidate| candidate.time);
+        let quickest = min(over_length.map_or(f32::MAX, |passed| passed.time), over_time.unwrap_or(f32::MAX));
+        // Times are known to a tick, and to the speeds at which the parts of other corners begin.
+        if may_stop && approach.stop() < quickest * KNOWN + 1.0 {
+            return None;
+        }
+        match candidate.filter(|_| over_time == Some(quickest)) {
+            Some(Candidate { way, .. }) => Some(Stage::Overlapping(way)),
+            None => even(),
+        }
     }
 
     /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
@@ -228,22 +291,7 @@ impl<const AXES: usize> Joining<AXES> {
                 Some(Stage::Comparing { room: *room, rivals: *rivals, found })
             }
             Stage::Comparing { room, rivals, found } => {
-                let Rivals { approach, candidate, stop } = *rivals;
-                let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
-                    let distances = room.distances.map(|c| c * part);
-                    approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
-                });
-                let over_time = candidate.and_then(|candidate| candidate.time);
-                let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
-                // Times are known to a tick, and to the speeds at which the parts of other corners begin.
-                if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
-                    None
-                } else if let Some(Candidate { way, .. }) = candidate.filter(|_| over_time == Some(quickest))
-                {
-                    Some(Stage::Overlapping(way))
-                } else {
-                    found.and_then(|found| room.cut(held, next, &rule, Some(found)))
-                }
+                Self::compare(held, next, &rule, (*room, *rivals, *found), setting)
             }
             Stage::Cutting { cut, slack, smaller } => {
                 let (cut, slack, smaller) = (*cut, *slack, *smaller);
