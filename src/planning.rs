@@ -382,7 +382,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.secure(self.reserve.near) {
             return Ok(Work::Working);
         }
-        if self.keeps_ahead() || self.queue.segments.is_sated() || self.flights.is_full() {
+        if self.keeps_ahead() {
+            return Ok(self.wait_a_while());
+        }
+        if self.queue.segments.is_sated() || self.flights.is_full() {
             return Ok(Work::Waiting);
         }
         let level = self.level();
