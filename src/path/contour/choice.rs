@@ -193,7 +193,7 @@ fn speed<const AXES: usize>(
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {
-    let slowest = |u: f32| length * passes(&curve.at(u)[2], &curve.third(u), rapid, setting);
+    let slowest = |u: f32| length * passes(&curve.second(u), &curve.third(u), rapid, setting);
     PLACES.iter().fold(v, |v, u| min(v, slowest(*u)))
 }
 

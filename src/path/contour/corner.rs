@@ -96,7 +96,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
     fn track_deviation(&self, curve: &Quintic<AXES>, reach: [f32; 2]) -> f32 {
         let [c1, c2] = reach;
         if self.gap.is_none() && c1 == c2 {
-            return aside(self.main, &curve.at(0.5)[0]);
+            return aside(self.main, &curve.point(0.5));
         }
         let (_, v) = self.ends(reach);
         let unmoved = [0.0; AXES];
@@ -105,7 +105,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let along = |u: f32| u * v - c1 + (c1 + c2 + way - v) * u * u * u * (10.0 - u * (15.0 - 6.0 * u));
         let (g1, g2) = (self.before.tangent(), self.behind.tangent());
         let off = |u: f32| {
-            let (s, [at, ..]) = (along(u), curve.at(u));
+            let (s, at) = (along(u), curve.point(u));
             let off = if s <= 0.0 {
                 plus(&at, -s, g1)
             } else if s < way {

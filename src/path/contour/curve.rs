@@ -32,6 +32,16 @@ pub fn size<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     sqrt_f32(dot(main, a, a))
 }
 
+/// The values, one per axis.
+#[inline(always)]
+fn each<const AXES: usize>(values: impl Iterator<Item = f32>) -> [f32; AXES] {
+    let mut out = [0.0; AXES];
+    for (x, value) in out.iter_mut().zip(values) {
+        *x = value;
+    }
+    out
+}
+
 /// a + f·b.
 pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32; AXES] {
     let mut sum = *a;
@@ -235,6 +245,31 @@ impl<const AXES: usize> Quintic<AXES> {
         out
     }
 
+    /// The point at `u` alone.
+    pub fn point(&self, u: f32) -> [f32; AXES] {
+        let [p0, p1, p2, p3, p4, p5] = &self.power;
+        let rest = p0.iter().zip(p1).zip(p2).zip(p3.iter().zip(p4).zip(p5));
+        each(rest.map(|(((c0, c1), c2), ((c3, c4), c5))| {
+            c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
+        }))
+    }
+
+    /// First derivative.
+    pub fn first(&self, u: f32) -> [f32; AXES] {
+        let [_, p1, p2, p3, p4, p5] = &self.power;
+        let rest = p1.iter().zip(p2).zip(p3.iter().zip(p4).zip(p5));
+        each(rest.map(|((c1, c2), ((c3, c4), c5))| {
+            c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
+        }))
+    }
+
+    /// Second derivative.
+    pub fn second(&self, u: f32) -> [f32; AXES] {
+        let [_, _, p2, p3, p4, p5] = &self.power;
+        let rest = p2.iter().zip(p3).zip(p4.iter().zip(p5));
+        each(rest.map(|((c2, c3), (c4, c5))| 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))))
+    }
+
     /// Third derivative.
     pub fn third(&self, u: f32) -> [f32; AXES] {
         let [.., p3, p4, p5] = &self.power;
@@ -267,7 +302,7 @@ impl<const AXES: usize> Quintic<AXES> {
     pub fn haste(&self, measure: &Measure, path: f32, pace: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
-            let [_, first, _] = self.at(u);
+            let first = self.first(u);
             let fed = measure.length(&first) / path;
             let along = size(&measure.main, &first) / (path * pace);
             most = max(most, max(fed, along) - 1.0);
@@ -281,7 +316,7 @@ impl<const AXES: usize> Quintic<AXES> {
         let mut sum = 0.0;
         for (x, weight) in GAUSS {
             for x in [-x, x] {
-                sum += weight * size(main, &self.at(middle + half * x)[1]);
+                sum += weight * size(main, &self.first(middle + half * x));
             }
         }
         half * sum
@@ -291,7 +326,7 @@ impl<const AXES: usize> Quintic<AXES> {
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut above, mut below] = [0.0, 0.0];
         for u in PLACES {
-            let off = size(main, &self.at(u)[1]) / speed - 1.0;
+            let off = size(main, &self.first(u)) / speed - 1.0;
             above = max(above, off);
             below = max(below, -off);
         }
@@ -315,7 +350,7 @@ impl<const AXES: usize> Quintic<AXES> {
 
     /// Distance of a point from the curve, beginning to search at `u`.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
-        size(main, &plus(&self.at(self.nearest(main, point, u))[0], -1.0, point))
+        size(main, &plus(&self.point(self.nearest(main, point, u)), -1.0, point))
     }
 }
 
@@ -349,7 +384,7 @@ impl Deviation {
         };
         if !self.outward.is_found() {
             self.outward.climb(OUTWARD, |place| {
-                let (q, s) = (curve.at(0.5 + 0.5 * place)[0], block(place).1);
+                let (q, s) = (curve.point(0.5 + 0.5 * place), block(place).1);
                 let off = before.distance(main, &q, min(s, 0.0), -1.0);
                 let off = min(off, behind.distance(main, &past(&q), max(s, 0.0), 1.0));
                 gap.map_or(off, |gap| min(off, segment_distance(main, gap, &q)))
