@@ -12,7 +12,9 @@ use crate::operate::{
 use crate::properties::{axis_limits, permitted_at};
 use crate::reference::geometry::{Contour, Element};
 use crate::reference::merge::path_tolerance;
-use glidepath::machine::{AccelerationUnit, AxisData, MODE_LINEAR, MODE_MASTER, MachineData, Synch, SynchTable};
+use glidepath::machine::{
+    AccelerationUnit, AxisData, MODE_LINEAR, MODE_MASTER, MachineData, Synch, SynchTable,
+};
 use glidepath::quantity::Position;
 use std::fmt::Write;
 
@@ -192,7 +194,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     ticks.sort_by(f64::total_cmp);
     let (lengths, speed) = (ticks.map(|ticks| reach(ticks).0), reach(ticks[1]).1);
     // A machine that is slow beside its cycle takes longer for the shortest block: fewer of them.
-    let least = (16.0 * shortest * spin * ramp / a).cbrt().max(shortest * spin / v) / (f64::from(cycle_us) * 1e-6);
+    let least =
+        (16.0 * shortest * spin * ramp / a).cbrt().max(shortest * spin / v) / (f64::from(cycle_us) * 1e-6);
     let blocks = if many { r.between(60.0, 900.0) } else { r.between(5.0, 60.0) };
     let blocks = blocks.min(LONG / least).max(4.0) as usize;
     let feed = (60.0 * speed).clamp(1.0, 1e7);
@@ -206,7 +209,11 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
         length: lengths,
         feed: [(feed * r.magnitude(0.05, 1.0)).max(1.0), feed * r.magnitude(1.0, 4.0)],
         // An arc needs both axes of its plane among the feed axes, and is no longer than some hundred lines.
-        arcs: if least_radius > (30.0 * lengths[1]).min(500.0) || feeds > 0 { 0 } else { [0, 2, 5][(r.bits() % 3) as usize] },
+        arcs: if least_radius > (30.0 * lengths[1]).min(500.0) || feeds > 0 {
+            0
+        } else {
+            [0, 2, 5][(r.bits() % 3) as usize]
+        },
         rapids: [0, 4, 9][(r.bits() % 3) as usize],
         stops: 20,
         knee: r.magnitude(1e-4, 3.0),
@@ -334,7 +341,11 @@ impl<const AXES: usize> Setup<AXES> {
                     0 => format!("G131 = {percent}"),
                     1 => format!("G130 X{percent} Y{}", 120 - percent),
                     2 => format!("G133 = {}", 100 + percent),
-                    3 => format!("#VECTOR LIMIT ON [ACC={:.3} DEC={:.3}]", (a * r.between(0.2, 1.0)).max(1.0), a.max(1.0)),
+                    3 => format!(
+                        "#VECTOR LIMIT ON [ACC={:.3} DEC={:.3}]",
+                        (a * r.between(0.2, 1.0)).max(1.0),
+                        a.max(1.0)
+                    ),
                     _ => format!("#VECTOR LIMIT ON [VEL={:.3}]", feed * r.magnitude(0.1, 10.0)),
                 };
                 self.lines.push((r.bits() as usize % blocks, line));
@@ -351,7 +362,8 @@ impl<const AXES: usize> Setup<AXES> {
             let _ = writeln!(all, "N0 {}", self.contour);
         }
         for line in rest.lines() {
-            let number = line.strip_prefix('N').and_then(|line| line.split(' ').next()?.parse::<usize>().ok());
+            let number =
+                line.strip_prefix('N').and_then(|line| line.split(' ').next()?.parse::<usize>().ok());
             let block = number.filter(|n| *n > 0 && n.is_multiple_of(10)).map(|n| n / 10 - 1);
             for (_, line) in self.lines.iter().filter(|(k, _)| Some(*k) == block) {
                 let _ = writeln!(all, "{line}");
@@ -405,7 +417,8 @@ impl<const AXES: usize> Setup<AXES> {
             contour.elements.iter().map(travel).fold(0.0, f64::max)
         });
         let most = travels.map(|times| times.max(1.0) * PATH);
-        most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) }).collect()
+        most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) })
+            .collect()
     }
 
     /// All limits at every tick and the exact end; on the contour without contour mode.

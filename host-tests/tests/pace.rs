@@ -81,7 +81,9 @@ fn a_reduced_speed_far_below_the_feed_is_no_standstill() {
             let mut machine = machines::with_slope(machines::mill::<3>(1000), slope);
             machine.axes[0].vb_max_red = v;
             let length = f64::from(v) * 5e-3;
-            let program = Program::new("crawl", 3).line(&[length, 0.0, 0.0], 60_000.0).line(&[-length, 0.0, 0.0], 60_000.0);
+            let program = Program::new("crawl", 3)
+                .line(&[length, 0.0, 0.0], 60_000.0)
+                .line(&[-length, 0.0, 0.0], 60_000.0);
             let fastest = speeds(&run(&program, &machine, &[(0, Act::Reduced(true))], 1000));
             let part = fastest.into_iter().fold(0.0, f64::max) / (f64::from(v) * 0.06);
             assert!((0.98..=1.001).contains(&part), "slope {slope}, {v} µm/s: {part}");

@@ -83,7 +83,11 @@ fn a_slope_that_fills_a_block_of_few_lsb() {
             let [high, low] = [span.enter(), v_out];
             for [v_in, v_out] in [[high, low], [low, high]] {
                 let planned = profile.plan(length, v_in, v_out, &limits);
-                assert_eq!(planned, Ok(()), "case {case}, {bend:?}: {length:?} from {v_in:?} to {v_out:?}, {limits:?}");
+                assert_eq!(
+                    planned,
+                    Ok(()),
+                    "case {case}, {bend:?}: {length:?} from {v_in:?} to {v_out:?}, {limits:?}"
+                );
                 let rest = length.to_bits() - profile.up.length() - profile.down.length();
                 assert!(rest >= 0, "case {case}, {bend:?}: {length:?}, {rest} left");
                 least = least.min(rest);

@@ -346,7 +346,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.end == at && self.speed == Speed::ZERO {
             // It stands there already.
             // At the end of a law without a tick, or inside the span.
-            let ended = self.laid.checked_sub(1).filter(|last| *last >= k).and_then(|last| self.flights.get(last));
+            let ended =
+                self.laid.checked_sub(1).filter(|last| *last >= k).and_then(|last| self.flights.get(last));
             let in_span = self.flights.get(k).map_or(flight.start, |flight| flight.start);
             let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
             let stands = self.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);

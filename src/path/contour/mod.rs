@@ -443,7 +443,8 @@ impl<const AXES: usize> Contouring<AXES> {
                 if turning.go_on(&mut outgoing.element).is_some() {
                     return true;
                 }
-                let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
+                let from =
+                    turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
                 self.before = turning.go_straight(&from, &self.measure);
             }
             None => {
