@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Runs seeds on two threads; panics with all faults.
-fn all_good(seeds: std::ops::Range<u64>) {
+fn all_good(seeds: std::ops::Range<u64>, stalls: bool) {
     let (next, good) = (AtomicU64::new(seeds.start), AtomicU64::new(0));
     let work = || {
         let mut faults = Vec::new();
@@ -14,7 +14,7 @@ fn all_good(seeds: std::ops::Range<u64>) {
             if seed >= seeds.end {
                 return faults;
             }
-            match soak(seed, false) {
+            match soak(seed, stalls) {
                 Outcome::Good(_) => _ = good.fetch_add(1, Relaxed),
                 Outcome::TooLong | Outcome::Refused(_) => {}
                 Outcome::Fault(fault) => faults.push(format!("seed {seed}: {fault}")),
@@ -29,12 +29,27 @@ fn all_good(seeds: std::ops::Range<u64>) {
     });
     assert!(faults.is_empty(), "{faults:#?}");
     let (good, count) = (good.into_inner(), seeds.end - seeds.start);
-    assert!(20 * good > 19 * count, "{good} of {count} came to their end");
+    assert!(20 * good >= 19 * count, "{good} of {count} came to their end");
 }
 
 #[test]
 fn random_machines_keep_every_limit() {
-    all_good(0..300);
+    all_good(0..300, false);
+}
+
+#[test]
+fn random_machines_keep_every_limit_where_the_planner_stalls() {
+    all_good(300..500, true);
+}
+
+/// Blocks of less than 2^24 LSB filled by their slope, reduced speeds below 2^-16 of the feed, standstills at the end of a law that has no
+/// tick, curves of a nanometre.
+#[test]
+fn seeds_that_once_failed() {
+    for seed in [17, 158, 296, 351, 500, 1025, 1298, 3112, 4103, 4157, 5739, 6290, 10838, 11415, 17903] {
+        all_good(seed..seed + 1, false);
+    }
+    all_good(41_047..41_048, true);
 }
 
 /// Other seeds with every run; `SEED=n cargo test …` repeats those that were printed.
@@ -44,5 +59,5 @@ fn random_machines_of_today_keep_every_limit() {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64);
     let first: u64 = given.unwrap_or(1_000_000 + now % 1_000_000_000);
     println!("SEED={first}");
-    all_good(first..first + 60);
+    all_good(first..first + 60, false);
 }

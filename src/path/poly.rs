@@ -146,6 +146,11 @@ impl<const AXES: usize> Draft<AXES> {
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }
 
+    /// Where it begins.
+    pub fn from(&self) -> &[Position; AXES] {
+        &self.ends[0]
+    }
+
     /// Whether all axes are made.
     pub fn is_done(&self) -> bool {
         self.made >= AXES

@@ -273,6 +273,18 @@ impl<const AXES: usize> Course<AXES> {
         self.is_first(self.done)
     }
 
+    /// Where the last element ended.
+    pub fn stands(&self) -> &[Position; AXES] {
+        &self.at.position
+    }
+
+    /// No further element is handed out; where the curve ends.
+    pub fn finish(&mut self) -> &[Position; AXES] {
+        self.done = self.count();
+        self.at = self.last;
+        &self.last.position
+    }
+
     /// Whether all elements are handed out.
     pub fn is_done(&self) -> bool {
         self.done >= self.count()

@@ -444,7 +444,9 @@ impl Room {
     ) -> Option<Stage<AXES>> {
         let (part, slack) = found.unwrap_or((1.0, f32::MAX));
         let distances = self.distances.map(|c| c * part);
-        if rule.method != ContourMethod::Pos && max(distances[0], distances[1]) < SHORTEST {
+        // POS without distances swings out from the corner itself.
+        let most = max(distances[0], distances[1]);
+        if most < SHORTEST && (most > 0.0 || rule.method != ContourMethod::Pos) {
             return None;
         }
         let bits = |i: usize, length: i64| {

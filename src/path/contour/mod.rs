@@ -129,6 +129,16 @@ impl<const AXES: usize> Turning<AXES> {
         Some(Outgoing { element, data, curving: Some(self.curving), due })
     }
 
+    /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
+    #[cold]
+    #[inline(never)]
+    fn go_straight(&mut self, from: &[Position; AXES], measure: &Measure) -> Option<Outgoing<AXES>> {
+        self.draft = None;
+        let (data, due) = self.halves[usize::from(!self.course.is_before())];
+        let element = line(from, self.course.finish(), measure).ok()??;
+        Some(Outgoing { element, data: Data { stop: false, ..data }, curving: None, due })
+    }
+
     /// Goes on making it. `None` where it cannot be made.
     fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Some(draft) = &mut self.draft else { return Some(()) };
@@ -190,6 +200,22 @@ impl<const AXES: usize> Curve<AXES> {
         match self {
             Self::Even(course) => course.next_element(),
             Self::Timed(timed) => timed.next_element(),
+        }
+    }
+
+    /// Where the last element ended.
+    fn stands(&self) -> [Position; AXES] {
+        match self {
+            Self::Even(course) => *course.stands(),
+            Self::Timed(timed) => *timed.stands(),
+        }
+    }
+
+    /// No further element is handed out; where the curve ends.
+    fn finish(&mut self) -> &[Position; AXES] {
+        match self {
+            Self::Even(course) => course.finish(),
+            Self::Timed(timed) => timed.finish(),
         }
     }
 
@@ -417,9 +443,14 @@ impl<const AXES: usize> Contouring<AXES> {
                 if turning.go_on(&mut outgoing.element).is_some() {
                     return true;
                 }
-                self.before = None;
+                let from =
+                    turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
+                self.before = turning.go_straight(&from, &self.measure);
             }
-            None => self.before = turning.begin(),
+            None => {
+                let from = turning.course.stands();
+                self.before = turning.begin().or_else(|| turning.go_straight(&from, &self.measure));
+            }
         }
         if self.before.is_none() {
             self.course = None;

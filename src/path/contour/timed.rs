@@ -323,6 +323,18 @@ impl<const AXES: usize> Timed<AXES> {
     pub fn is_before(&self) -> bool {
         self.done < self.before
     }
+
+    /// Where the last element ended.
+    pub fn stands(&self) -> &[Position; AXES] {
+        &self.from.position
+    }
+
+    /// No further element is handed out; where the curve ends.
+    pub fn finish(&mut self) -> &[Position; AXES] {
+        self.done = self.count;
+        self.from = self.to;
+        &self.to.position
+    }
 }
 
 impl<const AXES: usize> Timed<AXES> {
