@@ -233,8 +233,8 @@ const PART_DEV: [f32; 2] = [0.95, 0.905];
 const PART_PTP: [f32; 2] = [0.975, 0.96];
 
 /// Parts of acceleration and jerk that a curve over arc length takes, a little less than it does.
-const NORMAL: f32 = 0.97;
-const TWISTED: f32 = 0.935;
+const NORMAL: f32 = 0.932;
+const TWISTED: f32 = 0.866;
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
 /// speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change their speed, ticks.
