@@ -157,10 +157,12 @@ impl Candidate {
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
         };
-        let way = if whole.half_way() <= off && whole.distance() <= reach {
+        let [half_way, distance] = [whole.half_way(), whole.distance()];
+        let way = if half_way <= off && distance <= reach {
             // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
-            let most = f64::min(off / whole.half_way(), f64::from(most) / whole.distance());
-            let by = if rule.method == ContourMethod::Ptp || most < 1.0 { 1.0 } else { most };
+            let is_stretched = rule.method != ContourMethod::Ptp && half_way < off;
+            let most = if is_stretched { f64::min(off / half_way, f64::from(most) / distance) } else { 1.0 };
+            let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {
             let alone = [t1, t2].map(|t| dynamics.together(t, rapid, of));

@@ -259,7 +259,7 @@ impl<const AXES: usize> Course<AXES> {
         };
         let beside = |t: f32| {
             let (curve, u) = self.place(i, t);
-            curve.distance(&self.measure.main, &element.at(t)[0], u)
+            curve.distance(&self.measure.main, &element.point(t), u)
         };
         // Over its own parameter an element is a part of the curve.
         self.any

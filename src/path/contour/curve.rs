@@ -340,10 +340,11 @@ impl<const AXES: usize> Quintic<AXES> {
             let away = plus(&q, -1.0, point);
             let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
             let next = if slope > 0.0 { min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0) } else { u };
-            if next == u {
+            let is_near = max(next - u, u - next) <= NEAR;
+            u = next;
+            if is_near {
                 break;
             }
-            u = next;
         }
         u
     }
@@ -473,6 +474,8 @@ const REFINEMENTS: u8 = 4;
 
 /// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
+/// A step of that search after which the next one would be nothing: each is about the square of the one before.
+const NEAR: f32 = 1.0 / 2048.0;
 
 /// Steps on each side of the corner, and places between them, where the distance from an arc is measured.
 const SAMPLES: u8 = 8;
