@@ -157,8 +157,9 @@ impl Candidate {
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
         };
-        let [half_way, distance] = [whole.half_way(), whole.distance()];
-        let way = if half_way <= off && distance <= reach {
+        let half_way = whole.half_way();
+        let way = if half_way <= off && whole.distance() <= reach {
+            let distance = whole.distance();
             // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
             let is_stretched = rule.method != ContourMethod::Ptp && half_way < off;
             let most = if is_stretched { f64::min(off / half_way, f64::from(most) / distance) } else { 1.0 };

@@ -257,15 +257,15 @@ impl<const AXES: usize> Course<AXES> {
             let [above, below] = self.unevenness(&element, length);
             max(above, below) <= even
         };
-        let beside = |t: f32| {
+        let is_near = |t: f32| {
             let (curve, u) = self.place(i, t);
-            curve.distance(&self.measure.main, &element.point(t), u)
+            curve.is_near(&self.measure.main, &element.point(t), u, slack)
         };
         // Over its own parameter an element is a part of the curve.
         self.any
             || self.path.is_some()
             || (is_even()
-                && (slack == f32::MAX || max(max(beside(0.25), beside(0.5)), beside(0.75)) <= slack))
+                && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
     }
 
     /// Whether the next element belongs to the first half.

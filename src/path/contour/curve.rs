@@ -349,6 +349,15 @@ impl<const AXES: usize> Quintic<AXES> {
         u
     }
 
+    /// Whether a point is no further from the curve than that, beginning to search at `u`.
+    pub fn is_near(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> bool {
+        // No nearer than its nearest point is the one where its tangent says it is.
+        let (away, along) = (plus(&self.point(u), -1.0, point), self.first(u));
+        let foot = u - dot(main, &away, &along) / max(dot(main, &along, &along), f32::MIN_POSITIVE);
+        let there = self.point(min(max(foot, 0.0), 1.0));
+        size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u) <= most
+    }
+
     /// Distance of a point from the curve, beginning to search at `u`.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
         size(main, &plus(&self.point(self.nearest(main, point, u)), -1.0, point))

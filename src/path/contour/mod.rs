@@ -443,19 +443,28 @@ impl<const AXES: usize> Contouring<AXES> {
                 if turning.go_on(&mut outgoing.element).is_some() {
                     return true;
                 }
-                let from =
-                    turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
-                self.before = turning.go_straight(&from, &self.measure);
             }
             None => {
-                let from = turning.course.stands();
-                self.before = turning.begin().or_else(|| turning.go_straight(&from, &self.measure));
+                self.before = turning.begin();
+                if self.before.is_some() {
+                    return true;
+                }
             }
         }
+        self.go_straight();
+        true
+    }
+
+    /// What is left of a curve that cannot be made is a line; nothing is left at its end.
+    #[cold]
+    #[inline(never)]
+    fn go_straight(&mut self) {
+        let Some(turning) = &mut self.course else { return };
+        let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
+        self.before = turning.go_straight(&from, &self.measure);
         if self.before.is_none() {
             self.course = None;
         }
-        true
     }
 
     /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; or the line over blocks
