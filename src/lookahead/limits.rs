@@ -234,6 +234,12 @@ impl Limits {
         }
     }
 
+    /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has no jerk.
+    pub fn along(&self) -> Option<[f32; 3]> {
+        let Law::Bowed { j, .. } = self.law else { return None };
+        Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
+    }
+
     /// Uses less than permitted.
     pub(super) fn ease(&mut self, ease: Ease) {
         let ([up, down], v) = ease.parts();

@@ -223,15 +223,6 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, headroom)
     }
 
-    /// Speed, acceleration and jerk that a motion along the line `element` may have in both directions; `None` with a slope that
-    /// has no jerk.
-    pub fn along(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<[f32; 3]> {
-        let (limits, ..) = self.element(element, feed);
-        let Law::Bowed { j, .. } = limits.law else { return None };
-        let j = j.into_iter().fold(f32::MAX, min);
-        Some([limits.v, min(limits.a_up, limits.a_down), j])
-    }
-
     /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than
     /// `of` a_max and of `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {

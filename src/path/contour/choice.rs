@@ -23,6 +23,8 @@ pub struct Approach {
     /// Speeds, mm/tick, and what the corner may have of both, mm.
     v: [f32; 2],
     room: [f32; 2],
+    /// Speed, acceleration and jerk that each has in both directions; none with a slope that has no jerk.
+    along: [Option<[f32; 3]>; 2],
 }
 
 impl Approach {
@@ -34,7 +36,8 @@ impl Approach {
     ) -> Self {
         let [first, second] =
             blocks.map(|Held { block, .. }| dynamics.element(&block.element, block.data.feed).0);
-        Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room }
+        let along = [first.along(), second.along()];
+        Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
 
     /// Ticks over all of it with a curve at the speed `v` which begins and ends at the distances `c`, and takes `inside` ticks.
@@ -118,8 +121,7 @@ impl Candidate {
         if !quick || !straight || held.skipped.is_some() || rapid != second.data.feed.is_none() {
             return None;
         }
-        let [v1, a1, j1] = dynamics.along(&first.element, first.data.feed)?;
-        let [v2, a2, j2] = dynamics.along(&second.element, second.data.feed)?;
+        let [Some([v1, a1, j1]), Some([v2, a2, j2])] = approach.along else { return None };
         let v = min(v1, v2);
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let mut change = plus(t2, -1.0, t1);
