@@ -55,6 +55,9 @@ pub struct Course<const AXES: usize> {
     given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
+    /// Of the first element of each half, where that is all of it: its path length, and how far its speed is above what that says. 0:
+    /// not known.
+    seen: [[f32; 2]; 2],
 }
 
 /// Where a curve through a given point is cut.
@@ -164,7 +167,7 @@ impl<const AXES: usize> Course<AXES> {
         let path = (!measure.is_space()).then_some(path);
         let (parts, done, any) = (1, 0, false);
         let (measure, origin) = (*measure, *origin);
-        Some(Self { measure, paces, origin, halves, path, at, last, parts, done, given, any })
+        Some(Self { measure, paces, origin, halves, path, at, last, parts, done, given, any, seen: [[0.0; 2]; 2] })
     }
 
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
@@ -247,16 +250,17 @@ impl<const AXES: usize> Course<AXES> {
     }
 
     /// Whether element `i` has the right path speed, and is not too far beside the curve.
-    fn is_fine(&self, i: u32, even: f32, slack: f32) -> bool {
+    fn is_fine(&mut self, i: u32, even: f32, slack: f32) -> bool {
         let ([a, b], length) = self.part(i);
         let element = Quintic::new(&a, &b, length);
         if element.weight() >= HEAVIEST {
             return false;
         }
-        let is_even = || {
-            let [above, below] = self.unevenness(&element, length);
-            max(above, below) <= even
-        };
+        let [above, below] = self.unevenness(&element, length);
+        let is_even = max(above, below) <= even;
+        if let (1, None, Some(seen)) = (self.parts, &self.given, self.seen.get_mut(i as usize)) {
+            *seen = [length, above];
+        }
         let is_near = |t: f32| {
             let (curve, u) = self.place(i, t);
             curve.is_near(&self.measure.main, &element.point(t), u, slack)
@@ -264,7 +268,7 @@ impl<const AXES: usize> Course<AXES> {
         // Over its own parameter an element is a part of the curve.
         self.any
             || self.path.is_some()
-            || (is_even()
+            || (is_even
                 && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
     }
 
@@ -318,10 +322,25 @@ impl<const AXES: usize> Course<AXES> {
         if self.is_done() {
             return None;
         }
-        let ([a, b], length) = self.part(self.done);
-        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
+        let (to, [length, above]) = match self.seen.get(self.done as usize) {
+            Some(seen) if self.parts == 1 && seen[0] > 0.0 => {
+                let (curve, u) = self.place(self.done, 1.0);
+                let end = || match self.path {
+                    Some([first, second]) => {
+                        curve.site_over(if self.is_first(self.done) { first } else { second }, u)
+                    }
+                    None => curve.site(&self.measure.main, u),
+                };
+                ((self.done + 1 < self.count()).then(end), *seen)
+            }
+            _ => {
+                let ([a, b], length) = self.part(self.done);
+                let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
+                (Some(b), [length, above])
+            }
+        };
         self.done += 1;
-        let to = if self.is_done() { self.last } else { knot_of(&b, &self.origin) };
+        let to = to.filter(|_| !self.is_done()).map_or(self.last, |site| knot_of(&site, &self.origin));
         let from = core::mem::replace(&mut self.at, to);
         Draft::new(&from, &to, length, Self::fastest(above))
     }
