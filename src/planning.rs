@@ -294,6 +294,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             Stage::Passing => {
                 if let Some(blocks) = self.lookahead.step_pass() {
                     self.stage = Stage::Releasing(blocks);
+                    self.reserve.try_again();
                 }
                 Ok(Work::Working)
             }

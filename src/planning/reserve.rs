@@ -61,7 +61,7 @@ struct Aside {
 pub(super) struct Reserve {
     kept: Option<Way>,
     aside: Option<Aside>,
-    /// Of the way being made: the next block of the look-ahead, and its path distance.
+    /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that, and its path distance.
     next: usize,
     distance: Distance,
     /// The law with the emitter is all of it so far.
@@ -116,6 +116,11 @@ impl Reserve {
     /// The way being made goes on there.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
+    }
+
+    /// The plan of the look-ahead is complete: what had no room before it may have some.
+    pub const fn try_again(&mut self) {
+        self.failed = None;
     }
 
     /// The way being made ends there.
@@ -189,9 +194,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let has_one = self.reserve.kept.is_some_and(|way| way.at == self.end);
         let failed = self.reserve.failed == Some(self.end) || has_one;
         let stands = self.speed == Speed::ZERO && !self.emitter.has_piece();
-        // The way through the look-ahead is known when its plan is complete.
-        let unknown = self.stage == Stage::Passing && !stands;
-        if unknown || self.reserve.behind.is_some() || failed {
+        let unplanned = self.stage == Stage::Passing;
+        // One that there is leads further.
+        let has_better = unplanned && self.reserve.is_kept();
+        if has_better || self.reserve.behind.is_some() || failed {
             return false;
         }
         self.queue.reserve.begin();
@@ -199,7 +205,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flights = self.flights.len();
         self.reserve.aside =
             Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
-        (self.reserve.next, self.reserve.distance) = (0, self.handed);
+        // The way through the look-ahead is known when its plan is complete.
+        let next = if unplanned { usize::MAX } else { 0 };
+        (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.mode = mode.stop();
         (self.reserve.as_planned, self.reserve.stands) = (stands, None);
         if self.emitter.has_piece() {
@@ -311,7 +319,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.flights.truncate(flights);
                 self.laid = flights;
                 let Some(flight) = self.flights.spare() else { return false };
-                if !self.lookahead.ring.planned(self.reserve.next, &mut flight.span) {
+                let next = self.reserve.next;
+                if next == usize::MAX || !self.lookahead.ring.planned(next, &mut flight.span) {
                     return false;
                 }
                 // The interrupt would leave the path where it does not know it.
