@@ -250,9 +250,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.stops {
             self.emitter.settle();
             self.stops = false;
-            if self.reserve.is_kept() {
-                self.drop_reserve();
-            }
+            self.keep_end();
         }
         self.go_on()
     }
@@ -262,6 +260,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let mut ticks = 0;
         let more = self.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
         self.end = self.end.wrapping_add(clock::TICK * ticks);
+        if ticks > 0 {
+            self.pass_end();
+        }
         more
     }
 
@@ -269,6 +270,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     fn put(&mut self, phase: Phase) {
         self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         let _ = self.queue.phases.push(phase);
+        self.pass_end();
     }
 
     /// Rests at the path distance `at`, as long as a piece can. There is room. Ticks left.
@@ -292,6 +294,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             Stage::Passing => {
                 if let Some(blocks) = self.lookahead.step_pass() {
                     self.stage = Stage::Releasing(blocks);
+                    self.reserve.try_again();
                 }
                 Ok(Work::Working)
             }

@@ -12,6 +12,7 @@ use crate::operate::{
 use crate::properties::{axis_limits, permitted_at};
 use crate::reference::geometry::{Contour, Element};
 use crate::reference::merge::path_tolerance;
+use crate::tolerance::CUT;
 use glidepath::machine::{
     AccelerationUnit, AxisData, MODE_LINEAR, MODE_MASTER, MachineData, Synch, SynchTable,
 };
@@ -409,14 +410,17 @@ impl<const AXES: usize> Setup<AXES> {
     }
 
     /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is good to [`PATH`]
-    /// (`src/slope/emit.rs`); an axis that travels further than the path shows as many times that.
+    /// (`src/slope/emit.rs`); an axis that travels further than the path shows as many times that. In contour mode the start of each
+    /// curve adds [`CUT`].
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
         let travels = (0..AXES).map(|axis| {
             let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
             contour.elements.iter().map(travel).fold(0.0, f64::max)
         });
-        let most = travels.map(|times| times.max(1.0) * PATH);
+        // 2 of them make one difference of a jump: see the sums below.
+        let cut = if self.contour.is_empty() { 0.0 } else { 0.5 * CUT };
+        let most = travels.map(|times| times.max(1.0) * PATH + cut);
         most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) })
             .collect()
     }

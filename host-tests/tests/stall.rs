@@ -401,6 +401,38 @@ fn a_stall_before_every_41st_tick() {
     faults.none(tried);
 }
 
+/// The queue ends at an exact stop, between two ticks, and the next block has not arrived: no tick in it shows that end. It is shown all
+/// the same where the planner gets no time, and nobody is late.
+#[test]
+fn a_stall_while_the_queue_ends_in_an_exact_stop() {
+    let mut faults = Vec::new();
+    for (slope, word) in SLOPES {
+        let machine = machines::with_slope(machines::mill::<3>(1000), slope);
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, false, true, false)).collect();
+        for k in 0..10 {
+            let far = 20.0 + 0.0137 * f64::from(k);
+            // A byte arrives in each tick.
+            let wait = " ".repeat(800);
+            let text =
+                format!("%t\n#SLOPE [TYPE={word}]\nN10 G60 G01 X{far:.4} F6000\n{wait}\nN20 X50\nM30\n");
+            for at in [100, 150] {
+                let acts = [(0, Act::Slow(1)), (at, Act::Stall(3000))];
+                let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &acts, KEEPS_UP)
+                    .expect("runs");
+                if let Err(fault) = check::limits(&run.trace, &limits) {
+                    faults.push(format!("{word}, to {far:.4}, tick {at}: {fault}"));
+                }
+                let end = (far * 2f64.powi(32)).round() as i64;
+                if run.trace.columns[0][at + 2999] != end || !run.late.is_empty() {
+                    faults.push(format!("{word}, to {far:.4}, tick {at}: {:?}", run.late));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{} of 100: {faults:#?}", faults.len());
+}
+
 /// Random programs on random machines, with stalls alone and beside an operator.
 #[test]
 fn random_programs_stalled() {

@@ -9,6 +9,9 @@
 //! span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a ring ends in a standstill: so
 //! does this. What the planner is about meanwhile is put aside and goes on behind it.
 //!
+//! Where what is in the queue ends in a planned standstill, its last tick is before that: the tick that shows the standstill itself
+//! belongs to what follows. Until that is in the queue the reserve is this one tick.
+//!
 //! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length of the blocks.
 //!
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
@@ -58,7 +61,7 @@ struct Aside {
 pub(super) struct Reserve {
     kept: Option<Way>,
     aside: Option<Aside>,
-    /// Of the way being made: the next block of the look-ahead, and its path distance.
+    /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that, and its path distance.
     next: usize,
     distance: Distance,
     /// The law with the emitter is all of it so far.
@@ -105,9 +108,19 @@ impl Reserve {
         (self.next, self.distance)
     }
 
+    /// All of it is the tick of a standstill that was planned.
+    fn shows_end(&self) -> bool {
+        self.kept.is_some_and(|way| way.as_planned && way.end.wrapping_sub(way.at) == clock::TICK)
+    }
+
     /// The way being made goes on there.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
+    }
+
+    /// The plan of the look-ahead is complete: what had no room before it may have some.
+    pub const fn try_again(&mut self) {
+        self.failed = None;
     }
 
     /// The way being made ends there.
@@ -156,11 +169,35 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.secure(self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
+    /// A law that ends in a standstill has been handed out. The reserve led into it; now it is the tick that shows its end.
+    #[inline(never)]
+    pub(super) fn keep_end(&mut self) {
+        if self.reserve.is_kept() {
+            self.drop_reserve();
+        }
+        // On the way to a standstill that is wanted, that tick comes at once.
+        if !self.mode.stopping && !self.mode.halting {
+            self.begin_reserve();
+        }
+    }
+
+    /// Something is in the queue behind that standstill, and shows it.
+    #[inline(always)]
+    pub(super) fn pass_end(&mut self) {
+        if self.reserve.shows_end() {
+            self.drop_reserve();
+        }
+    }
+
     #[inline(never)]
     fn begin_reserve(&mut self) -> bool {
         let has_one = self.reserve.kept.is_some_and(|way| way.at == self.end);
         let failed = self.reserve.failed == Some(self.end) || has_one;
-        if self.stage == Stage::Passing || self.reserve.behind.is_some() || failed {
+        let stands = self.speed == Speed::ZERO && !self.emitter.has_piece();
+        let unplanned = self.stage == Stage::Passing;
+        // One that there is leads further.
+        let has_better = unplanned && self.reserve.is_kept();
+        if has_better || self.reserve.behind.is_some() || failed {
             return false;
         }
         self.queue.reserve.begin();
@@ -168,9 +205,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flights = self.flights.len();
         self.reserve.aside =
             Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
-        (self.reserve.next, self.reserve.distance) = (0, self.handed);
+        // The way through the look-ahead is known when its plan is complete.
+        let next = if unplanned { usize::MAX } else { 0 };
+        (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.mode = mode.stop();
-        (self.reserve.as_planned, self.reserve.stands) = (false, None);
+        (self.reserve.as_planned, self.reserve.stands) = (stands, None);
         if self.emitter.has_piece() {
             self.slow_down();
         }
@@ -280,7 +319,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.flights.truncate(flights);
                 self.laid = flights;
                 let Some(flight) = self.flights.spare() else { return false };
-                if !self.lookahead.ring.planned(self.reserve.next, &mut flight.span) {
+                let next = self.reserve.next;
+                if next == usize::MAX || !self.lookahead.ring.planned(next, &mut flight.span) {
                     return false;
                 }
                 // The interrupt would leave the path where it does not know it.

@@ -81,8 +81,8 @@ const SHRINKS: usize = 8;
 impl Brake {
     /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of the end of the
     /// span), to the lowest speed there. A slower motion only ends its acceleration. The parts go into `profile`. `None` if
-    /// that would not end below `v_out`, the speed planned at the end, or if the rest of the span were too short for it. It
-    /// slows down with the deceleration `a_down`, the rest of the span inside `limits`.
+    /// that would not end below `v_out`, the speed planned at the end, if the rest of the span were too short for it, or if it would go
+    /// on at its end speed for sixteen times as long as it slows down. It slows down with the deceleration `a_down`, the rest of the span inside `limits`.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
@@ -122,7 +122,10 @@ impl Brake {
         if left == 0 {
             return (brake.v_out < v_out).then_some(brake);
         }
-        (brake.v_out <= v_out).then_some(Self { tail: time_at(left, brake.v_out), end, ..brake })
+        // The rest at a speed near zero would hardly end: then the law that is there is the faster one.
+        let tail = time_at(left, brake.v_out);
+        let down = profile.down.times.iter().fold(0, |sum: u64, time| sum.saturating_add(*time));
+        (brake.v_out <= v_out && tail >> 4 <= down).then_some(Self { tail, end, ..brake })
     }
 
     /// From `motion` to a standstill before `end`, if that is possible. No search: a few evaluations.

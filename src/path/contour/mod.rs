@@ -3,7 +3,8 @@
 //! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is quickest): `timed.rs` says why and where.
 //!
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
-//! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. The block
+//! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. Its end is then between two steps of
+//! a position, and the corner's curve begins on the nearest one, half a step of each axis beside it at most. The block
 //! behind the corner is made anew from where the corner's curve ends.
 //!
 //! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
