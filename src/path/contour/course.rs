@@ -167,7 +167,20 @@ impl<const AXES: usize> Course<AXES> {
         let path = (!measure.is_space()).then_some(path);
         let (parts, done, any) = (1, 0, false);
         let (measure, origin) = (*measure, *origin);
-        Some(Self { measure, paces, origin, halves, path, at, last, parts, done, given, any, seen: [[0.0; 2]; 2] })
+        Some(Self {
+            measure,
+            paces,
+            origin,
+            halves,
+            path,
+            at,
+            last,
+            parts,
+            done,
+            given,
+            any,
+            seen: [[0.0; 2]; 2],
+        })
     }
 
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
@@ -268,8 +281,7 @@ impl<const AXES: usize> Course<AXES> {
         // Over its own parameter an element is a part of the curve.
         self.any
             || self.path.is_some()
-            || (is_even
-                && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
+            || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
     }
 
     /// Whether the next element belongs to the first half.

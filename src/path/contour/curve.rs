@@ -249,9 +249,11 @@ impl<const AXES: usize> Quintic<AXES> {
     pub fn point(&self, u: f32) -> [f32; AXES] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
         let rest = p0.iter().zip(p1).zip(p2).zip(p3.iter().zip(p4).zip(p5));
-        each(rest.map(|(((c0, c1), c2), ((c3, c4), c5))| {
-            c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
-        }))
+        each(
+            rest.map(|(((c0, c1), c2), ((c3, c4), c5))| {
+                c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
+            }),
+        )
     }
 
     /// First derivative.
