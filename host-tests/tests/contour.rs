@@ -759,8 +759,10 @@ fn what_cannot_be_a_curve_stays_a_corner() {
 #[test]
 fn a_curve_that_no_format_holds_ends_where_it_has_to() {
     for (pre, post) in [(1e-6, 1e-5), (1e-6, 1e-3), (1e-6, 0.1), (1e-5, 1e-9)] {
-        let contour =
-            format!("#CONTOUR MODE [POS PRE_DIST={pre:.9} POST_DIST={post:.9} X{:.9} Y0 Z0]", 10.0 - pre + 1e-9);
+        let contour = format!(
+            "#CONTOUR MODE [POS PRE_DIST={pre:.9} POST_DIST={post:.9} X{:.9} Y0 Z0]",
+            10.0 - pre + 1e-9
+        );
         let run = run(&format!("{contour}\nN10 G01 X10 G61 F600\nN20 Y10\nM30\n"));
         let last = run.trace.row(run.trace.len() - 1).collect::<Vec<_>>();
         assert_eq!(last, [10 << 32, 10 << 32, 0], "{contour}");

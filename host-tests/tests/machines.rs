@@ -47,7 +47,8 @@ fn random_machines_keep_every_limit_where_the_planner_stalls() {
 /// standstill, and while another law waits for its tick.
 #[test]
 fn seeds_that_once_failed() {
-    for seed in [17, 158, 296, 351, 500, 1025, 1298, 3112, 4103, 4157, 5739, 6290, 10838, 11415, 17903, 49820] {
+    for seed in [17, 158, 296, 351, 500, 1025, 1298, 3112, 4103, 4157, 5739, 6290, 10838, 11415, 17903, 49820]
+    {
         all_good(seed..seed + 1, false);
     }
     for seed in [4641, 8643, 30_547, 41_047, 56_340] {
