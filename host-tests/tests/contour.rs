@@ -753,3 +753,18 @@ fn what_cannot_be_a_curve_stays_a_corner() {
     );
     assert!(far.distance([400.0, -300.0]) < 1.0);
 }
+
+/// Through a point a picometre beside its start the curve is bent more than the format of a polynomial holds: a straight line leads to its
+/// end, and the program ends where it has to, to the bit.
+#[test]
+fn a_curve_that_no_format_holds_ends_where_it_has_to() {
+    for (pre, post) in [(1e-6, 1e-5), (1e-6, 1e-3), (1e-6, 0.1), (1e-5, 1e-9)] {
+        let contour = format!(
+            "#CONTOUR MODE [POS PRE_DIST={pre:.9} POST_DIST={post:.9} X{:.9} Y0 Z0]",
+            10.0 - pre + 1e-9
+        );
+        let run = run(&format!("{contour}\nN10 G01 X10 G61 F600\nN20 Y10\nM30\n"));
+        let last = run.trace.row(run.trace.len() - 1).collect::<Vec<_>>();
+        assert_eq!(last, [10 << 32, 10 << 32, 0], "{contour}");
+    }
+}

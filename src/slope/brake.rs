@@ -81,8 +81,9 @@ const SHRINKS: usize = 8;
 impl Brake {
     /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of the end of the
     /// span), to the lowest speed there. A slower motion only ends its acceleration. The parts go into `profile`. `None` if
-    /// that would not end below `v_out`, the speed planned at the end, if the rest of the span were too short for it, or if it would go
-    /// on at its end speed for sixteen times as long as it slows down. It slows down with the deceleration `a_down`, the rest of the span inside `limits`.
+    /// that would not end below `v_out`, the speed planned at the end, if the rest of the span were too short for it, or if it would
+    /// go on at its end speed for more than sixteen times as long as it slows down. It slows down with the deceleration `a_down`,
+    /// the rest of the span inside `limits`.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
