@@ -325,6 +325,7 @@ fn each_ramp_has_its_name() {
 }
 
 /// What the look-ahead permits a curve over its length keeps the jerk of every axis: x'''·v³ + 3·x''·v·a + x'·j ≤ a / geometric ramp time.
+/// Where acceleration is bought with speed, so that v + a²/2j ≤ V, at every such pair of v and a.
 #[test]
 fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
     let mut machine = machines::even::<3>(1000);
@@ -348,13 +349,20 @@ fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
             let j = j.into_iter().fold(0.0, f32::max);
             for k in 0..3 {
                 let [slope, bend, twist] = [bounds.slope[k], bounds.bend[k], bounds.twist[k]].map(f64::from);
-                let jerk = twist * v.powi(3) + 3.0 * bend * v * a + slope * f64::from(j);
-                most = most.max(jerk / budget);
+                let jerk = |v: f64, a: f64, j: f64| twist * v.powi(3) + 3.0 * bend * v * a + slope * j;
+                let worst = if bounds.trades() {
+                    let j = f64::from(j).max(a * a / (2.0 * v));
+                    let pairs = (0..=64).map(|n| f64::from(n) / 64.0);
+                    pairs.map(|e| jerk(v * (1.0 - e * e), e * a, j)).fold(0.0, f64::max)
+                } else {
+                    jerk(v, a, f64::from(j))
+                };
+                most = most.max(worst / budget);
             }
             curves += 1;
         }
     }
-    assert!(curves > 200 && most <= 1.0 && most > 0.9, "{most} of the permitted jerk in {curves} curves");
+    assert!(curves > 200 && most <= 1.0 && most > 0.85, "{most} of the permitted jerk in {curves} curves");
 }
 
 /// Every parameter of an axis alone at both ends of its range: refused by its name, or limits hold.

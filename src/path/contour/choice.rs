@@ -68,23 +68,13 @@ impl Approach {
         distances: [f32; 2],
         rapid: bool,
         setting: &Setting<'_, AXES>,
-    ) -> Passed {
+    ) -> f32 {
         let curve = corner.between(distances);
         let length = corner.path(&curve);
         let [v1, v2] = self.v;
-        let most = min(v1, v2);
-        let through = speed(&curve, length, most, rapid, setting);
-        Passed { time: self.time(through, distances, length / through), is_full: through >= most }
+        let through = speed(&curve, length, min(v1, v2), rapid, setting);
+        self.time(through, distances, length / through)
     }
-}
-
-/// A curve over arc length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passed {
-    /// Its ticks in [`Approach`].
-    pub time: f32,
-    /// It is as fast as the slower block beside it: no other curve is faster.
-    pub is_full: bool,
 }
 
 /// A curve over time for a corner between two lines.

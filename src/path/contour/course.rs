@@ -354,7 +354,11 @@ impl<const AXES: usize> Course<AXES> {
         self.done += 1;
         let to = to.filter(|_| !self.is_done()).map_or(self.last, |site| knot_of(&site, &self.origin));
         let from = core::mem::replace(&mut self.at, to);
-        Draft::new(&from, &to, length, Self::fastest(above))
+        let made = Draft::new(&from, &to, length, Self::fastest(above));
+        if made.is_none() {
+            self.at = from;
+        }
+        made
     }
 }
 

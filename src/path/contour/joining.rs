@@ -196,7 +196,7 @@ impl<const AXES: usize> Joining<AXES> {
         let approach = Approach::new([held, next], room.most, setting.dynamics);
         let limits = (room.least(), &tolerance);
         let within = tolerance.path.is_some() || tolerance.track > 0.0;
-        // DEV: only where a curve over arc length is slower than the blocks beside it.
+        // DEV: with the others in another call.
         let dev = rule.method == ContourMethod::Dev;
         let later = dev && within;
         let tried = if later {
@@ -253,9 +253,6 @@ impl<const AXES: usize> Joining<AXES> {
             let distances = room.distances.map(|c| c * part);
             approach.even(&corner, distances, held.is_rapid(), setting)
         });
-        if over_length.is_some_and(|passed| passed.is_full) {
-            return even();
-        }
         let candidate = match candidate {
             Rival::Known(candidate) => candidate,
             Rival::Unknown => {
@@ -265,7 +262,7 @@ impl<const AXES: usize> Joining<AXES> {
             }
         };
         let over_time = candidate.and_then(|candidate| candidate.time);
-        let quickest = min(over_length.map_or(f32::MAX, |passed| passed.time), over_time.unwrap_or(f32::MAX));
+        let quickest = min(over_length.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
         if may_stop && approach.stop() < quickest * KNOWN + 1.0 {
             return None;

@@ -349,7 +349,11 @@ impl<const AXES: usize> Timed<AXES> {
         self.at += f64::from(length) / self.overlap.rise.v;
         let to = if self.done == self.count { self.to } else { self.knot(self.at) };
         let from = core::mem::replace(&mut self.from, to);
-        Draft::new(&from, &to, length, 1.0 + 1e-6)
+        let made = Draft::new(&from, &to, length, 1.0 + 1e-6);
+        if made.is_none() {
+            self.from = from;
+        }
+        made
     }
 
     /// Acceleration changes evenly: of a short piece that is known better than from its points.
