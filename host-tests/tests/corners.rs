@@ -243,6 +243,8 @@ fn a_corner_uses_what_limits_it() {
         for path_dev in [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0] {
             // A curve at constant speed is short, and at its jerk at its ends only.
             let cycle_us = if constant == 0 { 1000 } else { 100 };
+            // An eighth is left to a feed hold; CONST_VEL leaves less.
+            let least = if constant == 0 { 0.87 } else { 0.9 };
             let machine = machine(TRAPEZ, EVEN, cycle_us);
             let mode = format!("#CONTOUR MODE ON [DEV PATH_DEV={path_dev} CONST_VEL={constant}]");
             let run = run(&format!("{mode}\nN10 G01 X160 F20000\nN20 G260 Y160\nM30\n"), &machine);
@@ -262,7 +264,7 @@ fn a_corner_uses_what_limits_it() {
             }
             println!("PATH_DEV {path_dev}, CONST_VEL {constant}: feed, acceleration, jerk {used:.3?}");
             assert!(
-                used.iter().any(|part| *part >= 0.87),
+                used.iter().any(|part| *part >= least),
                 "PATH_DEV {path_dev}, CONST_VEL {constant}: {used:?}"
             );
         }

@@ -18,11 +18,12 @@ const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
 
-/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed, and with CONST_VEL what is left of `B` to its
-/// slope.
+/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed: the less, the sooner a feed hold stands in it.
 const STEADY_NORMAL_PART: f32 = 0.95;
 const STEADY_PART: f32 = 0.88;
-const STEADY_SLOPE_PART: f32 = 0.02;
+/// With CONST_VEL, of `B`, and what is left of it to the slope.
+const CONSTANT_PART: f32 = 0.95;
+const CONSTANT_SLOPE_PART: f32 = 0.02;
 
 /// What limits a curve that replaces a corner, beside the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,15 +89,15 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
-        let steady = matches!(bounds.passage, Passage::Steady | Passage::Constant);
-        let [normal_part, curve_part, slope_part] = if steady {
+        let [normal_part, curve_part, slope_part] = match bounds.passage {
             // A deceleration of STEP has to be there from the first tick on.
-            [if stepped { NORMAL_PART } else { STEADY_NORMAL_PART }, STEADY_PART, STEADY_SLOPE_PART]
-        } else {
-            [NORMAL_PART, ARC_PART, ARC_SLOPE_PART]
+            Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+            Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+            Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
+            Passage::Varying | Passage::Timed(_) => [NORMAL_PART, ARC_PART, ARC_SLOPE_PART],
         };
         let trades = bounds.trades() && !stepped;
-        let speeds = if steady { 1 } else { ARC_SPEEDS };
+        let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *slope > 0.0 {
