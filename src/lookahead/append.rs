@@ -26,6 +26,7 @@ pub(super) struct Last<const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length.
     pub bent: bool,
+    /// Acceleration inside it is bought with speed.
     pub trades: bool,
     /// Where the last one ends that is not brief.
     pub behind: End<AXES>,

@@ -229,7 +229,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 rest / max(half + sqrt_f32(half * half + along * rest), TINY)
             };
             let slack = max(budget - third, 0.0);
-            let evenly = sqrt_f32(third * slack / (across * across + third * along));
+            let evenly = sqrt_f32(third * slack / max(across * across + third * along, f32::MIN_POSITIVE));
             let whole = reach(budget - 0.421_875 * third);
             most = min(most, max(reach(slack), min(evenly, whole)));
         }

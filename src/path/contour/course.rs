@@ -245,12 +245,25 @@ impl<const AXES: usize> Course<AXES> {
     /// Ends and path length of element `i`.
     fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
         let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
-        if let Some([first, second]) = self.path {
-            let path = if self.is_first(i) { first } else { second };
-            return ([u0, u1].map(|u| curve.site_over(path, u)), path * (u1 - u0));
+        let length = match self.path_of(i) {
+            Some(path) => path * (u1 - u0),
+            None => curve.length(&self.measure.main, u0, u1),
+        };
+        ([0.0, 1.0].map(|t| self.site(i, t)), length)
+    }
+
+    /// The point of element `i` at the share `t` of it.
+    fn site(&self, i: u32, t: f32) -> Site<AXES> {
+        let (curve, u) = self.place(i, t);
+        match self.path_of(i) {
+            Some(path) => curve.site_over(path, u),
+            None => curve.site(&self.measure.main, u),
         }
-        let main = &self.measure.main;
-        ([u0, u1].map(|u| curve.site(main, u)), curve.length(main, u0, u1))
+    }
+
+    /// Where path is the parameter: mm per u in element `i`.
+    fn path_of(&self, i: u32) -> Option<f32> {
+        self.path.map(|[first, second]| if self.is_first(i) { first } else { second })
     }
 
     /// How far the speed along an element is above and below what its path says at most, relative.
@@ -334,25 +347,16 @@ impl<const AXES: usize> Course<AXES> {
         if self.is_done() {
             return None;
         }
-        let (to, [length, above]) = match self.seen.get(self.done as usize) {
-            Some(seen) if self.parts == 1 && seen[0] > 0.0 => {
-                let (curve, u) = self.place(self.done, 1.0);
-                let end = || match self.path {
-                    Some([first, second]) => {
-                        curve.site_over(if self.is_first(self.done) { first } else { second }, u)
-                    }
-                    None => curve.site(&self.measure.main, u),
-                };
-                ((self.done + 1 < self.count()).then(end), *seen)
-            }
+        let i = self.done;
+        let [length, above] = match self.seen.get(i as usize) {
+            Some(seen) if self.parts == 1 && seen[0] > 0.0 => *seen,
             _ => {
-                let ([a, b], length) = self.part(self.done);
-                let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
-                (Some(b), [length, above])
+                let ([a, b], length) = self.part(i);
+                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
             }
         };
         self.done += 1;
-        let to = to.filter(|_| !self.is_done()).map_or(self.last, |site| knot_of(&site, &self.origin));
+        let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
         let made = Draft::new(&from, &to, length, Self::fastest(above));
         if made.is_none() {

@@ -226,23 +226,7 @@ impl<const AXES: usize> Quintic<AXES> {
 
     /// Point, first and second derivative.
     pub fn at(&self, u: f32) -> [[f32; AXES]; 3] {
-        let [p0, p1, p2, p3, p4, p5] = &self.power;
-        let mut out = [[0.0; AXES]; 3];
-        for k in 0..AXES {
-            let get = |x: &[f32; AXES]| x.get(k).copied().unwrap_or(0.0);
-            let (c0, c1, c2, c3, c4, c5) = (get(p0), get(p1), get(p2), get(p3), get(p4), get(p5));
-            let column = [
-                c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
-                c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5))),
-                2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5)),
-            ];
-            for (row, value) in out.iter_mut().zip(column) {
-                if let Some(x) = row.get_mut(k) {
-                    *x = value;
-                }
-            }
-        }
-        out
+        [self.point(u), self.first(u), self.second(u)]
     }
 
     /// The point at `u` alone.

@@ -72,20 +72,12 @@ struct Cut {
     behind: i64,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
-    candidate: Rival,
-    may_stop: bool,
-}
-
-/// A curve over time, if there is one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Rival {
-    Known(Option<Candidate>),
-    /// It has not been looked for.
-    Unknown,
+    candidate: Option<Candidate>,
+    stop: Option<f32>,
 }
 
 /// What is done next.
@@ -195,28 +187,21 @@ impl<const AXES: usize> Joining<AXES> {
         let tolerance = Self::tolerance(held, next, rule);
         let approach = Approach::new([held, next], room.most, setting.dynamics);
         let limits = (room.least(), &tolerance);
-        let within = tolerance.path.is_some() || tolerance.track > 0.0;
-        // DEV: with the others in another call.
-        let dev = rule.method == ContourMethod::Dev;
-        let later = dev && within;
-        let tried = if later {
-            None
-        } else {
-            Candidate::new([held, next], &corner, rule, setting, limits, &approach)
-        };
-        if let Some(Candidate { way, time: None }) = tried {
+        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
+        if let Some(Candidate { way, time: None }) = candidate {
             return Some(Stage::Overlapping(way));
         }
         let position = rule.method == ContourMethod::Pos;
-        if position || (!within && tried.is_none()) {
+        if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
             return room.cut(held, next, rule, None);
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop = dev && held.skipped.is_none() && !setting.parameters.const_vel;
-        let candidate = if later { Rival::Unknown } else { Rival::Known(tried) };
-        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } })
+        let may_stop =
+            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let stop = may_stop.then(|| approach.stop());
+        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
 
     /// What a curve may deviate.
@@ -243,33 +228,20 @@ impl<const AXES: usize> Joining<AXES> {
         (room, rivals, found): (Room, Rivals, Option<(f32, f32)>),
         setting: &Setting<'_, AXES>,
     ) -> Option<Stage<AXES>> {
-        let Rivals { approach, candidate, may_stop } = rivals;
-        let even = || found.and_then(|found| room.cut(held, next, rule, Some(found)));
-        if candidate == Rival::Known(None) && !may_stop {
-            return even();
-        }
-        let corner = corner(held, next, setting.measure);
-        let over_length = found.map(|(part, _)| {
+        let Rivals { approach, candidate, stop } = rivals;
+        let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
             let distances = room.distances.map(|c| c * part);
-            approach.even(&corner, distances, held.is_rapid(), setting)
+            approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
         });
-        let candidate = match candidate {
-            Rival::Known(candidate) => candidate,
-            Rival::Unknown => {
-                let tolerance = Self::tolerance(held, next, rule);
-                let limits = (room.least(), &tolerance);
-                Candidate::new([held, next], &corner, rule, setting, limits, &approach)
-            }
-        };
         let over_time = candidate.and_then(|candidate| candidate.time);
-        let quickest = min(over_length.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+        let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
-        if may_stop && approach.stop() < quickest * KNOWN + 1.0 {
+        if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
             return None;
         }
         match candidate.filter(|_| over_time == Some(quickest)) {
             Some(Candidate { way, .. }) => Some(Stage::Overlapping(way)),
-            None => even(),
+            None => found.and_then(|found| room.cut(held, next, rule, Some(found))),
         }
     }
 
