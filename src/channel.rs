@@ -11,8 +11,9 @@ use crate::nc::{
     NcWarningKind, Place, Setup, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
-use crate::planning::{MotionError, Planning, PlanningMemory, Work};
-use crate::quantity::{Distance, Position, Speed, Time};
+pub use crate::plan::PlannedBlock;
+use crate::plan::{MotionError, Planning, PlanningMemory, Work};
+use crate::quantity::Position;
 use crate::queue::{Function, Rings};
 use crate::slope::profile::Unplannable;
 use crate::tick::Interpolator;
@@ -179,29 +180,6 @@ pub enum Progress {
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
     /// calling as long as it moves.
     Done,
-}
-
-/// The time law of one motion block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PlannedBlock {
-    /// Its first motion block, counted from 0 since program start.
-    pub block: u32,
-    /// How many begin in it.
-    pub blocks: u32,
-    /// Programmed N number of the first.
-    pub n: u32,
-    /// Path length.
-    pub length: Distance,
-    /// Speed at its start.
-    pub v_in: Speed,
-    /// Highest speed.
-    pub v_peak: Speed,
-    /// Speed at its end.
-    pub v_out: Speed,
-    /// Duration.
-    pub time: Time,
-    /// Where it ends in a standstill: time from there to the tick at which the next motion may begin.
-    pub wait: Time,
 }
 
 /// Why a program was refused.

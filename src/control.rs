@@ -3,7 +3,7 @@
 //!
 //! Each command has a word of its own, which giving it writes and nothing reads back: any context may give them at any time,
 //! without a lock, without waiting and without compare-and-swap, which small cores do not have. The planner follows them
-//! from a few ticks behind its next call on, see [`crate::planning`].
+//! from a few ticks behind its next call on, see [`crate::plan`].
 mod acknowledge;
 
 pub use acknowledge::Unexpected;

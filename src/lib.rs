@@ -55,6 +55,10 @@ pub mod nc;
 
 pub mod path;
 
+pub mod smooth;
+
+pub mod dynamics;
+
 pub mod lookahead;
 
 pub mod slope;
@@ -71,6 +75,6 @@ pub mod technology;
 
 pub mod digest;
 
-pub mod planning;
+pub mod plan;
 
 pub mod channel;

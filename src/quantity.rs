@@ -12,6 +12,7 @@
 //!
 //! Speeds are per tick so that the interrupt needs no multiplication by time. A path speed of a block without
 //! motion of the main axes counts degrees instead of millimetres.
+use crate::math::float::{to_bits, to_f32};
 use fixed::types::{I6F58, I20F44, I32F32, U28F36};
 
 /// Axis coordinate or set point: mm (linear) or degrees (rotary), LSB 2^-32.
@@ -65,3 +66,16 @@ quantity!(
 quantity!(
     /// Duration or instant, ticks, LSB 2^-36.
     Time, U28F36, u64);
+
+/// The LSB of [`Speed`], [`Accel`] and [`Jerk`], 2^-58, as a factor.
+pub const SPEED_LSB: f32 = 1.0 / (1u64 << 58) as f32;
+
+/// Speed in units of 2^-58, cut to the integer below.
+pub fn speed_bits(v: f32) -> i64 {
+    to_bits::<58>(v)
+}
+
+/// Speed as `f32`.
+pub fn speed_f32(bits: i64) -> f32 {
+    to_f32(bits) * SPEED_LSB
+}

@@ -56,7 +56,7 @@ pub struct Interpolator<'a, const AXES: usize> {
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
-    /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
+    /// [`crate::plan::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self {
             queue,

@@ -6,12 +6,12 @@
 use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
-use glidepath::lookahead::Dynamics;
+use glidepath::dynamics::Dynamics;
 use glidepath::machine::MachineData;
 use glidepath::nc::{self, Contour, ContourMethod, ContourSwitch, Place};
-use glidepath::path::contour::{Block, Contouring, Data, Form, Outgoing};
-use glidepath::path::{self, Element};
+use glidepath::path::{self, Element, Measure};
 use glidepath::quantity::Position;
+use glidepath::smooth::contour::{Block, Contouring, Data, Form, Outgoing};
 
 /// Half an LSB of a position, mm.
 const ROUNDING: f64 = 0.5 / (1u64 << 32) as f64;
@@ -175,7 +175,7 @@ impl<const AXES: usize> Piece<AXES> {
 
 /// The blocks of a program as the contour stage gets them.
 pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> Vec<Block<AXES>> {
-    let measure = machine.measure();
+    let measure = Measure::of(machine);
     let mut from: [Position; AXES] = std::array::from_fn(|k| position(program.start[k]));
     let mut at = program.start.clone();
     let mut out = Vec::new();
@@ -216,7 +216,7 @@ pub fn round<const AXES: usize>(
     contour: &Contour,
 ) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Contouring::new(machine.measure(), 1);
+    let mut stage = Contouring::new(Measure::of(machine), 1);
     stage.command(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
     let mut out = Vec::new();
     let mut at = blocks[0].from;

@@ -2,7 +2,7 @@
 use glidepath::channel::{Channel, Error, MachineError};
 use glidepath::machine::{AxisKind, MODE_LINEAR, MODE_MASTER, MachineData};
 use glidepath::path::PathError;
-use glidepath::planning::MotionError;
+use glidepath::plan::MotionError;
 use glidepath::quantity::Position;
 use host_tests::cases::machines::{self, feeding};
 use host_tests::cases::random::{Mix, program};

@@ -1,9 +1,10 @@
 //! Machine data at the ends of their ranges: none of them switches a limit off.
 use glidepath::channel::{Channel, MachineError};
-use glidepath::lookahead::{Dynamics, Law};
+use glidepath::dynamics::Dynamics;
 use glidepath::machine::parameter::{AXIS, CHANNEL};
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
+use glidepath::slope::limits::Law;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
 use host_tests::corner::{blocks, dev, random, round};

@@ -1,10 +1,11 @@
 //! Blocks shorter than a tick, without a straight line among them.
 //!
 //! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop in the look-ahead.
-use glidepath::lookahead::{Joins, Law, Limits, Release};
+use glidepath::lookahead::Release;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Speed};
 use glidepath::slope::bend::Bend;
+use glidepath::slope::limits::{Joins, Law, Limits};
 use glidepath::slope::profile::Profile;
 use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines};

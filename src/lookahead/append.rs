@@ -2,12 +2,11 @@
 //! acceleration may pass it.
 use super::block::{Block, Joint, Marks, UNPLANNED};
 use super::dip::SPARE;
-use super::dynamics::{Dynamics, Permitted};
-use super::limits::{Share, max, min};
 use super::pace::Slowest;
 use super::ring::Ring;
 use super::worth::{Way, is_corner, quickest};
-use crate::math::float::to_f32;
+use crate::dynamics::{Dynamics, Permitted, Share};
+use crate::math::float::{max, min, to_f32};
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
 use crate::quantity::Speed;

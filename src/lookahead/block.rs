@@ -1,11 +1,8 @@
 //! A block in the ring: its limits, the speeds planned where it begins, and what that transition is.
 use super::ease::Ease;
-use super::limits::Limits;
-use super::pace::Headroom;
+use crate::dynamics::Headroom;
 use crate::quantity::Speed;
-
-/// A speed that was lowered by this stays below its limit, whatever rounding.
-pub(super) const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
+use crate::slope::limits::Limits;
 
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);

@@ -1,15 +1,15 @@
-//! How fast blocks may follow each other: a tick passes at most [`SKIP_PER_TICK`] of them, so that 31 in a row take a tick at least.
+//! How fast blocks may follow each other: a tick passes at most [`MOST`] of them, so that 31 in a row take a tick at least.
 //!
 //! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours would bring all of the
 //! motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which take less than that. The others then take the
 //! 20th part of a tick each: twenty of them are a tick. A block is brief only where it is far shorter than the last one that is not, so
 //! that a chain of equal blocks keeps its 31 in a tick.
-use super::limits::{max, min};
-use super::pace::Headroom;
-use crate::tick::SKIP_PER_TICK;
+use crate::dynamics::Headroom;
+use crate::math::float::{max, min};
+use crate::queue::MOST;
 
 /// Blocks that take a tick together.
-const ROW: u32 = SKIP_PER_TICK - 1;
+const ROW: u32 = MOST - 1;
 /// Brief ones among them at most.
 const MOST_BRIEF: u32 = 11;
 /// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time rounding to 2^-36 tick is a

@@ -11,13 +11,23 @@
 use super::block::{Marks, UNPLANNED};
 use super::dip::{self, Dip};
 use super::law::{LSB_44, Law, RISE, Span};
-use super::limits::{Limits, Share, max, min};
 use super::plan::spend;
 use super::ring::Ring;
-use crate::math::float::to_f32;
+use crate::dynamics::Share;
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::speed_f32;
+use crate::quantity::{Speed, speed_f32};
+use crate::slope::limits::Limits;
+
+impl Limits {
+    /// Uses less than permitted.
+    pub(super) fn ease(&mut self, ease: Ease) {
+        let ([up, down], v) = ease.parts();
+        self.a_up *= up;
+        self.a_down *= down;
+        self.v = min(self.v, v);
+    }
+}
 
 /// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]

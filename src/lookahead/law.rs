@@ -1,9 +1,10 @@
 //! Spans of blocks, and the law of one: from one speed up to a peak and down to another.
 use super::block::{Block, Marks};
-use super::limits::{Limits, Share, max, min};
-use crate::math::float::to_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::{peak_above, speed_bits, speed_f32};
+use crate::dynamics::Share;
+use crate::math::float::{max, min, to_f32};
+use crate::quantity::{Speed, speed_bits, speed_f32};
+use crate::slope::limits::Limits;
+use crate::slope::profile::peak_above;
 use crate::slope::ramp::Ramp;
 
 /// Blocks without an anchor between them.

@@ -28,93 +28,11 @@
 //!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
-use super::block::ROUNDED;
-use super::{Release, max, min};
+use super::Release;
 use crate::control::{Commands, FULL_OVERRIDE};
-use crate::math::float::to_f32;
-use crate::math::root::sqrt_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::speed_f32;
-
-/// How the speed of a block follows the override, in two numbers of 16 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Headroom {
-    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the feed, up to twice as
-    /// much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 − n/2^15. Both rounded towards the slower.
-    over: u16,
-    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so that the lowest reduced
-    /// speed (1 µm/s) is not 0 beside the highest speed.
-    reduced: u16,
-}
-
-const ONE: f32 = 32_768.0;
-const EVEN: u16 = 1 << 15;
-const WHOLE: u16 = u16::MAX;
-
-impl Headroom {
-    /// Machine and feed permit the same.
-    pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
-
-    /// Of no block; all bits zero.
-    pub(super) const BLANK: Self = Self { over: 0, reduced: 0 };
-
-    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
-    pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
-        let mut headroom = Self::NONE;
-        if v_max > feed {
-            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u32 as u16;
-        } else if v_max < feed {
-            headroom.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
-        }
-        let v = min(v_max, feed);
-        if v_reduced < v {
-            let root = (sqrt_f32(v_reduced / v) * (2.0 * ONE * ROUNDED)) as u16;
-            headroom.reduced = root.clamp(1, WHOLE - 1);
-        }
-        headroom
-    }
-
-    /// Reduced speed by speed at 100 %; `None`: not reduced.
-    fn part_reduced(self) -> Option<f32> {
-        let root = f32::from(self.reduced) * (0.5 / ONE);
-        (self.reduced != WHOLE).then_some(root * root)
-    }
-
-    /// What the machine permits by the feed, 1…2, and by what it is less than the feed, 0…1.
-    fn parts(self) -> [f32; 2] {
-        let n = |from: u16, to: u16| f32::from(from.saturating_sub(to)) * (1.0 / ONE);
-        [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
-    }
-
-    /// Speed at a level by that at 100 %: a level below that counts for the feed alone.
-    pub fn raised(self, level: f32) -> f32 {
-        let [above, below] = self.parts();
-        min(level / below, above)
-    }
-
-    /// The highest speed at any level of a block that is planned with `v` for one.
-    pub(super) fn highest(self, v: f32, level: f32) -> f32 {
-        v / self.raised(level) * self.parts()[0]
-    }
-
-    /// The same where the machine permits no more than `most` on a block that was planned with `v` for a level.
-    pub(super) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
-        let even = v / self.raised(level);
-        let feed = even / max(self.parts()[1], 1.0 / ONE);
-        let reduced = self.part_reduced().map_or(f32::MAX, |part| even * part);
-        Self::new(most, feed, reduced)
-    }
-
-    /// What is at least as fast as both.
-    pub(super) fn join(&mut self, other: Self) {
-        self.over = self.over.max(other.over);
-    }
-
-    /// Speed of a block while the speed is reduced, planned with `v` for a level.
-    fn reduced(self, v: f32, level: f32) -> Option<f32> {
-        self.part_reduced().map(|part| v / self.raised(level) * part)
-    }
-}
+use crate::dynamics::Headroom;
+use crate::math::float::{max, min, to_f32};
+use crate::quantity::{Speed, speed_f32};
 
 /// The lowest reduced speed of the last blocks: of as many as the ring has at least, of twice as many at most.
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +51,7 @@ impl Slowest {
     /// Takes in a block with the speed `v`, planned for a level.
     #[inline(always)]
     pub fn take(&mut self, headroom: Headroom, v: f32, level: f32, depth: usize) {
-        if headroom.reduced != WHOLE || self.least < f32::MAX {
+        if headroom.is_reduced() || self.least < f32::MAX {
             self.count(headroom, v, level, depth);
         }
     }

@@ -1,13 +1,12 @@
 //! What leaves the ring: the span at its front, whole.
-use super::block::{Block, Marks, ROUNDED};
+use super::block::{Block, Marks};
 use super::ease::Ease;
 use super::law;
-use super::limits::{Limits, max, min};
-use super::pace::Headroom;
 use super::ring::Ring;
-use crate::math::float::to_f32;
-use crate::quantity::{Distance, Speed};
-use crate::slope::profile::speed_f32;
+use crate::dynamics::Headroom;
+use crate::math::float::{max, min, to_f32};
+use crate::quantity::{Distance, Speed, speed_f32};
+use crate::slope::limits::{Limits, ROUNDED};
 
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,12 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
-use super::block::{Block, Marks, ROUNDED, UNPLANNED};
+use super::block::{Block, Marks, UNPLANNED};
 use super::brief::Row;
-use super::limits::{max, min};
 use super::pace::Slowest;
-use crate::math::float::to_bits;
+use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
-use crate::quantity::Speed;
-use crate::slope::profile::speed_bits;
+use crate::quantity::{Speed, speed_bits};
+use crate::slope::limits::ROUNDED;
 use heapless::Deque;
 
 /// Memory of the ring's blocks. All bits zero when new, so that it takes no room in flash.

@@ -16,8 +16,7 @@ use super::law::{LSB_44, Law, Span};
 use super::plan::{Plan, Stage, spend};
 use super::ring::Ring;
 use crate::math::float::to_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::speed_bits;
+use crate::quantity::{Speed, speed_bits};
 
 /// From the end to the front.
 pub(super) struct Backward {

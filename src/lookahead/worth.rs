@@ -3,9 +3,12 @@
 //! A step of speed shows as jerk, so beside a knee both blocks leave it a part of their own. At a sharp corner the speed that this buys is
 //! next to nothing, and longer ramps on both sides cost more than it gains. So the times of both blocks are compared, each from rest
 //! at its other end: with a standstill in the corner and all of the limits, or passing it with what is left of them.
-use super::limits::{Limits, Share, max, min};
+use crate::dynamics::Share;
+use crate::math::float::{max, min};
 use crate::path::End;
-use crate::slope::profile::{peak_above, speed_bits, speed_f32};
+use crate::quantity::{speed_bits, speed_f32};
+use crate::slope::limits::Limits;
+use crate::slope::profile::peak_above;
 
 /// From this change of the direction of an axis on it is a corner, LSB 2^-40: a thousandth.
 const CORNER: u64 = (1 << 40) / 1000;

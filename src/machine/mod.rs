@@ -7,8 +7,6 @@ mod synch;
 pub use planned::{Adjusted, SHORTEST_RAMP};
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 
-use crate::path::Measure;
-
 /// Letters (and digits) of an axis: `X`, `C`, `X1`; padded with zeros.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -290,7 +288,7 @@ impl Default for ChannelData {
 }
 
 /// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes. The path is
-/// measured along the feed axes: see [`mod@crate::path::measure`].
+/// measured along the feed axes (P-CHAN-00011).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MachineData<const AXES: usize> {
     /// The axes.
@@ -313,17 +311,5 @@ impl<const AXES: usize> MachineData<AXES> {
             *slot = Some(i);
         }
         main
-    }
-
-    /// What a path is measured by.
-    pub fn measure(&self) -> Measure {
-        let named = |wanted: fn(&AxisData) -> bool| {
-            self.axes.iter().enumerate().filter(move |(_, axis)| wanted(axis)).map(|(k, _)| k)
-        };
-        Measure::new(
-            self.main_axes(),
-            named(|axis| axis.default_feed_axis),
-            named(|axis| axis.achs_mode & MODE_MASTER != 0),
-        )
     }
 }

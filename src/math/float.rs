@@ -29,3 +29,22 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     let rest = (upper - whole as f32) * TWO_32;
     (i64::from(whole) << 32) | i64::from(rest as u32)
 }
+
+/// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is lowered comes second: it
+/// then stays in its register.
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger one; no operand is NaN.
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Without its sign.
+#[inline(always)]
+pub fn magnitude(x: f32) -> f32 {
+    if x < 0.0 { -x } else { x }
+}

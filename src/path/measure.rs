@@ -16,6 +16,7 @@
 //!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST, POST_DIST, PATH_DIST
 //!   ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, travelled};
+use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
 
 /// Main axes, feed axes and master axis of a machine.
@@ -53,6 +54,18 @@ impl Measure {
         let only = feed.count_ones() == 1 && feed & bits(marked) != 0;
         let master = only.then_some(feed.trailing_zeros() as usize);
         Self { main, feed: (feed != space).then_some(feed), master }
+    }
+
+    /// By what the paths of a machine are measured.
+    pub fn of<const AXES: usize>(machine: &MachineData<AXES>) -> Self {
+        let named = |wanted: fn(&AxisData) -> bool| {
+            machine.axes.iter().enumerate().filter(move |(_, axis)| wanted(axis)).map(|(k, _)| k)
+        };
+        Self::new(
+            machine.main_axes(),
+            named(|axis| axis.default_feed_axis),
+            named(|axis| axis.achs_mode & MODE_MASTER != 0),
+        )
     }
 
     /// Whether the main axes are the feed axes.

@@ -9,7 +9,7 @@
 //! that the end is met to the last bit; direction and curvature at the ends are off by about 2^-29 of the curve's
 //! own.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
-use crate::lookahead::{max, min};
+use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};

@@ -12,8 +12,7 @@
 //! Between the nodes the acceleration of [`Bend::SineSquare`] is off from sin² by at most 0.95 % of its peak, and the mean
 //! speed by 0.26 % of the speed gained (1/2 − 2/π² is the sine's). Equal ramps at both ends of a change make up for that: it
 //! takes the time and the distance of the sine.
-use crate::lookahead::{max, min};
-use crate::math::float::to_f32;
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
 

@@ -15,13 +15,14 @@
 //! slow down later than the sine it replaces; but there all blocks of a span have one limit, and only slowing down has begun.)
 use super::area;
 use super::bend::Bend;
-use super::profile::{Change, Form, Profile, speed_bits, speed_f32};
+use super::profile::{Change, Form, Profile};
 use super::ramp::{Bowed, Ramp};
-use crate::lookahead::{Law, Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
-use crate::math::float::{size_f32, to_bits, to_f32};
+use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
+use crate::quantity::{speed_bits, speed_f32};
+use crate::slope::limits::{Law, Limits};
 
 /// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
 #[derive(Clone, Copy, Debug, PartialEq)]

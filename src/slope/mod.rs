@@ -9,6 +9,8 @@ pub mod bend;
 
 pub mod ramp;
 
+pub mod limits;
+
 pub mod profile;
 
 pub mod brake;

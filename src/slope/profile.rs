@@ -9,13 +9,13 @@
 use super::area;
 use super::bend::Bend;
 use super::ramp::{Bowed, Ramp, Stepped, root_of_cubic};
-use crate::lookahead::{Law, Limits, max, min};
 use crate::math::divide::{div_shift, div_wide};
-use crate::math::float::{size_f32, to_bits, to_f32};
+use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
-use crate::quantity::{Distance, Speed, Time};
+use crate::quantity::{Distance, SPEED_LSB, Speed, Time, speed_bits, speed_f32};
 use crate::slope::emit::TICK;
+use crate::slope::limits::{Law, Limits};
 
 /// What the three parts of a change of speed are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,23 +69,10 @@ pub enum Unplannable {
 /// Longest block: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
-/// 2^58 as a factor.
-const SPEED_ONE: f32 = (1u64 << 58) as f32;
-
-/// Speed in units of 2^-58, cut to the integer below.
-pub fn speed_bits(v: f32) -> i64 {
-    to_bits::<58>(v)
-}
-
-/// Speed as `f32`.
-pub fn speed_f32(bits: i64) -> f32 {
-    to_f32(bits) * (1.0 / SPEED_ONE)
-}
-
 /// How far `high` is above `low`.
 #[inline(always)]
 fn gap_f32(low: i64, high: i64) -> f32 {
-    size_f32((high - low) as u64) * (1.0 / SPEED_ONE)
+    size_f32((high - low) as u64) * SPEED_LSB
 }
 
 /// What a change by `dv` with these times gains in a ramp of that time.

@@ -14,7 +14,7 @@
 //! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in ticks: it
 //! decides times, which the integers of [`super::profile`] then take as given.
 use super::bend::Bend;
-use crate::lookahead::{max, min};
+use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
 /// A slope between two speeds, seen from the lower one. Times in ticks.

@@ -5,7 +5,7 @@ use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
 use glidepath::channel::Error;
-use glidepath::lookahead::Weights;
+use glidepath::dynamics::Weights;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
     ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup,

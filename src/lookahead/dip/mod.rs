@@ -24,12 +24,10 @@ mod shift;
 use super::block::{Marks, UNPLANNED};
 use super::ease::{self, Ease, GAIN, Trial};
 use super::law::{Law, RISE, Span, length_mm};
-use super::limits::{max, min};
 use super::ring::Ring;
-use crate::math::float::to_bits;
+use crate::math::float::{max, min, to_bits};
 use crate::math::root::sqrt_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::speed_bits;
+use crate::quantity::{Speed, speed_bits};
 
 /// Part of the ring that is left free for cuts.
 pub(super) const SPARE: usize = 8;

@@ -3,14 +3,13 @@
 //! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
 //! zero either: it moves into the block on the other side, as far as the limit where it was permits.
 use super::{Dip, Step};
-use crate::lookahead::block::{Marks, ROUNDED, UNPLANNED};
+use crate::lookahead::block::{Marks, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
 use crate::lookahead::law::{LSB_44, Law, RISE, Span};
-use crate::lookahead::limits::Limits;
 use crate::lookahead::ring::Ring;
 use crate::math::float::to_f32;
-use crate::quantity::Speed;
-use crate::slope::profile::{speed_bits, speed_f32};
+use crate::quantity::{Speed, speed_bits, speed_f32};
+use crate::slope::limits::{Limits, ROUNDED};
 
 /// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
 const MOVES: u8 = 4;

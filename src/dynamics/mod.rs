@@ -20,22 +20,26 @@
 //! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
 
 mod axis;
+mod headroom;
+mod permitted;
 mod polynomial;
 mod transition;
+mod vector;
+mod weights;
 
-pub(super) use axis::Set;
-pub use polynomial::{Curving, Steady};
-
-use super::limits::{Joins, Law, Limits, Share, magnitude, max, min};
-use super::pace::Headroom;
-use super::vector::{PathLimits, TooLow};
-use super::weights::Weights;
 use crate::machine::MachineData;
-use crate::math::float::size_f32;
+use crate::math::float::{magnitude, max, min, size_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
 use crate::slope::bend::Bend;
+use crate::slope::limits::{Joins, Law, Limits};
 use axis::{Axis, Joint};
+pub use headroom::Headroom;
+pub use permitted::Share;
+pub use polynomial::{Curving, Steady};
+use vector::PathLimits;
+pub use vector::TooLow;
+pub use weights::Weights;
 
 /// Factor on speeds and accelerations.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;

@@ -9,9 +9,11 @@
 //! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does. A curve
 //! in which acceleration is bought with speed is entered so slowly that the deceleration of the law may go on in it.
 use super::hold::NOTHING;
-use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock, min, speed_f32};
-use crate::lookahead::{Law, Limits, Release};
-use crate::math::float::to_f32;
+use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock};
+use crate::lookahead::Release;
+use crate::math::float::{min, to_f32};
+use crate::quantity::speed_f32;
+use crate::slope::limits::{Law, Limits};
 
 /// Most spans of one law. A longer way has several.
 const SPANS: usize = 32;

@@ -1,13 +1,13 @@
 //! Limits of polynomials: over their length, and over time.
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
-use crate::lookahead::limits::{
-    ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, Law, Limits, Share, lower, max, min,
-};
-use crate::math::float::to_f32;
+use crate::dynamics::Share;
+use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS};
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element, Passage};
+use crate::slope::limits::{Law, Limits, lower};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 

@@ -1,8 +1,8 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, pace, plus, size};
 use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
-use crate::lookahead::{Dynamics, max, min};
-use crate::math::float::to_f32;
+use crate::dynamics::Dynamics;
+use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
 use crate::path::{Element, Measure, PathError, arc, line};
 use crate::quantity::Position;

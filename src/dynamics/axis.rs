@@ -1,10 +1,12 @@
 //! What one axis permits, converted from machine data to ticks.
 use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT};
-use crate::lookahead::limits::{Ramps, TRANSITION_PART, max, min};
+use crate::dynamics::permitted::TRANSITION_PART;
 use crate::machine::{AxisData, ChannelData, Stages};
+use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
 use crate::slope::bend::Bend;
+use crate::slope::limits::Ramps;
 
 /// What a slight transition takes of the largest acceleration.
 const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;

@@ -12,15 +12,16 @@
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete. An abort ends a dwell.
+use super::clock;
 use super::descent::{Descent, Passed};
 use super::flight::Flight;
 use super::{
     Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Time,
     Unplannable, Work,
 };
-use super::{clock, max, min, speed_f32};
+use crate::math::float::{max, min};
+use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::{Event, PHASES};
-use crate::slope::profile::speed_bits;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;

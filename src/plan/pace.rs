@@ -6,10 +6,11 @@
 //! that have no law yet get the right one when it is made.
 use super::descent::Descent;
 use super::flight::Flight;
-use super::{Brake, Commands, Planning, Work, clock, max, min};
+use super::{Brake, Commands, Planning, Work, clock};
 use crate::lookahead::Block;
+use crate::math::float::{max, min};
 use crate::nc::SlopeType;
-use crate::slope::profile::speed_bits;
+use crate::quantity::speed_bits;
 
 /// Ticks of motion in the queue that are enough, with HSC.
 const AHEAD: u32 = 1024;

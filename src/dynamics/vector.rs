@@ -6,11 +6,11 @@
 //! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends both.
 //! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a weight.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
-use super::dynamics::MARGIN;
-use super::limits::{Law, Limits};
+use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
 use crate::math::float::to_f32;
 use crate::nc::{Limit, VectorLimit};
+use crate::slope::limits::{Law, Limits};
 
 /// A limit of acceleration below the smallest one of machine data, 1 mm/s².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

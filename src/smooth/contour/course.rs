@@ -10,8 +10,7 @@
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
-use crate::lookahead::{max, min};
-use crate::math::float::to_f32;
+use crate::math::float::{max, min, to_f32};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;

@@ -5,10 +5,13 @@
 //! from it, and until a knee at its end, of what its tolerance leaves open, is too small to be seen. So a long straight line is
 //! handed on while it is being read, and two pieces are a whole ring ([`crate::lookahead::Lookahead::is_full`]).
 use super::intake::Pass;
-use super::{Planning, max, to_f32};
-use crate::lookahead::{Headroom, Limits, Permitted, SLOWEST, Share};
+use super::{Planning, to_f32};
+use crate::dynamics::{Headroom, Permitted, Share};
+use crate::lookahead::SLOWEST;
+use crate::math::float::max;
 use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
 use crate::quantity::Position;
+use crate::slope::limits::Limits;
 
 /// Such a block, or none. Written and read in its place: it is large.
 pub(super) struct Held<const AXES: usize> {

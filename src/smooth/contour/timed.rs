@@ -23,7 +23,7 @@
 //!
 //! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve is e·|t2 − t1| from
 //! it. The distance of a point from the line it is about to reach, or has left, is at most e·sin θ, which is less.
-use crate::lookahead::{max, min};
+use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};

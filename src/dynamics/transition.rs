@@ -1,8 +1,8 @@
 //! Speed of a transition from one element to the next.
 use super::axis::Joint;
 use super::{Dynamics, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
-use crate::lookahead::limits::{TRANSITION_PART, magnitude, max, min};
-use crate::math::float::size_f32;
+use crate::dynamics::permitted::TRANSITION_PART;
+use crate::math::float::{magnitude, max, min, size_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
 use crate::path::End;

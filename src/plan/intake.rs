@@ -2,14 +2,15 @@
 use super::Planning;
 use super::functions::Functions;
 use super::held::Held;
-use crate::lookahead::{Dynamics, Permitted, Ring, SLOWEST};
+use crate::dynamics::{Dynamics, Permitted};
+use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::Synch;
 use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
-use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{EVENTS, Event, Function, Layer, Producer};
+use crate::smooth::contour::{Block, Data, Form, Outgoing};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]

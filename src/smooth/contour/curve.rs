@@ -1,8 +1,7 @@
 //! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes and where its
 //! inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact, because both neighbours
 //! of a joint get the same numbers.
-use crate::lookahead::{max, min};
-use crate::math::float::to_f32;
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
 use crate::path::{Element, End, Measure};

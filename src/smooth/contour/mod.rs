@@ -40,10 +40,10 @@ use self::course::Course;
 use self::held::{Held, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
-use super::poly::Draft;
-use super::{Element, Measure, Passage, line};
-use crate::lookahead::{Curving, Dynamics};
+use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
+use crate::path::poly::Draft;
+use crate::path::{Element, Measure, Passage, line};
 use crate::quantity::{Distance, Position};
 
 /// How a block was programmed, to make its rest anew.

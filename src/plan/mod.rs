@@ -10,18 +10,18 @@ mod late;
 mod pace;
 mod reserve;
 
-use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
-use crate::lookahead::{Dynamics, Lookahead, LookaheadMemory, Pace, max, min};
+use crate::dynamics::Dynamics;
+use crate::lookahead::{Lookahead, LookaheadMemory, Pace};
 use crate::machine::MachineData;
 use crate::math::float::to_f32;
 use crate::path::Measure;
-use crate::path::contour::Contouring;
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Phase, Sender, Slot, clock};
 use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
-use crate::slope::profile::{Profile, Unplannable, speed_f32};
+use crate::slope::profile::{Profile, Unplannable};
+use crate::smooth::contour::Contouring;
 use core::mem::MaybeUninit;
 use flight::Flights;
 use functions::Functions;
@@ -148,6 +148,29 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     queue: Sender<'a, AXES>,
 }
 
+/// The time law of one motion block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlannedBlock {
+    /// Its first motion block, counted from 0 since program start.
+    pub block: u32,
+    /// How many begin in it.
+    pub blocks: u32,
+    /// Programmed N number of the first.
+    pub n: u32,
+    /// Path length.
+    pub length: Distance,
+    /// Speed at its start.
+    pub v_in: Speed,
+    /// Highest speed.
+    pub v_peak: Speed,
+    /// Speed at its end.
+    pub v_out: Speed,
+    /// Duration.
+    pub time: Time,
+    /// Where it ends in a standstill: time from there to the tick at which the next motion may begin.
+    pub wait: Time,
+}
+
 /// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
@@ -177,7 +200,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let PlanningMemory { lookahead, flights, functions, dynamics, contouring, held, reserve } = memory;
         flights.clear();
         functions.forget();
-        let measure = machine.measure();
+        let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
         Self {
             measure,

@@ -1,6 +1,6 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::{Pace, Release, min};
-use crate::math::float::to_f32;
+use crate::lookahead::{Pace, Release};
+use crate::math::float::{min, to_f32};
 use crate::quantity::{Distance, Speed};
 use crate::queue::SEGMENTS;
 use crate::slope::brake::SHORT;

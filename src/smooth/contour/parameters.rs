@@ -2,8 +2,7 @@
 use super::corner::{Tolerance, Turn};
 use super::held::Stray;
 use super::{REVERSAL, TANGENTIAL};
-use crate::lookahead::{max, min};
-use crate::math::float::to_f32;
+use crate::math::float::{max, min, to_f32};
 use crate::math::trig::sin_cos;
 use crate::nc::{Contour, ContourAction, ContourMethod, Value};
 use crate::quantity::Position;

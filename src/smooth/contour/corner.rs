@@ -6,7 +6,7 @@
 //! searched for, a few trials per call.
 use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
-use crate::lookahead::{max, min};
+use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::nc::ContourMethod;
 use crate::path::Measure;

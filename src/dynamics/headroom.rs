@@ -1,0 +1,89 @@
+//! How the speed of a block follows the override (P-CHAN-00066) and the reduced speed (P-AXIS-00214).
+use crate::math::float::{max, min};
+use crate::math::root::sqrt_f32;
+use crate::slope::limits::ROUNDED;
+
+/// How the speed of a block follows the override, in two numbers of 16 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Headroom {
+    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the feed, up to twice as
+    /// much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 − n/2^15. Both rounded towards the slower.
+    over: u16,
+    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so that the lowest reduced
+    /// speed (1 µm/s) is not 0 beside the highest speed.
+    reduced: u16,
+}
+
+const ONE: f32 = 32_768.0;
+const EVEN: u16 = 1 << 15;
+const WHOLE: u16 = u16::MAX;
+
+impl Headroom {
+    /// Machine and feed permit the same.
+    pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
+
+    /// Of no block; all bits zero.
+    pub(crate) const BLANK: Self = Self { over: 0, reduced: 0 };
+
+    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
+    pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
+        let mut headroom = Self::NONE;
+        if v_max > feed {
+            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u32 as u16;
+        } else if v_max < feed {
+            headroom.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
+        }
+        let v = min(v_max, feed);
+        if v_reduced < v {
+            let root = (sqrt_f32(v_reduced / v) * (2.0 * ONE * ROUNDED)) as u16;
+            headroom.reduced = root.clamp(1, WHOLE - 1);
+        }
+        headroom
+    }
+
+    /// Whether a reduced speed makes it slower.
+    pub(crate) fn is_reduced(self) -> bool {
+        self.reduced != WHOLE
+    }
+
+    /// Reduced speed by speed at 100 %; `None`: not reduced.
+    pub(crate) fn part_reduced(self) -> Option<f32> {
+        let root = f32::from(self.reduced) * (0.5 / ONE);
+        (self.reduced != WHOLE).then_some(root * root)
+    }
+
+    /// What the machine permits by the feed, 1…2, and by what it is less than the feed, 0…1.
+    pub(crate) fn parts(self) -> [f32; 2] {
+        let n = |from: u16, to: u16| f32::from(from.saturating_sub(to)) * (1.0 / ONE);
+        [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
+    }
+
+    /// Speed at a level by that at 100 %: a level below that counts for the feed alone.
+    pub fn raised(self, level: f32) -> f32 {
+        let [above, below] = self.parts();
+        min(level / below, above)
+    }
+
+    /// The highest speed at any level of a block that is planned with `v` for one.
+    pub(crate) fn highest(self, v: f32, level: f32) -> f32 {
+        v / self.raised(level) * self.parts()[0]
+    }
+
+    /// The same where the machine permits no more than `most` on a block that was planned with `v` for a level.
+    pub(crate) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
+        let even = v / self.raised(level);
+        let feed = even / max(self.parts()[1], 1.0 / ONE);
+        let reduced = self.part_reduced().map_or(f32::MAX, |part| even * part);
+        Self::new(most, feed, reduced)
+    }
+
+    /// What is at least as fast as both.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.over = self.over.max(other.over);
+    }
+
+    /// Speed of a block while the speed is reduced, planned with `v` for a level.
+    pub(crate) fn reduced(self, v: f32, level: f32) -> Option<f32> {
+        self.part_reduced().map(|part| v / self.raised(level) * part)
+    }
+}

@@ -1,0 +1,175 @@
+//! How the axes of an element restrict its limits, what an arc takes of them, and what a transition leaves of them.
+use super::axis::Set;
+use super::headroom::Headroom;
+use crate::math::float::{max, min};
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::nc::SlopeType;
+use crate::slope::bend::Bend;
+use crate::slope::limits::{Joins, Law, Limits, lower};
+use core::f32::consts::TAU;
+
+/// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three ticks.
+pub(crate) const TRANSITION_PART: f32 = 0.4;
+/// Parts of `B` inside an arc: slope, and v³κ²; the rest goes to 3vκ·a.
+pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
+pub(crate) const ARC_PART: f32 = 0.5;
+/// Speeds tried for an arc, and the step from one to the next.
+pub(crate) const ARC_SPEEDS: usize = 5;
+pub(crate) const ARC_SPEED_STEP: f32 = 0.8;
+/// What is below that part of another value is below it for any rounding.
+const SURELY: f32 = 0.999;
+/// Two change-over speeds that differ by less are one.
+const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
+
+/// What is left to the slope beside a transition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Jerk, mm/tick³.
+    pub j: f32,
+    /// Acceleration, mm/tick².
+    pub a: f32,
+    /// The same where it is zero at the transition.
+    pub a_resting: f32,
+}
+
+impl Share {
+    /// All of it.
+    pub const WHOLE: Self = Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX };
+
+    /// What is left where acceleration is zero at the transition.
+    pub(crate) fn resting(self) -> Self {
+        Self { a: self.a_resting, ..self }
+    }
+}
+
+impl Joins {
+    /// `optimised`: NO_OPT=0, which only HSC knows.
+    pub fn of(slope: SlopeType, optimised: bool) -> Self {
+        match slope {
+            SlopeType::Hsc if optimised => Self::Dips,
+            SlopeType::Hsc => Self::Any,
+            SlopeType::Step | SlopeType::Trapez | SlopeType::Sin2 => Self::Alike,
+        }
+    }
+}
+
+impl Limits {
+    /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
+    #[inline(always)]
+    pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> Headroom {
+        if feed == f32::MAX {
+            return Headroom::new(self.v, self.v, v_reduced);
+        }
+        let headroom = Headroom::new(self.v, feed, v_reduced);
+        if self.v > feed {
+            self.v = feed * headroom.raised(level);
+        }
+        headroom
+    }
+
+    /// Leaves a transition its part.
+    ///
+    /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one factor: with q < 1/6
+    /// and a ramp at the lower speed shorter than a third of the other one, a longer one alone would shorten the way.
+    pub(crate) fn share(&mut self, share: &Share) {
+        match &mut self.law {
+            Law::Bowed { bend: Bend::SineSquare, j, .. } => {
+                let highest = j.iter().fold(0.0, |highest, j| max(highest, *j));
+                let part = min(1.0, share.j / highest);
+                *j = j.map(|j| j * part);
+            }
+            Law::Bowed { j, .. } => lower(j, [share.j; 4]),
+            Law::Stepped { .. } => {}
+        }
+        self.lower_accelerations(share.a);
+    }
+
+    /// Whether that leaves them as they are.
+    pub(crate) fn are_within(&self, share: &Share) -> bool {
+        let most = max(self.a_up, self.a_down);
+        match self.law {
+            Law::Bowed { j, .. } => most <= share.a && j.iter().all(|j| *j <= share.j),
+            Law::Stepped { .. } => self.most() <= share.a,
+        }
+    }
+
+    /// With a transition's part left to it.
+    pub(crate) fn shared(mut self, share: &Share) -> Self {
+        self.share(share);
+        self
+    }
+
+    /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
+    #[inline(always)]
+    pub(crate) fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
+        self.v = min(set.v * scale, self.v);
+        self.a_up = min(set.a_up * scale, self.a_up);
+        self.a_down = min(set.a_down * scale, self.a_down);
+        let mut peak = 1.0;
+        match &mut self.law {
+            Law::Bowed { bend, j, .. } => {
+                lower(j, set.j.map(|j| j * scale));
+                peak = 1.0 / bend.peak_jerk();
+            }
+            Law::Stepped { change_over, a_up, a_down } => {
+                // The axis may be below its own change-over speed while the path is above its.
+                let both = turns || set.change_over * scale > *change_over * SAME;
+                let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
+                *a_up = min(*a_up, above(set.a_up, set.upper[0]));
+                *a_down = min(*a_down, above(set.a_down, set.upper[1]));
+            }
+        }
+        share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
+        share.a = min(set.a_shared * scale, share.a);
+        share.a_resting = min(set.a_resting * scale, share.a_resting);
+    }
+
+    /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
+    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that). `share` is the part of the
+    /// path that lies in the arc's plane: of a helix κ = share²/r, and the first of them is (share·v)³/r².
+    ///
+    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
+    /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
+    /// So an arc does not become slower where it is cut.
+    pub(crate) fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
+        let twist = curvature * curvature / share;
+        // Roots only where they may be lower.
+        if self.v * self.v * curvature >= SURELY * normal {
+            self.v = min(self.v, sqrt_f32(normal / curvature));
+        }
+        if self.v * self.v * self.v * twist >= SURELY * ARC_PART * budget {
+            self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
+        }
+        if let Law::Bowed { bend, j, .. } = &mut self.law {
+            lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
+        }
+        let most = min(self.a_up, self.a_down);
+        let mut v = self.v;
+        let across = v * v * curvature;
+        let left = SURELY * (a_max * a_max - across * across);
+        let jerk = SURELY * ((1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v);
+        if left > most * share * most * share && jerk > most * (3.0 * v * curvature) {
+            // The first speed leaves all of it.
+            return self.lower_accelerations(most);
+        }
+        let length = TAU / curvature;
+        let mut best = (f32::MAX, 0.0, 0.0);
+        for _ in 0..ARC_SPEEDS {
+            let across = v * v * curvature;
+            let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
+            let jerk = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
+            let a = min(most, min(along, jerk / (3.0 * v * curvature)));
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            // Slower there is no more acceleration, and no time to gain.
+            if a >= most {
+                break;
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        self.v = best.1;
+        self.lower_accelerations(best.2);
+    }
+}

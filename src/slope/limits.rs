@@ -1,0 +1,253 @@
+//! Permitted path speed, acceleration and jerk, how those of several elements become one, and the ramps they give.
+use super::bend::Bend;
+use super::ramp::{Bowed, Ramp, Stepped};
+use crate::math::float::{magnitude, max, min};
+use crate::quantity::{Speed, speed_f32};
+
+/// A speed that was lowered by this stays below its limit, whatever rounding.
+pub(crate) const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
+/// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
+const ALIKE: f32 = 1.0 / 262_144.0;
+const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
+/// An acceleration below this part of another one is far less.
+const WEAK: f32 = 1.0 / 64.0;
+/// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
+pub type Ramps = [f32; 4];
+
+/// Blocks that may follow each other without acceleration zero between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Joins {
+    /// With the same limits: TRAPEZ, SIN2.
+    Alike,
+    /// All: HSC.
+    Any,
+    /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
+    Dips,
+}
+
+/// What a slope permits beside speed and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// TRAPEZ, SIN2, HSC.
+    Bowed {
+        /// Shape of the ramps.
+        bend: Bend,
+        /// What may follow without acceleration zero between.
+        joins: Joins,
+        /// Mean jerk of each ramp.
+        j: Ramps,
+    },
+    /// STEP: the path has one change-over speed, that of the axis which reaches its own first.
+    Stepped {
+        /// Speed up to which the accelerations of the limits hold.
+        change_over: f32,
+        /// Acceleration above it.
+        a_up: f32,
+        /// Deceleration above it.
+        a_down: f32,
+    },
+}
+
+/// Permitted values along the path: mm/tick, mm/tick², mm/tick³.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Speed.
+    pub v: f32,
+    /// Acceleration.
+    pub a_up: f32,
+    /// Deceleration.
+    pub a_down: f32,
+    /// What the slope adds to that.
+    pub law: Law,
+}
+
+impl Limits {
+    /// No limit.
+    pub const WIDEST: Self = Self {
+        v: f32::MAX,
+        a_up: f32::MAX,
+        a_down: f32::MAX,
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
+    };
+
+    /// Nothing is permitted; all bits zero.
+    pub(crate) const NOTHING: Self = Self {
+        v: 0.0,
+        a_up: 0.0,
+        a_down: 0.0,
+        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [0.0; 4] },
+    };
+
+    /// Whether they are the others but for rounding.
+    pub(crate) fn are(&self, other: &Self) -> bool {
+        let near = |a: f32, b: f32, part: f32| magnitude(a - b) <= a * part;
+        let laws = match (&self.law, &other.law) {
+            (Law::Bowed { j, .. }, Law::Bowed { j: others, .. }) => {
+                j.iter().zip(others).all(|(a, b)| near(*a, *b, ALIKE))
+            }
+            _ => false,
+        };
+        laws && near(self.v, other.v, ALIKE_SPEED)
+            && near(self.a_up, other.a_up, ALIKE)
+            && near(self.a_down, other.a_down, ALIKE)
+    }
+
+    /// Becomes what both permit; of the speeds the higher one.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.v = max(self.v, other.v);
+        self.a_up = min(self.a_up, other.a_up);
+        self.a_down = min(self.a_down, other.a_down);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j, .. }, Law::Bowed { j: other, .. }) => lower(j, *other),
+            (Law::Stepped { change_over, .. }, Law::Stepped { change_over: other, .. }) => {
+                *change_over = min(*change_over, *other);
+            }
+            _ => {}
+        }
+    }
+
+    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain of speed stays.
+    pub fn go_on_braking(&mut self, other: &Self) {
+        self.a_down = min(self.a_down, other.a_down);
+        match (&mut self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                (*rise, *fall) = (min(*rise, *other_rise), min(*fall, *other_fall));
+            }
+            (
+                Law::Stepped { change_over, a_down, .. },
+                Law::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
+            ) => {
+                *a_down = min(*a_down, *other_a_down);
+                if change_over != other_change_over {
+                    // Between both of them one has the deceleration of the lower stage.
+                    *change_over = min(*change_over, *other_change_over);
+                    *a_down = min(*a_down, self.a_down);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether a slowing down with these limits is at least as hard as with the others.
+    pub fn brakes_like(&self, other: &Self) -> bool {
+        let ramps = match (&self.law, &other.law) {
+            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+                rise >= other_rise && fall >= other_fall
+            }
+            _ => false,
+        };
+        ramps && self.a_down >= other.a_down
+    }
+
+    /// NO_OPT=0.
+    pub(crate) fn may_dip(&self) -> bool {
+        matches!(self.law, Law::Bowed { joins: Joins::Dips, .. })
+    }
+
+    /// Whether blocks with other speeds may be in one span with it: HSC.
+    pub fn varies(&self) -> bool {
+        matches!(self.law, Law::Bowed { joins: Joins::Any | Joins::Dips, .. })
+    }
+
+    /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the jerks the cube. A
+    /// little more, for rounding: far less than `part` leaves.
+    pub fn stretched(&self, part: f32) -> Self {
+        let mut limits = *self;
+        let square = min(part * part * (2.0 - ROUNDED), 1.0);
+        limits.v *= part;
+        limits.a_up *= square;
+        limits.a_down *= square;
+        if let Law::Bowed { j, .. } = &mut limits.law {
+            *j = j.map(|j| j * (square * part));
+        }
+        limits
+    }
+
+    /// Of a ramp; of STEP none.
+    pub fn jerk(&self, ramp: usize) -> f32 {
+        match self.law {
+            Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
+            Law::Stepped { .. } => f32::MAX,
+        }
+    }
+
+    /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has no jerk.
+    pub fn along(&self) -> Option<[f32; 3]> {
+        let Law::Bowed { j, .. } = self.law else { return None };
+        Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
+    }
+
+    /// Permits no speed above those.
+    pub(crate) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
+        self.v = speed_f32(v_in.max(v_out).to_bits());
+    }
+
+    /// Largest acceleration or deceleration of both.
+    pub(crate) fn fastest(&self, other: &Self) -> f32 {
+        max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
+    }
+
+    /// Whether neither has far less acceleration, or deceleration, than the other.
+    pub(crate) fn is_as_strong(&self, other: &Self) -> bool {
+        let near = |a: f32, b: f32| min(a, b) >= WEAK * max(a, b);
+        near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
+    }
+
+    /// Its ramps become linear; the law they had.
+    pub const fn straighten(&mut self) -> Law {
+        let before = self.law;
+        if let Law::Bowed { bend, .. } = &mut self.law {
+            *bend = Bend::Linear;
+        }
+        before
+    }
+
+    /// The largest acceleration or deceleration at any speed.
+    pub(crate) fn most(&self) -> f32 {
+        let a = max(self.a_up, self.a_down);
+        match self.law {
+            Law::Bowed { .. } => a,
+            Law::Stepped { a_up, a_down, .. } => max(a, max(a_up, a_down)),
+        }
+    }
+
+    /// The slope that gains speed.
+    pub fn speed_up(&self) -> Ramp {
+        match self.law {
+            Law::Bowed { bend, j: [rise, fall, ..], .. } => {
+                Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall))
+            }
+            Law::Stepped { change_over, a_up, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
+            }
+        }
+    }
+
+    /// The slope that loses speed, seen backward from the lower one.
+    pub fn brake(&self) -> Ramp {
+        match self.law {
+            Law::Bowed { bend, j: [.., rise, fall], .. } => {
+                Ramp::Bowed(Bowed::new(bend, self.a_down, fall, rise))
+            }
+            Law::Stepped { change_over, a_down, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_down, a_down], change_over })
+            }
+        }
+    }
+
+    /// No acceleration above `a`.
+    pub(crate) fn lower_accelerations(&mut self, a: f32) {
+        self.a_up = min(a, self.a_up);
+        self.a_down = min(a, self.a_down);
+        if let Law::Stepped { a_up, a_down, .. } = &mut self.law {
+            *a_up = min(*a_up, a);
+            *a_down = min(*a_down, a);
+        }
+    }
+}
+
+pub(crate) fn lower<const N: usize>(values: &mut [f32; N], others: [f32; N]) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = min(other, *value);
+    }
+}
