@@ -53,9 +53,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let distance = element.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let (timed, bent) = (element.timed, element.bent);
-        let after_brief = self.row.is_brief();
+        let after_brief = self.tail.row.is_brief();
         // Of the block at 100 % at least: its limits hold for a higher level too.
-        self.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), timed);
+        self.tail.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), timed);
         let full = limits.v;
         if self.level < 1.0 {
             limits.v *= headroom.raised(self.level);
@@ -66,7 +66,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut smooth = false;
         let mut anchor = true;
         let slope = dynamics.slope();
-        if let (Some(last), Some(before), false) = (&self.last, self.blocks.back_mut(), self.stop) {
+        if let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop) {
             let full_before = before.full(self.level);
             cap = min(full_before, full);
             // No more than the double is known.
@@ -139,31 +139,31 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && (!timed || one_curve)
                 && last.bent == bent
                 && (!bent || limits.are(&before.limits))
-                && self.span + distance < LONGEST_SPAN);
+                && self.tail.span + distance < LONGEST_SPAN);
             cap = min(cap, min(before.limits.v, limits.v));
         }
-        let gate = core::mem::take(&mut self.gate);
+        let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
         if anchor {
-            self.span = 0;
+            self.tail.span = 0;
         } else {
-            self.through += 1;
+            self.counts.through += 1;
         }
-        self.span += distance;
-        self.spare = if limits.may_dip() { self.depth / SPARE } else { 0 };
-        self.stop = false;
+        self.tail.span += distance;
+        self.counts.spare = if limits.may_dip() { self.depth / SPARE } else { 0 };
+        self.tail.stop = false;
         if self.blocks.is_empty() {
-            self.slowest = Slowest::NONE;
+            self.tail.slowest = Slowest::NONE;
         }
-        self.slowest.take(headroom, limits.v, self.level, self.depth);
+        self.tail.slowest.take(headroom, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        let behind = match &self.last {
-            Some(last) if self.row.is_brief() => last.behind,
+        let behind = match &self.tail.last {
+            Some(last) if self.tail.row.is_brief() => last.behind,
             _ => *element.exit,
         };
         let trades = element.trades;
-        self.last = Some(Last {
+        self.tail.last = Some(Last {
             exit: *element.exit,
             length,
             share,
@@ -180,7 +180,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         marks.set(Marks::SMOOTH, smooth);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
-        self.long += usize::from(long);
+        self.counts.long += usize::from(long);
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             length: distance,

@@ -335,7 +335,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     pub(super) fn pass_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
-            self.untried = self.untried.saturating_sub(1);
+            self.counts.untried = self.counts.untried.saturating_sub(1);
         }
         pass.from = pass.at;
         pass.next = pass.at + 1;
@@ -347,8 +347,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         for _ in 0..WALK {
             match self.blocks.get(pass.next) {
                 Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => {
-                    let last = self.open && pass.next + 1 == self.blocks.len();
-                    let share: Option<&Share> = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    let last = self.scope.open && pass.next + 1 == self.blocks.len();
+                    let share: Option<&Share> =
+                        self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
                     let [first, second] = &mut pass.spans;
                     if pass.next < pass.at { first } else { second }.add(block, share);
                     pass.next += 1;
@@ -530,8 +531,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();
-            self.untried = self.untried.saturating_sub(1);
-            self.through += 1;
+            self.counts.untried = self.counts.untried.saturating_sub(1);
+            self.counts.through += 1;
         }
         let mut span = pass.spans[0];
         span.limits.ease(pass.ease);

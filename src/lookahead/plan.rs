@@ -67,19 +67,19 @@ impl Plan {
     /// Begins to plan.
     pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
-        if ring.through == 0 {
-            ring.blockwise = true;
+        if ring.counts.through == 0 {
+            ring.scope.blockwise = true;
             self.stage = Stage::Blocks(left, Speed::ZERO);
             return;
         }
-        if ring.blockwise {
-            ring.blockwise = false;
+        if ring.scope.blockwise {
+            ring.scope.blockwise = false;
             for block in &mut *ring.blocks {
                 block.v_old = block.v_in;
                 block.marks.set(Marks::CHECKED, false);
             }
         }
-        let until = left.min(core::mem::replace(&mut ring.until, usize::MAX));
+        let until = left.min(core::mem::replace(&mut ring.scope.until, usize::MAX));
         self.backward = Backward::new(left, until, Speed::ZERO);
         self.stage = Stage::Backward;
     }
@@ -118,8 +118,8 @@ impl Plan {
 
     /// Every speed is final.
     pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
-        ring.end = ring.blocks.len();
-        ring.free = None;
+        ring.scope.end = ring.blocks.len();
+        ring.scope.free = None;
         for block in ring.blocks.iter_mut().filter(|block| block.is(Marks::ANCHOR)) {
             block.marks.set(Marks::FRESH, false);
             block.v_old = block.v_reached;
@@ -142,7 +142,7 @@ impl Plan {
             left -= 1;
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
-            let share = ring.last.as_ref().filter(|_| last && ring.open).map(|last| &last.share);
+            let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
             let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
             let v = faster(&brake, length_mm(block), v_out, block.cap());
             // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
@@ -150,7 +150,7 @@ impl Plan {
             // What was planned with a lower end speed stays possible, and is not taken back.
             block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
-            if v == block.v_in && left <= ring.until {
+            if v == block.v_in && left <= ring.scope.until {
                 return self.blocks_done(ring);
             }
             block.v_in = v;
@@ -164,8 +164,8 @@ impl Plan {
         &mut self,
         ring: &mut Ring<'_, AXES, BLOCKS>,
     ) -> bool {
-        ring.end = ring.blocks.len();
-        ring.until = usize::MAX;
+        ring.scope.end = ring.blocks.len();
+        ring.scope.until = usize::MAX;
         self.stage = Stage::Done;
         true
     }
@@ -174,12 +174,12 @@ impl Plan {
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
-        let last = self.open && self.blocks.len() == 1;
-        let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+        let last = self.scope.open && self.blocks.len() == 1;
+        let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
         let Some(block) = self.blocks.front_mut() else { return };
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
-        let Some(reach) = self.free.take() else { return };
+        let Some(reach) = self.scope.free.take() else { return };
         let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
         let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
         block.v_in = v.max(block.v_in);
@@ -187,7 +187,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.
     pub(super) fn ready(&self) -> usize {
-        if !self.open {
+        if !self.scope.open {
             return self.blocks.len();
         }
         let batch = self.batch();

@@ -128,12 +128,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (front, back) = self.blocks.as_slices();
         Self::span_of(front.iter().chain(back), release)?;
         release.level = self.level;
-        release.v_reduced = self.slowest.least;
-        release.checked &= !self.stale || release.blocks == 1;
+        release.v_reduced = self.tail.slowest.least;
+        release.checked &= !self.scope.stale || release.blocks == 1;
         if let Some(next) = self.blocks.get_mut(release.blocks) {
             next.start_at(release.v_out);
         }
-        self.stale = false;
+        self.scope.stale = false;
         self.blocks.front()
     }
 
@@ -141,8 +141,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// is at work.
     pub fn planned(&self, at: usize, release: &mut Release) -> bool {
         release.level = self.level;
-        release.v_reduced = self.slowest.least;
-        Self::span_of(self.blocks.iter().take(self.end).skip(at), release).is_some()
+        release.v_reduced = self.tail.slowest.least;
+        Self::span_of(self.blocks.iter().take(self.scope.end).skip(at), release).is_some()
     }
 
     /// The span at the front of these blocks; what the ring has for all of them is left open.

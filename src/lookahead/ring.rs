@@ -15,39 +15,71 @@ pub(super) type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
 /// The ring.
 pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) blocks: &'a mut Blocks<BLOCKS>,
+    /// Blocks that are in use.
     pub(super) depth: usize,
-    pub(super) last: Option<Last<AXES>>,
-    /// The next transition is a standstill.
-    pub(super) stop: bool,
-    /// The next block is a gate.
-    pub(super) gate: bool,
-    /// The plan goes on at least to this block: from there on it may be as it was.
-    pub(super) until: usize,
-    /// The first block's start may rise up to this speed.
-    pub(super) free: Option<Speed>,
-    /// More blocks may come.
-    pub(super) open: bool,
-    /// Transitions in the ring that are no anchors.
-    pub(super) through: usize,
-    /// Anchors that may be tried to do without.
-    pub(super) untried: usize,
-    /// Blocks in the ring that are long.
-    pub(super) long: usize,
-    /// Path length since the last anchor, LSB 2^-44 mm.
-    pub(super) span: i64,
-    /// The last plan was one of single blocks.
-    pub(super) blockwise: bool,
-    /// Where the plan before the present one ended: so many blocks from the front.
-    pub(super) end: usize,
-    /// The first block's start was lowered while the plan was at work.
-    pub(super) stale: bool,
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
-    pub(super) slowest: Slowest,
+    pub(super) tail: Tail<AXES>,
+    pub(super) scope: Scope,
+    pub(super) counts: Counts,
+}
+
+/// What the next block needs to know of those before it.
+pub(super) struct Tail<const AXES: usize> {
+    /// The last block.
+    pub last: Option<Last<AXES>>,
+    /// The next transition is a standstill.
+    pub stop: bool,
+    /// The next block is a gate.
+    pub gate: bool,
+    /// Path length since the last anchor, LSB 2^-44 mm.
+    pub span: i64,
     /// What the last blocks leave to a tick.
-    pub(super) row: Row,
+    pub row: Row,
+    /// The lowest reduced speed of the last blocks.
+    pub slowest: Slowest,
+}
+
+/// How much of the ring the next plan has to do, and what the last one has left.
+pub(super) struct Scope {
+    /// The plan goes on at least to this block: from there on it may be as it was.
+    pub until: usize,
+    /// The first block's start may rise up to this speed.
+    pub free: Option<Speed>,
+    /// More blocks may come.
+    pub open: bool,
+    /// The last plan was one of single blocks.
+    pub blockwise: bool,
+    /// Where the last plan ended: so many blocks from the front.
+    pub end: usize,
+    /// The first block's start was lowered while the plan was at work.
+    pub stale: bool,
+}
+
+/// Blocks and transitions of a kind.
+pub(super) struct Counts {
+    /// Transitions in the ring that are no anchors.
+    pub through: usize,
+    /// Anchors that may be tried to do without.
+    pub untried: usize,
+    /// Blocks in the ring that are long.
+    pub long: usize,
     /// Blocks that are left free for cuts.
-    pub(super) spare: usize,
+    pub spare: usize,
+}
+
+impl<const AXES: usize> Tail<AXES> {
+    const NONE: Self =
+        Self { last: None, stop: false, gate: false, span: 0, row: Row::NONE, slowest: Slowest::NONE };
+}
+
+impl Scope {
+    const NONE: Self =
+        Self { until: usize::MAX, free: None, open: false, blockwise: true, end: 0, stale: false };
+}
+
+impl Counts {
+    const NONE: Self = Self { through: 0, untried: 0, long: 0, spare: 0 };
 }
 
 /// A lower level takes more from planned speeds than rounding takes from limits.
@@ -66,27 +98,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     pub(super) fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
-        Self {
-            blocks,
-            depth,
-            last: None,
-            stop: false,
-            gate: false,
-            until: usize::MAX,
-            free: None,
-            open: false,
-            through: 0,
-            untried: 0,
-            long: 0,
-            span: 0,
-            blockwise: true,
-            end: 0,
-            stale: false,
-            level: 1.0,
-            slowest: Slowest::NONE,
-            row: Row::NONE,
-            spare: 0,
-        }
+        let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
+        Self { blocks, depth, level: 1.0, tail, scope, counts }
     }
 
     /// The level of all speeds, see [`super::Pace`].
@@ -120,7 +133,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             (last, lent) = (block.limits.v, block.joint.is_lent());
         }
         if !self.blocks.is_empty() {
-            self.until = 0;
+            self.scope.until = 0;
         }
     }
 
@@ -140,7 +153,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             let is_anchor = block.is(Marks::ANCHOR);
             if (lent || block.joint.is_lent()) && !block.continued {
                 // Where the slow block begins or ends.
-                self.untried += usize::from(is_anchor && !block.joint.is_open());
+                self.counts.untried += usize::from(is_anchor && !block.joint.is_open());
                 block.joint.open();
             }
             (last, lent) = (block.limits.v, block.joint.is_lent());
@@ -156,13 +169,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
         if let Some(first) = self.blocks.front_mut() {
             first.v_in = v_in;
-            self.until = 0;
+            self.scope.until = 0;
         }
     }
 
     /// Whether there is no room for another block, or what is there is long enough for any speed.
     pub fn is_full(&self) -> bool {
-        self.blocks.len() + self.spare >= self.depth || self.long >= LONG_BLOCKS
+        self.blocks.len() + self.counts.spare >= self.depth || self.counts.long >= LONG_BLOCKS
     }
 
     /// Whether there is no block.
@@ -173,13 +186,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// Throws away what it holds.
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
-        self.last = None;
-        self.gate = false;
-        (self.until, self.free) = (usize::MAX, None);
-        self.through = 0;
-        self.untried = 0;
-        self.long = 0;
-        self.span = 0;
+        self.tail.last = None;
+        self.tail.gate = false;
+        (self.scope.until, self.scope.free) = (usize::MAX, None);
+        self.counts.through = 0;
+        self.counts.untried = 0;
+        self.counts.long = 0;
+        self.tail.span = 0;
     }
 
     /// Blocks handed on after a pass: a quarter of what is there.
@@ -189,18 +202,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// Demands a standstill before the next block.
     pub fn stop_here(&mut self) {
-        self.stop = true;
+        self.tail.stop = true;
     }
 
     /// Whether the motion waits for acknowledgements before the next block.
     pub fn before(&mut self, gate: bool) {
-        self.gate = gate;
+        self.tail.gate = gate;
     }
 
     /// A plan of the whole ring begins, see [`super::Lookahead::begin_pass`].
     pub(super) fn begin_pass(&mut self, open: bool) {
-        self.open = open;
-        if core::mem::take(&mut self.stale)
+        self.scope.open = open;
+        if core::mem::take(&mut self.scope.stale)
             && let Some(first) = self.blocks.front_mut()
         {
             first.marks.set(Marks::CHECKED, false);
@@ -209,8 +222,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// The plan about to begin decides the speed at the first block's start too, up to `reach`.
     pub fn free_start(&mut self, reach: Speed) {
-        self.free = Some(reach);
-        self.until = 0;
+        self.scope.free = Some(reach);
+        self.scope.until = 0;
     }
 
     /// Speed at which the first block may be entered, whatever comes before and behind.
@@ -228,7 +241,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
         }
-        self.stale = stale;
+        self.scope.stale = stale;
     }
 
     /// The first block begins at another speed than planned.
@@ -237,7 +250,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             first.v_in = v_in;
             first.marks.set(Marks::CHECKED, false);
         }
-        self.until = 0;
+        self.scope.until = 0;
     }
 
     /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the plan is at work.
@@ -245,7 +258,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
         let (index, block) = gates.nth(number)?;
         block.marks.set(Marks::GATE, false);
-        self.until = self.until.min(index);
+        self.scope.until = self.scope.until.min(index);
         Some(index)
     }
 
@@ -288,17 +301,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     pub fn drop_first(&mut self) {
         if let Some(block) = self.blocks.pop_front() {
             let anchor = block.is(Marks::ANCHOR);
-            self.through -= usize::from(!anchor);
-            self.untried -= usize::from(anchor && block.joint.is_open()).min(self.untried);
-            self.long -= usize::from(block.is(Marks::LONG));
+            self.counts.through -= usize::from(!anchor);
+            self.counts.untried -= usize::from(anchor && block.joint.is_open()).min(self.counts.untried);
+            self.counts.long -= usize::from(block.is(Marks::LONG));
         }
-        self.end = self.end.saturating_sub(1);
-        if self.until != usize::MAX {
-            self.until = self.until.saturating_sub(1);
+        self.scope.end = self.scope.end.saturating_sub(1);
+        if self.scope.until != usize::MAX {
+            self.scope.until = self.scope.until.saturating_sub(1);
         }
         if self.blocks.is_empty() {
             // What follows starts from rest.
-            self.last = None;
+            self.tail.last = None;
         }
     }
 }

@@ -119,8 +119,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             spend(work, ADD);
             let Some(left) = pass.left.checked_sub(1) else { return self.start_forward(plan) };
             pass.left = left;
-            let last = self.open && left + 1 == self.blocks.len();
-            let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+            let last = self.scope.open && left + 1 == self.blocks.len();
+            let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
             pass.span.add(block, share);
             if left > 0 && !block.is(Marks::ANCHOR) {
@@ -160,7 +160,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn raise_first_span(&mut self, span: &Span, v_out: Speed) {
         let Some(block) = self.blocks.front_mut() else { return };
         block.marks.set(Marks::KEPT, true);
-        let Some(reach) = self.free else { return };
+        let Some(reach) = self.scope.free else { return };
         let v = span.enter(v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
         block.v_in = v;
@@ -184,7 +184,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             spend(work, 1);
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
-                None if pass.last[0] > 1 && self.untried > 0 => {
+                None if pass.last[0] > 1 && self.counts.untried > 0 => {
                     plan.trial = Trial::new(pass.last[0]);
                     plan.stage = Stage::Trial;
                     return;
@@ -202,15 +202,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && (pass.next == pass.from || !block.is(Marks::ANCHOR))
             {
                 spend(work, ADD);
-                let last = self.open && pass.next + 1 == self.blocks.len();
-                let share = self.last.as_ref().filter(|_| last).map(|last| &last.share);
+                let last = self.scope.open && pass.next + 1 == self.blocks.len();
+                let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
                 pass.span.add(block, share);
                 pass.next += 1;
                 continue;
             }
             // The span is complete.
             let end = self.blocks.get(pass.next);
-            let last = !self.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            let last = !self.scope.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
             pass.firm[1] = pass.firm[0] && last;
             pass.last[1] = if last { pass.next } else { pass.last[0] };
             if checked {
@@ -263,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
     fn go_back(&mut self, plan: &mut Plan) {
         let Forward { from, next, .. } = plan.forward;
-        if self.free.take().is_some() {
+        if self.scope.free.take().is_some() {
             // The plan before began at rest.
             if let Some(first) = self.blocks.front_mut() {
                 first.v_in = Speed::ZERO;
@@ -273,17 +273,17 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             plan.backward.again = false;
             return;
         }
-        if from < self.end && self.end < next {
+        if from < self.scope.end && self.scope.end < next {
             // All blocks of the span together permit less than those before the end of that plan.
-            self.set_anchor(self.end);
+            self.set_anchor(self.scope.end);
             return self.plan_again(plan, from, next);
         }
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
-            Some(end) if end.is(Marks::FRESH) && next != self.end => {
+            Some(end) if end.is(Marks::FRESH) && next != self.scope.end => {
                 end.give_way();
-                self.untried -= usize::from(end.joint.is_open()).min(self.untried);
-                self.through += 1;
+                self.counts.untried -= usize::from(end.joint.is_open()).min(self.counts.untried);
+                self.counts.through += 1;
                 if let Some(first) = self.blocks.get_mut(from) {
                     first.marks.set(Marks::FLAT, true);
                 }
@@ -299,10 +299,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Forward { from, next, .. } = plan.forward;
         let to = self.anchor_behind(next);
         match self.blocks.get_mut(next) {
-            Some(end) if end.is(Marks::FRESH) && next != self.end => {
+            Some(end) if end.is(Marks::FRESH) && next != self.scope.end => {
                 end.give_way();
-                self.untried -= usize::from(end.joint.is_open()).min(self.untried);
-                self.through += 1;
+                self.counts.untried -= usize::from(end.joint.is_open()).min(self.counts.untried);
+                self.counts.through += 1;
                 self.plan_again(plan, from, to);
             }
             Some(end) if end.v_in > end.v_old.max(Speed::ZERO) => {
@@ -439,8 +439,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
             block.v_reached = UNPLANNED;
-            self.untried += usize::from(block.joint.is_open());
-            self.through -= 1;
+            self.counts.untried += usize::from(block.joint.is_open());
+            self.counts.through -= 1;
         }
     }
 

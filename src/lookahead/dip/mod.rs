@@ -236,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [a, b, c, d] = edges;
         let checked =
             [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || self.is_planned(from));
-        let last = self.open && d == self.blocks.len();
+        let last = self.scope.open && d == self.blocks.len();
         if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
             return self.leave_anchor(pass, dip, true);
         }
@@ -503,7 +503,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         block.marks.set(Marks::LONG, false);
         piece.give_way();
         if self.insert(k + 1, piece) {
-            self.through += 1;
+            self.counts.through += 1;
         }
     }
 
@@ -515,7 +515,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
         block.cap = v;
         block.joint.close();
-        self.through -= 1;
+        self.counts.through -= 1;
     }
 
     /// The transition at the start of block `k` no longer counts.
@@ -525,8 +525,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         block.give_way();
         block.joint.close();
         block.cap = cap;
-        self.through += 1;
-        self.untried -= usize::from(open).min(self.untried);
+        self.counts.through += 1;
+        self.counts.untried -= usize::from(open).min(self.counts.untried);
     }
 
     /// The block `k` is part of a faster span.

@@ -177,7 +177,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             block.cap = if is_cut { block.limits.v } else { cap_here };
             if is_cut || open_here {
                 block.joint.open();
-                self.untried += 1;
+                self.counts.untried += 1;
             }
         }
         if early
