@@ -16,10 +16,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Stands where everything handed on ends: a tick shows the point itself.
     pub(super) fn stand(&mut self) -> Work {
-        if self.stood {
+        if self.task.stood {
             return Work::Waiting;
         }
-        self.stood = true;
+        self.task.stood = true;
         self.stay(1);
         Work::Working
     }
@@ -27,16 +27,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether the motion stands still because acknowledgements have not come.
     pub fn is_waiting(&self) -> bool {
         let gate = self.lookahead.ring.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
-        gate && self.stood && self.queue.clock.now() == self.end
+        gate && self.task.stood && self.queue.clock.now() == self.frontier.end
     }
 
     /// Looks at acknowledgements, and goes on with what they began.
     pub(super) fn answer(&mut self) -> Option<Work> {
-        if self.joining {
+        if self.task.joining {
             return self.join();
         }
         // A plan at work is completed first.
-        if !self.queue.control.is_answered() || self.stage == Stage::Passing {
+        if !self.queue.control.is_answered() || self.task.stage == Stage::Passing {
             return None;
         }
         let answers = self.queue.control.take_answers();
@@ -47,7 +47,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             first |= index == Some(0);
             any |= index > Some(0);
         });
-        self.reopened |= any;
+        self.task.reopened |= any;
         if first && self.begin_join() { Some(Work::Working) } else { None }
     }
 
@@ -55,9 +55,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn begin_join(&mut self) -> bool {
         let Some(last) = self.flights.len().checked_sub(1) else { return false };
         let Some(flight) = self.flights.get(last) else { return false };
-        let done = !clock::is_before(self.queue.clock.now(), self.end);
+        let done = !clock::is_before(self.queue.clock.now(), self.frontier.end);
         // What has a law of its own already, a hold among them, keeps it.
-        if done || self.mode.stopping || self.laid != self.flights.len() {
+        if done || self.orders.mode.stopping || self.frontier.laid != self.flights.len() {
             return false;
         }
         let reach = flight.span.reach(self.lookahead.ring.entry());
@@ -65,8 +65,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         self.lookahead.ring.free_start(reach);
-        self.lookahead.begin_pass(!self.flush);
-        self.joining = true;
+        self.lookahead.begin_pass(!self.task.flush);
+        self.task.joining = true;
         true
     }
 
@@ -75,9 +75,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.lookahead.step_pass().is_none() {
             return Some(Work::Working);
         }
-        self.joining = false;
+        self.task.joining = false;
         // What was to be handed on had another plan.
-        self.reopened = true;
+        self.task.reopened = true;
         let first = self.lookahead.ring.first_speed();
         let last = self.flights.len().wrapping_sub(1);
         let v_out = self.flights.get(last).map_or(Speed::ZERO, |flight| flight.span.reach(first));
@@ -90,7 +90,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !joined {
             return Some(Work::Working);
         }
-        self.stood = false;
+        self.task.stood = false;
         Some(Work::Replanned)
     }
 
@@ -102,24 +102,29 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let now = self.queue.clock.now();
         let at = now.wrapping_add(clock::TICK * REACTION);
         let at = if clock::is_before(at, flight.first) { flight.first } else { at };
-        let stopping = self.mode.stopping || self.queue.control.commands().standstill();
+        let stopping = self.orders.mode.stopping || self.queue.control.commands().standstill();
         let room = self.queue.phases.room() >= PIECES + 2;
-        let idle = self.laid == self.flights.len();
-        if !clock::is_before(at, self.end) || stopping || self.mode.cut.is_some() || !room || !idle {
+        let idle = self.frontier.laid == self.flights.len();
+        if !clock::is_before(at, self.frontier.end)
+            || stopping
+            || self.orders.mode.cut.is_some()
+            || !room
+            || !idle
+        {
             return false;
         }
         let Some(motion) = self.motion_at(at).filter(|_| self.drop_reserve()) else { return false };
-        let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops);
+        let before = self.frontier;
         let gate = self.queue.phases.count();
         if let Some(flight) = self.flights.get_mut(k) {
             flight.span.v_out = v_out;
             flight.span.checked &= flight.span.blocks == 1;
             flight.rest = 0;
         }
-        self.emitter.resume_at(flight.next);
-        (self.laid, self.speed, self.end) = (k, flight.enters, flight.first);
+        self.frontier.emitter.resume_at(flight.next);
+        (self.frontier.laid, self.frontier.speed, self.frontier.end) = (k, flight.enters, flight.first);
         if self.lay().is_ok()
-            && self.speed > Speed::ZERO
+            && self.frontier.speed > Speed::ZERO
             && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
         {
             let _ = self.queue.phases.push(Phase::BLANK);
@@ -129,14 +134,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let is_late = clock::is_before(at, self.queue.clock.now());
             // Late, it was taken or never will be.
             if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                self.mode.cut = Some(at);
+                self.orders.mode.cut = Some(at);
                 return true;
             }
             self.queue.clock.withdraw();
             self.queue.phases.withdraw(gate);
         }
         // Everything as before.
-        (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops) = before;
+        self.frontier = before;
         if let Some(old) = self.flights.get_mut(k) {
             *old = flight;
         }
@@ -147,14 +152,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn piece_at(&mut self, at: u32) -> Option<(super::Instant, Phase)> {
         let mut phase = Phase::BLANK;
         for _ in 0..PHASES {
-            if !self.emitter.has_piece() {
+            if !self.frontier.emitter.has_piece() {
                 return None;
             }
-            self.emitter.step(&mut phase);
-            let end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+            self.frontier.emitter.step(&mut phase);
+            let end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
             if clock::is_before(at, end) {
-                let gone = at.wrapping_sub(self.end) / clock::TICK;
-                self.end = at;
+                let gone = at.wrapping_sub(self.frontier.end) / clock::TICK;
+                self.frontier.end = at;
                 phase.advance(gone as u16);
                 let motion = super::Instant {
                     distance: phase.distance.to_bits(),
@@ -163,7 +168,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 };
                 return Some((motion, phase));
             }
-            self.end = end;
+            self.frontier.end = end;
         }
         None
     }

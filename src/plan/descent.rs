@@ -118,7 +118,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let ahead = if self.reserve.is_made() {
             let (next, distance) = self.reserve.ahead();
             Ahead { next, distance: distance.to_bits() }
-        } else if self.stage == Stage::Passing || self.reserve.behind.is_some() {
+        } else if self.task.stage == Stage::Passing || self.reserve.behind.is_some() {
             Ahead::NONE
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
@@ -247,17 +247,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.brake(k, brake);
             return;
         }
-        self.emitter.begin_brake(&self.profile, brake);
-        let last = self.end.wrapping_add(clock::TICK * self.emitter.ticks());
+        self.frontier.emitter.begin_brake(&self.profile, brake);
+        let last = self.frontier.end.wrapping_add(clock::TICK * self.frontier.emitter.ticks());
         let to = k + spans;
-        self.speed = Speed::from_bits(brake.v_out);
-        self.stops = self.speed == Speed::ZERO;
-        self.owed = 0;
+        self.frontier.speed = Speed::from_bits(brake.v_out);
+        self.frontier.stops = self.frontier.speed == Speed::ZERO;
+        self.frontier.owed = 0;
         if self.reserve.is_made() {
             let committed = self.flights.len();
-            self.laid = to.min(committed);
-            self.mode.halting = self.stops;
-            if self.stops {
+            self.frontier.laid = to.min(committed);
+            self.orders.mode.halting = self.frontier.stops;
+            if self.frontier.stops {
                 self.reserve.stand_at(brake.end);
             } else if to > committed {
                 self.reserve.go_on_at(ahead.next, ahead.distance);
@@ -265,28 +265,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         let committed = self.flights.len();
-        self.laid = to.min(committed);
-        let speed = self.speed;
+        self.frontier.laid = to.min(committed);
+        let speed = self.frontier.speed;
         let ended = to.checked_sub(1).and_then(|k| self.flights.get_mut(k));
         let mut stands = None;
         if let Some(ended) = ended.filter(|last| last.end().wrapping_sub(brake.end) >= -NOTHING) {
             ended.leaves = speed;
-            self.owed = ended.rest;
+            self.frontier.owed = ended.rest;
             self.lower();
         } else {
             // Inside a span, or at the end of one of the look-ahead.
-            self.mode.halting = true;
+            self.orders.mode.halting = true;
             stands = Some(brake.end);
             if to >= committed {
                 self.reserve.behind = stands;
             }
         }
-        self.mode.passed = Some(Passed { from: k, to, last, stands });
+        self.orders.mode.passed = Some(Passed { from: k, to, last, stands });
     }
 
     /// The law is in the queue: the spans on its way are passed.
     pub(super) fn note_passed(&mut self) {
-        let Some(Passed { from, to, last, stands }) = self.mode.passed.take() else { return };
+        let Some(Passed { from, to, last, stands }) = self.orders.mode.passed.take() else { return };
         for k in from + 1..=to {
             if let Some(flight) = self.flights.get_mut(k) {
                 flight.first = last;

@@ -62,12 +62,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn hold_line(&mut self, line: &Straight<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
-        let held = &mut self.held;
+        let held = &mut self.intake.held;
         if let Curve::Line(stretch) = &mut held.curve {
-            stretch.begin(&self.programmed, line);
+            stretch.begin(&self.intake.programmed, line);
         } else {
             let mut stretch = Stretch::BLANK;
-            stretch.begin(&self.programmed, line);
+            stretch.begin(&self.intake.programmed, line);
             held.curve = Curve::Line(stretch);
         }
         (held.is_held, held.long, held.limits, held.pass) = (true, false, *limits, pass);
@@ -83,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) {
         self.let_go();
         if self.lookahead.ring.is_full() {
-            *self.held =
+            *self.intake.held =
                 Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
             self.entrance().0.push(element, limits, &pass, pass.number, Some(target));
@@ -98,7 +98,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         target: &[Position; AXES],
         pass: &Pass,
     ) -> bool {
-        let held = &self.held;
+        let held = &self.intake.held;
         let Curve::Line(stretch) = &held.curve else { return false };
         held.is_held
             && !held.long
@@ -111,7 +111,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     #[inline(never)]
     fn lengthen(&mut self, target: &[Position; AXES], pass: &Pass) -> bool {
-        let held = &mut self.held;
+        let held = &mut self.intake.held;
         let Curve::Line(stretch) = &mut held.curve else { return false };
         let Some(grown) = stretch.with(target, &self.measure) else { return false };
         let limits = self.dynamics.line(grown.tangent(), pass.feed);
@@ -130,7 +130,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// What is held back goes into the look-ahead, which has room.
     #[inline(always)]
     pub(super) fn let_go(&mut self) {
-        if self.held.is_held {
+        if self.intake.held.is_held {
             self.pass_on();
         }
     }
@@ -148,12 +148,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, None),
         }
-        self.held.clear();
+        self.intake.held.clear();
     }
 
     /// What is held back gets the limits of now.
     pub(super) fn renew_held(&mut self) {
-        let held = &mut self.held;
+        let held = &mut self.intake.held;
         held.limits = match &held.curve {
             Curve::Line(stretch) => self.dynamics.element(&stretch.line().element(), held.pass.feed),
             Curve::Arc(element) => self.dynamics.element(element, held.pass.feed),
@@ -162,6 +162,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The block held back ends in a standstill.
     pub(super) fn stop_held(&mut self) {
-        self.held.pass.stop = true;
+        self.intake.held.pass.stop = true;
     }
 }

@@ -96,7 +96,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
-        if self.mode.busy || word != self.word { self.follow(word) } else { None }
+        if self.orders.mode.busy || word != self.orders.word { self.follow(word) } else { None }
     }
 
     #[inline(never)]
@@ -107,27 +107,27 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let commands = Commands::of(word);
         // An acknowledgement to be looked at makes every word a new one.
         let word = word & Control::COMMANDS;
-        if word != self.word {
-            self.word = word;
+        if word != self.orders.word {
+            self.orders.word = word;
             self.set_pace(&commands);
         }
-        self.mode.busy = true;
+        self.orders.mode.busy = true;
         if let Some(work) = self.answer() {
             return Some(work);
         }
-        let work = if self.mode.stopping {
+        let work = if self.orders.mode.stopping {
             self.hold(&commands)
         } else if commands.standstill() {
             self.stop(commands.abort)
-        } else if self.mode.adjusting {
+        } else if self.orders.mode.adjusting {
             self.adjust()
         } else {
             None
         };
-        self.mode.busy = self.mode.stopping
-            || self.mode.adjusting
+        self.orders.mode.busy = self.orders.mode.stopping
+            || self.orders.mode.adjusting
             || commands.standstill()
-            || self.joining
+            || self.task.joining
             || self.queue.control.is_answered();
         work
     }
@@ -137,12 +137,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if commands.abort {
             self.end_rest();
         }
-        if !self.mode.standing {
+        if !self.orders.mode.standing {
             return None;
         }
         self.trim();
         // What has been handed out holds: a span knows of one standstill only.
-        if self.queue.clock.now() != self.end {
+        if self.queue.clock.now() != self.frontier.end {
             return Some(Work::Waiting);
         }
         if commands.abort {
@@ -153,59 +153,61 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if commands.standstill() {
             return Some(Work::Waiting);
         }
-        self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
+        self.orders.mode = Mode { cut: self.orders.mode.cut, ..Mode::RUN };
         None
     }
 
     /// What is left of a dwell goes, if nothing but that is left.
     fn end_rest(&mut self) {
-        self.owed = 0;
+        self.frontier.owed = 0;
         self.trim();
         let at = self.queue.clock.now().wrapping_add(clock::TICK * REACTION);
-        let last = self.end.wrapping_sub(clock::TICK);
-        if !clock::is_before(at, last) || self.mode.cut.is_some() || self.queue.phases.room() < 2 {
+        let last = self.frontier.end.wrapping_sub(clock::TICK);
+        if !clock::is_before(at, last) || self.orders.mode.cut.is_some() || self.queue.phases.room() < 2 {
             return;
         }
         let (Some(motion), Some(end)) = (self.motion_at(at), self.motion_at(last)) else { return };
         if motion != end || !motion.is_rest() {
             return;
         }
-        let (before, gate) = (self.end, self.queue.phases.count());
+        let (before, gate) = (self.frontier.end, self.queue.phases.count());
         let _ = self.queue.phases.push(Phase::BLANK);
-        self.end = at;
+        self.frontier.end = at;
         self.put_rest(Distance::from_bits(motion.distance), 1);
         self.queue.clock.publish(at, gate.wrapping_add(1));
         let is_late = clock::is_before(at, self.queue.clock.now());
         // Late, it was taken or never will be.
         if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-            self.mode.cut = Some(at);
+            self.orders.mode.cut = Some(at);
         } else {
             self.queue.clock.withdraw();
             self.queue.phases.withdraw(gate);
-            self.end = before;
+            self.frontier.end = before;
         }
     }
 
     /// Whether the motion stands still because the operator wants it to.
     pub fn is_holding(&self) -> bool {
-        self.mode.standing && self.queue.clock.now() == self.end
+        self.orders.mode.standing && self.queue.clock.now() == self.frontier.end
     }
 
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
-        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.rest == 0
+        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
-        if self.mode.cut.is_some_and(|at| clock::is_before(at, now)) {
+        if self.orders.mode.cut.is_some_and(|at| clock::is_before(at, now)) {
             self.queue.clock.withdraw();
-            self.mode.cut = None;
+            self.orders.mode.cut = None;
         }
-        while self.laid >= 2 && self.flights.get(1).is_some_and(|next| !clock::is_before(now, next.first)) {
+        while self.frontier.laid >= 2
+            && self.flights.get(1).is_some_and(|next| !clock::is_before(now, next.first))
+        {
             self.flights.drop_first();
-            self.laid -= 1;
+            self.frontier.laid -= 1;
         }
     }
 
@@ -219,7 +221,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             } else if let Some(motion) = self.motion_at(at)
                 && let Some(descent) = self.descend(k, &motion)
             {
-                if self.stage == Stage::Passing && descent.brake.v_out > 0 {
+                if self.task.stage == Stage::Passing && descent.brake.v_out > 0 {
                     // The way through the look-ahead is known when its plan is complete.
                     return None;
                 }
@@ -229,7 +231,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // From the start of the next span that has a tick.
         next = self.with_tick(next);
         match self.flights.get(next) {
-            Some(flight) if next < self.laid => {
+            Some(flight) if next < self.frontier.laid => {
                 let first = flight.first;
                 if abort && next > 0 && self.motion_at(at).is_some_and(|motion| motion.is_rest()) {
                     // In a dwell.
@@ -241,16 +243,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 }
             }
             _ => {
-                self.mode.stopping = true;
+                self.orders.mode.stopping = true;
                 None
             }
         }
     }
 
     fn stop_at(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
-        self.mode.stopping = true;
+        self.orders.mode.stopping = true;
         let work = self.change(k, at, descent);
-        self.mode.stopping = work.is_some();
+        self.orders.mode.stopping = work.is_some();
         work
     }
 
@@ -258,14 +260,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
         let now = self.queue.clock.now();
         self.trim();
-        if self.mode.tried == Some(now) || self.mode.cut.is_some() {
+        if self.orders.mode.tried == Some(now) || self.orders.mode.cut.is_some() {
             return None;
         }
-        self.mode.tried = Some(now);
+        self.orders.mode.tried = Some(now);
         let at = now.wrapping_add(clock::TICK * REACTION);
-        let at = if clock::is_before(at, self.end) { at } else { self.end };
+        let at = if clock::is_before(at, self.frontier.end) { at } else { self.frontier.end };
         let begun = |flight: &Flight| !clock::is_before(at, flight.first);
-        let later = (0..self.laid).find(|&k| !self.flights.get(k).is_some_and(begun)).unwrap_or(self.laid);
+        let later = (0..self.frontier.laid)
+            .find(|&k| !self.flights.get(k).is_some_and(begun))
+            .unwrap_or(self.frontier.laid);
         Some((at, later))
     }
 
@@ -276,7 +280,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The span `k` or, if it is over before its first tick, the next one that is not.
     pub(super) fn with_tick(&self, mut k: usize) -> usize {
-        while k + 1 < self.laid
+        while k + 1 < self.frontier.laid
             && self.flights.get(k).map(|f| f.first) == self.flights.get(k + 1).map(|f| f.first)
         {
             k += 1;
@@ -286,7 +290,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The motion at an instant that the pieces in the queue or their end cover.
     pub(super) fn motion_at(&self, at: u32) -> Option<Instant> {
-        let mut start = self.end;
+        let mut start = self.frontier.end;
         let mut number = self.queue.phases.count();
         for _ in 0..PHASES {
             number = number.wrapping_sub(1);
@@ -312,66 +316,70 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// and nothing has changed, if that came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         let flight = *self.flights.get(k)?;
-        let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
+        let before = (self.frontier, self.orders.mode);
         let behind = self.reserve.behind;
         let gate = self.queue.phases.count();
-        let drops = at != self.end;
+        let drops = at != self.frontier.end;
         if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
             return None;
         }
         if drops {
             let _ = self.queue.phases.push(Phase::BLANK);
         }
-        self.end = at;
-        self.laid = k;
-        self.mode.uneven = true;
+        self.frontier.end = at;
+        self.frontier.laid = k;
+        self.orders.mode.uneven = true;
         let mut laid = Ok(());
         if let Some(descent) = &descent {
-            self.emitter.resume_at(0);
+            self.frontier.emitter.resume_at(0);
             self.go_down(k, descent);
             self.hand_out();
         } else {
-            self.emitter.resume_at(flight.next);
-            self.speed = flight.enters;
+            self.frontier.emitter.resume_at(flight.next);
+            self.frontier.speed = flight.enters;
         }
-        if descent.is_none() && self.mode.stopping && self.speed == Speed::ZERO {
+        if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
             // It stands before the span, and has no law to stand still by.
-            (self.owed, self.stops) = (0, true);
-        } else if self.end == at && self.laid == k && !self.mode.halting {
+            (self.frontier.owed, self.frontier.stops) = (0, true);
+        } else if self.frontier.end == at && self.frontier.laid == k && !self.orders.mode.halting {
             // So short a slowing down that it has no tick leaves it to the rest.
             laid = self.make_law();
             if laid.is_ok() {
                 self.hand_out();
             }
         }
-        if self.end == at && self.speed == Speed::ZERO {
+        if self.frontier.end == at && self.frontier.speed == Speed::ZERO {
             // It stands there already.
             // At the end of a law without a tick, or inside the span.
-            let ended =
-                self.laid.checked_sub(1).filter(|last| *last >= k).and_then(|last| self.flights.get(last));
+            let ended = self
+                .frontier
+                .laid
+                .checked_sub(1)
+                .filter(|last| *last >= k)
+                .and_then(|last| self.flights.get(last));
             let in_span = self.flights.get(k).map_or(flight.start, |flight| flight.start);
             let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
-            let stands = self.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
+            let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
         if !drops && laid.is_ok() {
             self.changed(k);
             return Some(Work::Working);
         }
-        if self.end != at {
+        if self.frontier.end != at {
             self.queue.clock.publish(at, gate.wrapping_add(1));
             let is_late = clock::is_before(at, self.queue.clock.now());
             // Late, it was taken or never will be.
             if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
                 self.changed(k);
-                self.mode.cut = Some(at);
+                self.orders.mode.cut = Some(at);
                 return Some(Work::Working);
             }
             self.queue.clock.withdraw();
         }
         // Everything as before; again at the next tick.
         self.queue.phases.withdraw(gate);
-        (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode) = before;
+        (self.frontier, self.orders.mode) = before;
         self.reserve.behind = behind;
         if let Some(old) = self.flights.get_mut(k) {
             *old = flight;
@@ -394,15 +402,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The same; spans behind it are left as they are ([`Self::note_passed`]).
     fn make_law(&mut self) -> Result<(), Unplannable> {
-        let (k, v_in) = (self.laid, self.speed);
-        let (end, next) = (self.end, self.emitter.next());
+        let (k, v_in) = (self.frontier.laid, self.frontier.speed);
+        let (end, next) = (self.frontier.end, self.frontier.emitter.next());
         let Some(mut flight) = self.flights.get_mut(k) else { return Ok(()) };
-        (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.pace);
+        (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.orders.pace);
         let span = &flight.span;
-        let as_planned = v_in == span.v_in && span.checked && self.pace.is_planned(span);
+        let as_planned = v_in == span.v_in && span.checked && self.orders.pace.is_planned(span);
         (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
         let mut fit = Fit::Whole;
-        if !as_planned || self.mode.stopping || self.mode.uneven {
+        if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
             if self.stretch(k) {
                 fit = Fit::Stretched;
             } else {
@@ -421,11 +429,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             span.limits.v = permitted;
             planned?;
         }
-        self.emitter.begin(&self.profile, flight.start, span.length);
-        self.laid = k + 1;
-        self.owed = flight.rest;
-        self.speed = flight.leaves;
-        self.stops = self.speed == Speed::ZERO;
+        self.frontier.emitter.begin(&self.profile, flight.start, span.length);
+        self.frontier.laid = k + 1;
+        self.frontier.owed = flight.rest;
+        self.frontier.speed = flight.leaves;
+        self.frontier.stops = self.frontier.speed == Speed::ZERO;
         if matches!(fit, Fit::Part) {
             self.lower();
         }
@@ -441,10 +449,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         flight.look(flight.start.to_bits());
         let (span, v_in) = (&mut flight.span, flight.enters);
-        if self.mode.stopping || self.pace.is_planned(span) {
+        if self.orders.mode.stopping || self.orders.pace.is_planned(span) {
             return false;
         }
-        if let Some(part) = self.pace.stretch(span, v_in) {
+        if let Some(part) = self.orders.pace.stretch(span, v_in) {
             let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
             let mut limits = span.limits.stretched(part);
             let mut leaves = speed_bits(speed_f32(to) * part);
@@ -473,8 +481,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flight = self.flights.get_mut(k)?;
         let (end, v_in) = (flight.end(), flight.enters);
         let span = &mut flight.span;
-        let full = self.pace.is_planned(span);
-        let mut v = self.pace.limit(span);
+        let full = self.orders.pace.is_planned(span);
+        let mut v = self.orders.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
         if lowered && span.blocks > 1 {
@@ -486,7 +494,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let motion = Instant { distance: flight.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
         let planned = span.v_out.to_bits();
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
-        if self.mode.stopping {
+        if self.orders.mode.stopping {
             if let Some(descent) = self.descend(k, &motion) {
                 self.go_down(k, &descent);
                 return None;
@@ -498,7 +506,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.brake(k, &brake);
             return None;
         }
-        if self.mode.stopping || too_fast {
+        if self.orders.mode.stopping || too_fast {
             v = max(v, speed_f32(v_in.to_bits()));
         }
         let span = &self.flights.get(k)?.span;
@@ -509,10 +517,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             v_out = span.leave(v_in).min(Speed::from_bits(speed_bits(v))).max(least);
             reached = v_out == span.v_out;
         }
-        if !full || self.mode.uneven {
-            let mut v_next = min(v, self.pace.next(span));
+        if !full || self.orders.mode.uneven {
+            let mut v_next = min(v, self.orders.pace.next(span));
             if span.limits.varies() {
-                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.pace.part(span.level));
+                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.orders.pace.part(span.level));
             }
             let v_next = Speed::from_bits(speed_bits(v_next));
             let slower = v_out.min(v_next);
@@ -535,60 +543,60 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.
     #[inline(never)]
     pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
-        self.emitter.begin_brake(&self.profile, brake);
+        self.frontier.emitter.begin_brake(&self.profile, brake);
         let Some(flight) = self.flights.get_mut(k) else { return };
         let v_out = Speed::from_bits(brake.v_out);
-        self.speed = v_out;
-        self.stops = v_out == Speed::ZERO;
+        self.frontier.speed = v_out;
+        self.frontier.stops = v_out == Speed::ZERO;
         let left = flight.end().wrapping_sub(brake.end);
         if left > NOTHING {
             flight.begin_at(brake.end, v_out);
-            self.laid = k;
-            self.owed = 0;
-            self.mode.halting = self.stops;
+            self.frontier.laid = k;
+            self.frontier.owed = 0;
+            self.orders.mode.halting = self.frontier.stops;
             return;
         }
-        self.laid = k + 1;
-        self.owed = flight.rest;
+        self.frontier.laid = k + 1;
+        self.frontier.owed = flight.rest;
         flight.leaves = v_out;
         self.lower();
     }
 
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
     pub(super) fn lower(&mut self) {
-        if self.laid == self.flights.len() && !self.reserve.is_made() {
-            self.flights.lower(self.laid, self.speed);
-            self.lookahead.start_at(self.speed);
+        if self.frontier.laid == self.flights.len() && !self.reserve.is_made() {
+            self.flights.lower(self.frontier.laid, self.frontier.speed);
+            self.lookahead.start_at(self.frontier.speed);
         }
     }
 
     /// What comes before new spans once a law is handed out.
     #[inline(never)]
     pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
-        if self.mode.halting {
-            self.mode.halting = false;
-            self.mode.standing = true;
+        if self.orders.mode.halting {
+            self.orders.mode.halting = false;
+            self.orders.mode.standing = true;
             let stands = self.reserve.behind.map(Distance::from_bits);
-            if let Some(stands) = self.flights.get(self.laid).map(|flight| flight.start).or(stands) {
+            if let Some(stands) = self.flights.get(self.frontier.laid).map(|flight| flight.start).or(stands) {
                 self.put_rest(stands, 1);
             }
             return Ok(Some(Work::Working));
         }
-        if self.owed > 0 {
-            let at = self.flights.get(self.laid - 1).map_or(self.handed, |flight| {
+        if self.frontier.owed > 0 {
+            let at = self.flights.get(self.frontier.laid - 1).map_or(self.handed, |flight| {
                 Distance::from_bits(flight.start.to_bits().wrapping_add(flight.span.length.to_bits()))
             });
-            self.owed = self.put_rest(at, self.owed);
+            self.frontier.owed = self.put_rest(at, self.frontier.owed);
             return Ok(Some(Work::Working));
         }
-        self.mode.uneven &= self.laid < self.flights.len();
-        let all = self.laid == self.flights.len() && self.lookahead.ring.is_empty();
-        if self.mode.stopping && (self.speed == Speed::ZERO || all) {
-            self.mode.standing = true;
+        self.orders.mode.uneven &= self.frontier.laid < self.flights.len();
+        let all = self.frontier.laid == self.flights.len() && self.lookahead.ring.is_empty();
+        if self.orders.mode.stopping && (self.frontier.speed == Speed::ZERO || all) {
+            self.orders.mode.standing = true;
             self.show_end();
             return Ok(Some(Work::Working));
         }
-        if self.laid < self.flights.len() {
+        if self.frontier.laid < self.flights.len() {
             // Many laws may be to be made: meanwhile the queue ends early.
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
@@ -604,9 +612,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// A law ends between two ticks. Where no other one follows, a tick of rest shows its end. There is room.
     fn show_end(&mut self) {
-        let last = self.end.wrapping_sub(clock::TICK);
+        let last = self.frontier.end.wrapping_sub(clock::TICK);
         let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
-        let ended = self.laid.checked_sub(1).and_then(|k| self.flights.get(k)).map(Flight::end);
+        let ended = self.frontier.laid.checked_sub(1).and_then(|k| self.flights.get(k)).map(Flight::end);
         if let (true, Some(end)) = (moves, ended) {
             self.put_rest(Distance::from_bits(end), 1);
         }
@@ -614,10 +622,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// After a law that failed: what has none is forgotten.
     pub(super) fn give_up(&mut self) {
-        if let Some(flight) = self.flights.get(self.laid) {
+        if let Some(flight) = self.flights.get(self.frontier.laid) {
             self.handed = flight.start;
         }
-        self.flights.truncate(self.laid);
+        self.flights.truncate(self.frontier.laid);
         self.lookahead.clear();
         self.queue.segments.withdraw(self.queue.segments.handed());
     }
@@ -625,13 +633,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Where it stands is all that is left. The interrupt has nothing to do.
     fn forget(&mut self) {
         let number = self.queue.segments.taken();
-        let stands = self.motion_at(self.end).map_or(self.handed.to_bits(), |motion| motion.distance);
+        let stands =
+            self.motion_at(self.frontier.end).map_or(self.handed.to_bits(), |motion| motion.distance);
         if let Some(segment) = self.queue.segments.recent(number) {
             let along = stands.wrapping_sub(segment.start.to_bits());
-            segment.shape.at(along, &segment.base, &mut self.entered);
+            segment.shape.at(along, &segment.base, &mut self.intake.entered);
             // At the end of all that was handed on, no block of the look-ahead has begun.
             if along > 0 || number != self.queue.segments.handed() {
-                self.begun = segment.block.wrapping_add(1);
+                self.report.begun = segment.block.wrapping_add(1);
             }
         }
         // The interrupt keeps the curve it is on.
@@ -644,21 +653,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.queue.events.withdraw(event);
         self.functions.clear(self.queue.control);
-        (self.reopened, self.joining, self.stood) = (false, false, false);
-        self.programmed = self.entered;
-        self.taken = self.begun;
-        self.contouring.clear();
-        self.held.clear();
+        (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);
+        self.intake.programmed = self.intake.entered;
+        self.intake.taken = self.report.begun;
+        self.intake.contouring.clear();
+        self.intake.held.clear();
         self.lookahead.clear();
-        self.stage = super::Stage::Filling;
-        self.flush = false;
-        self.rest = 0;
-        self.owed = 0;
+        self.task.stage = super::Stage::Filling;
+        self.task.flush = false;
+        self.task.rest = 0;
+        self.frontier.owed = 0;
         self.flights.truncate(0);
-        self.laid = 0;
-        self.emitter.settle();
+        self.frontier.laid = 0;
+        self.frontier.emitter.settle();
         self.drop_reserve();
         self.reserve.clear();
-        self.mode = Mode { cut: self.mode.cut, ..Mode::RUN };
+        self.orders.mode = Mode { cut: self.orders.mode.cut, ..Mode::RUN };
     }
 }

@@ -114,12 +114,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             MotionKind::Rapid => None,
             _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
         };
-        let (from, to) = (&self.programmed, &motion.target);
+        let (from, to) = (&self.intake.programmed, &motion.target);
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
-                    if !self.contouring.is_idle() {
+                    if !self.intake.contouring.is_idle() {
                         let element = line.element();
                         Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
                         self.round(&element, Form::Line, motion, feed)?;
@@ -155,7 +155,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         feed: Option<f32>,
         (plane, clockwise, by): (Plane, bool, ArcBy),
     ) -> Result<(), MotionError> {
-        let (from, to) = (&self.programmed, &motion.target);
+        let (from, to) = (&self.intake.programmed, &motion.target);
         let centre = match by {
             ArcBy::Centre(centre) => centre,
             ArcBy::Radius(radius) => {
@@ -168,7 +168,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(&limits, element.shape.length)?;
-        if self.contouring.is_idle() {
+        if self.intake.contouring.is_idle() {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
@@ -180,23 +180,23 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// An exact stop at the end of the block taken in last.
     fn stop_before(&mut self) {
-        self.contouring.release(true);
+        self.intake.contouring.release(true);
         self.stop_held();
-        if !self.contouring.holds() && self.held.is_none() {
+        if !self.intake.contouring.holds() && self.intake.held.is_none() {
             self.lookahead.ring.stop_here();
         }
     }
 
     /// Whether the block moves one of these axes: bit i for axis i.
     pub fn moves(&self, motion: &Motion<AXES>, axes: u32) -> bool {
-        let ends = motion.target.iter().zip(&self.programmed);
+        let ends = motion.target.iter().zip(&self.intake.programmed);
         axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
     }
 
     /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.let_go();
-        self.contouring.command(contour, in_motion);
+        self.intake.contouring.command(contour, in_motion);
     }
 
     /// Whether there is a master axis for DIST_MASTER.
@@ -206,18 +206,18 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Whether the end of the block taken in last is to be rounded.
     pub fn rounds(&self) -> bool {
-        self.contouring.rounds()
+        self.intake.contouring.rounds()
     }
 
     /// What is to be said about the curve that the last motion led to.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
-        self.contouring.remark()
+        self.intake.contouring.remark()
     }
 
     /// The block taken in last ends where it was programmed to. Only after [`super::Work::Hungry`].
     pub fn keep_corner(&mut self) {
         self.let_go();
-        self.contouring.cancel();
+        self.intake.contouring.cancel();
     }
 
     /// A block of that length does not take too long.
@@ -233,7 +233,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
         }
-        Ok(Pass { feed, n: motion.n, number: self.taken, stop: motion.exact_stop })
+        Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
     /// Contour mode takes a block.
@@ -244,19 +244,28 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         motion: &Motion<AXES>,
         feed: Option<f32>,
     ) -> Result<(), MotionError> {
-        let (from, to) = (self.programmed, motion.target);
-        let data =
-            Data { feed, n: motion.n, place: motion.place, number: self.taken, stop: motion.exact_stop };
+        let (from, to) = (self.intake.programmed, motion.target);
+        let data = Data {
+            feed,
+            n: motion.n,
+            place: motion.place,
+            number: self.intake.taken,
+            stop: motion.exact_stop,
+        };
         let parted = self.functions.are_open();
-        self.contouring.take(&Block { element: *element, from, to, form, data }, self.dynamics, parted);
-        self.functions.settle(true, self.contouring.rounds());
+        self.intake.contouring.take(
+            &Block { element: *element, from, to, form, data },
+            self.dynamics,
+            parted,
+        );
+        self.functions.settle(true, self.intake.contouring.rounds());
         Ok(())
     }
 
     /// A block has been taken in.
     fn advance(&mut self, motion: &Motion<AXES>) {
-        self.programmed = motion.target;
-        self.taken = self.taken.wrapping_add(1);
+        self.intake.programmed = motion.target;
+        self.intake.taken = self.intake.taken.wrapping_add(1);
     }
 
     /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`super::Work::Hungry`].
@@ -275,7 +284,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// The way into the look-ahead, and what is held back before it.
     #[inline(always)]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
-        let Self { lookahead, functions, dynamics, entered, held, queue, .. } = self;
+        let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
+        let super::Intake { entered, held, .. } = intake;
         let (segments, events) = (&mut queue.segments, &mut queue.events);
         (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, events, entered }, held)
     }
@@ -309,8 +319,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         self.let_go();
         let room = self.queue.events.room();
-        let taken =
-            self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
+        let taken = self.functions.take(
+            (n, function, synch),
+            (self.intake.taken, in_motion),
+            (room, self.queue.control),
+        );
         taken.map_err(|()| function)
     }
 }

@@ -28,23 +28,23 @@ const SOON: u32 = 2;
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being taken in.
     pub(super) fn runs_dry(&mut self) -> bool {
-        if self.speed == Speed::ZERO || self.lookahead.ring.is_empty() {
+        if self.frontier.speed == Speed::ZERO || self.lookahead.ring.is_empty() {
             return false;
         }
         let now = self.queue.clock.now();
-        let low = self.end.wrapping_sub(now) <= clock::TICK * DRY
+        let low = self.frontier.end.wrapping_sub(now) <= clock::TICK * DRY
             && self.queue.phases.len() <= FEW
             && self.queue.segments.len() <= FEW;
         // Ticks in which it was not called say nothing about those to come.
-        if low && now != self.seen {
-            (self.seen, self.low) = (now, self.low + 1);
+        if low && now != self.supply.seen {
+            (self.supply.seen, self.supply.low) = (now, self.supply.low + 1);
         }
-        low && self.low >= SOON
+        low && self.supply.low >= SOON
     }
 
     /// Goes on without a next block. Only after [`Work::Hungry`]. [`Work::Starved`] once for each standstill.
     pub fn go_without(&mut self) -> Work {
-        let left = self.end.wrapping_sub(self.queue.clock.now());
+        let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {
             return self.wait_a_while();
         }
@@ -52,10 +52,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.lookahead.ring.is_empty() {
             return self.begin_pass();
         }
-        if !self.contouring.holds() {
-            self.functions.at_end(self.taken, self.handed, &mut self.queue.events);
+        if !self.intake.contouring.holds() {
+            self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.events);
         }
-        if self.stood || self.flights.len() == 0 {
+        if self.task.stood || self.flights.len() == 0 {
             return self.wait_a_while();
         }
         self.stand();

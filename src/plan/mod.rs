@@ -98,23 +98,58 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
     dynamics: &'a mut Dynamics<AXES>,
+    intake: Intake<'a, AXES>,
+    lookahead: Lookahead<'a, AXES, BLOCKS>,
+    task: Task,
+    profile: Profile,
+    frontier: Frontier,
+    /// Spans released that the interrupt has not left. The first of them have a law: [`Frontier::laid`].
+    flights: &'a mut Flights,
+    /// Path distance up to which the look-ahead is handed on.
+    handed: Distance,
+    supply: Supply,
+    orders: Orders,
+    functions: &'a mut Functions,
+    reserve: &'a mut Reserve,
+    report: Report,
+    queue: Sender<'a, AXES>,
+}
+
+/// Where blocks come in.
+struct Intake<'a, const AXES: usize> {
     /// End of the last block taken in.
     programmed: [Position; AXES],
+    /// Where the curves end that have gone into the look-ahead.
+    entered: [Position; AXES],
+    /// Motion blocks taken in.
+    taken: u32,
     contouring: &'a mut Contouring<AXES>,
     /// Waits for the next one, only while contour mode is idle.
     held: &'a mut Held<AXES>,
-    lookahead: Lookahead<'a, AXES, BLOCKS>,
+}
+
+/// What is being done with the ring, and what is to be done.
+#[derive(Clone, Copy, Debug)]
+struct Task {
     stage: Stage,
     /// Everything taken in is to be handed on down to a standstill.
     flush: bool,
-    profile: Profile,
-    emitter: Emitter,
-    /// The last span handed to the emitter ends in a standstill.
-    stops: bool,
     /// Ticks to rest after the standstill.
     rest: u64,
-    /// Spans released and not yet left by the interrupt; of so many the law was made, the last one's is with the emitter.
-    flights: &'a mut Flights,
+    /// A gate is open: what is in the look-ahead is planned again.
+    reopened: bool,
+    /// The gate at the first block is open: the law that ends there is made again too.
+    joining: bool,
+    /// The motion stands, or will stand, before the first block or at the end, with a tick that shows it.
+    stood: bool,
+}
+
+/// Where laws end: of what is behind, nothing is in the queue.
+#[derive(Clone, Copy, Debug)]
+struct Frontier {
+    /// Cuts the last law into pieces.
+    emitter: Emitter,
+    /// Spans that have a law. The last of these laws is with the emitter.
     laid: usize,
     /// Speed at the end of that law.
     speed: Speed,
@@ -122,30 +157,35 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     owed: u64,
     /// Instant up to which pieces are in the queue.
     end: u32,
-    /// In how many ticks the queue was found low since blocks are taken in, and the last one.
-    low: u32,
-    seen: u32,
+    /// The law ends in a standstill.
+    stops: bool,
+}
+
+/// The operator's commands, and what they make of the motion.
+#[derive(Clone, Copy, Debug)]
+struct Orders {
     mode: Mode,
-    /// The operator's commands as they were seen last, and what they make of the speed.
+    /// The commands as they were seen last.
     word: u32,
+    /// What they make of the speed.
     pace: Pace,
-    functions: &'a mut Functions,
-    reserve: &'a mut Reserve,
-    /// A gate is open: what is in the look-ahead is planned again. At the first block: also the law that ends there.
-    reopened: bool,
-    joining: bool,
-    /// It stands, or will stand, before the first block or at the end, with a tick that shows it.
-    stood: bool,
-    /// Where the curves end that have gone into the look-ahead.
-    entered: [Position; AXES],
-    /// Path distance up to which the look-ahead is handed on.
-    handed: Distance,
-    /// Motion blocks taken in.
-    taken: u32,
-    /// Those whose time law has begun.
+}
+
+/// How often the queue was found low since blocks are taken in.
+#[derive(Clone, Copy, Debug)]
+struct Supply {
+    /// In so many ticks.
+    low: u32,
+    /// The last one.
+    seen: u32,
+}
+
+/// What is told about the program.
+#[derive(Clone, Copy, Debug)]
+struct Report {
+    /// Motion blocks whose time law has begun.
     begun: u32,
     planned: Planned,
-    queue: Sender<'a, AXES>,
 }
 
 /// The time law of one motion block.
@@ -179,6 +219,20 @@ struct Planned {
     n: u32,
 }
 
+impl Task {
+    /// Blocks are taken in.
+    const NONE: Self =
+        Self { stage: Stage::Filling, flush: false, rest: 0, reopened: false, joining: false, stood: false };
+}
+
+impl Frontier {
+    /// At rest; nothing is in the queue.
+    fn start() -> Self {
+        let emitter = Emitter::new();
+        Self { emitter, laid: 0, speed: Speed::ZERO, owed: 0, end: 0, stops: false }
+    }
+}
+
 /// Pieces of time per call.
 const PIECES: u32 = 8;
 
@@ -202,39 +256,24 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
+        let contouring = contouring.write(Contouring::new(measure, machine.channel.check_jerk_on_poly_path));
+        let held = held.write(Held::none());
+        let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
             dynamics: dynamics.write(Dynamics::new(machine)),
-            programmed: start,
-            contouring: contouring.write(Contouring::new(measure, machine.channel.check_jerk_on_poly_path)),
-            held: held.write(Held::none()),
+            intake: Intake { programmed: start, entered: start, taken: 0, contouring, held },
             lookahead: Lookahead::new(lookahead, depth),
-            stage: Stage::Filling,
-            flush: false,
+            task: Task::NONE,
             profile: Profile::default(),
-            emitter: Emitter::new(),
-            stops: false,
-            rest: 0,
+            frontier: Frontier::start(),
             flights,
-            laid: 0,
-            speed: Speed::ZERO,
-            owed: 0,
-            end: 0,
-            seen: 0,
-            low: 0,
-            mode: Mode::RUN,
-            word: Control::NORMAL,
-            pace: Pace::new(machine.channel.override_weight_prog_feed),
+            handed: Distance::ZERO,
+            supply: Supply { low: 0, seen: 0 },
+            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace },
             functions,
             reserve: reserve.write(Reserve::none()),
-            reopened: false,
-            joining: false,
-            stood: false,
-            entered: start,
-            handed: Distance::ZERO,
-            taken: 0,
-            begun: 0,
-            planned: Planned::default(),
+            report: Report { begun: 0, planned: Planned::default() },
             queue,
         }
     }
@@ -242,16 +281,23 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
     /// when all of it is in the queue.
     pub fn rest(&mut self, ticks: u64) {
-        self.flush = true;
-        self.rest = ticks;
+        self.task.flush = true;
+        self.task.rest = ticks;
     }
 
     /// Whether the axes stand and all that was taken in is executed.
     pub fn is_at_rest(&self) -> bool {
-        let taken_in = !self.lookahead.ring.is_empty() || !self.held.is_none() || !self.contouring.is_empty();
-        let handed_out = self.laid == self.flights.len() && self.emitter.is_done();
-        let passed = !clock::is_before(self.queue.clock.now(), self.end);
-        !taken_in && handed_out && passed && self.speed == Speed::ZERO && self.rest == 0 && self.owed == 0
+        let taken_in = !self.lookahead.ring.is_empty()
+            || !self.intake.held.is_none()
+            || !self.intake.contouring.is_empty();
+        let handed_out = self.frontier.laid == self.flights.len() && self.frontier.emitter.is_done();
+        let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end);
+        !taken_in
+            && handed_out
+            && passed
+            && self.frontier.speed == Speed::ZERO
+            && self.task.rest == 0
+            && self.frontier.owed == 0
     }
 
     /// Goes on.
@@ -267,12 +313,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.queue.phases.room() < PIECES + RESERVE {
             return Ok(self.wait_a_while());
         }
-        if !self.emitter.is_done() && self.hand_out() {
+        if !self.frontier.emitter.is_done() && self.hand_out() {
             return Ok(Work::Working);
         }
-        if self.stops {
-            self.emitter.settle();
-            self.stops = false;
+        if self.frontier.stops {
+            self.frontier.emitter.settle();
+            self.frontier.stops = false;
             self.keep_end();
         }
         self.go_on()
@@ -281,8 +327,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out.
     fn hand_out(&mut self) -> bool {
         let mut ticks = 0;
-        let more = self.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
-        self.end = self.end.wrapping_add(clock::TICK * ticks);
+        let more = self.frontier.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
+        self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * ticks);
         if ticks > 0 {
             self.pass_end();
         }
@@ -291,7 +337,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Puts a piece in. There is room.
     fn put(&mut self, phase: Phase) {
-        self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+        self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         let _ = self.queue.phases.push(phase);
         self.pass_end();
     }
@@ -307,16 +353,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
-        let behind = self.laid != self.flights.len() || self.owed > 0;
-        if (behind || self.mode.stopping)
+        let behind = self.frontier.laid != self.flights.len() || self.frontier.owed > 0;
+        if (behind || self.orders.mode.stopping)
             && let Some(work) = self.catch_up()?
         {
             return Ok(work);
         }
-        match self.stage {
+        match self.task.stage {
             Stage::Passing => {
                 if let Some(blocks) = self.lookahead.step_pass() {
-                    self.stage = Stage::Releasing(blocks);
+                    self.task.stage = Stage::Releasing(blocks);
                     self.reserve.try_again();
                 }
                 Ok(Work::Working)
@@ -327,12 +373,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 if self.secure(self.reserve.near.max(FAR)) {
                     return Ok(Work::Working);
                 }
-                self.stage = Stage::Filling;
-                (self.seen, self.low) = (self.queue.clock.now(), 0);
+                self.task.stage = Stage::Filling;
+                (self.supply.seen, self.supply.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
             Stage::Releasing(_)
-                if (self.reopened || self.has_other_level()) && !self.queue.segments.is_over() =>
+                if (self.task.reopened || self.has_other_level()) && !self.queue.segments.is_over() =>
             {
                 Ok(self.plan_anew())
             }
@@ -343,12 +389,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
     fn round_off(&mut self) -> bool {
-        self.contouring.go_on(self.dynamics) || self.pass_outgoing()
+        self.intake.contouring.go_on(self.dynamics) || self.pass_outgoing()
     }
 
     #[inline(never)]
     fn pass_outgoing(&mut self) -> bool {
-        let Some(outgoing) = self.contouring.outgoing() else { return false };
+        let Some(outgoing) = self.intake.contouring.outgoing() else { return false };
         self.push_outgoing(&outgoing);
         true
     }
@@ -361,40 +407,40 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
-        if !self.contouring.is_empty() && self.round_off() {
+        if !self.intake.contouring.is_empty() && self.round_off() {
             return Work::Working;
         }
-        if self.flush && self.contouring.holds() {
-            self.contouring.release(false);
+        if self.task.flush && self.intake.contouring.holds() {
+            self.intake.contouring.release(false);
             return Work::Working;
         }
-        if self.flush && !self.held.is_none() {
+        if self.task.flush && !self.intake.held.is_none() {
             self.let_go();
             return Work::Working;
         }
-        if self.flush && self.lookahead.ring.is_empty() {
+        if self.task.flush && self.lookahead.ring.is_empty() {
             return self.come_to_rest();
         }
         // On the way to a standstill what is there has to do: a corner that is held back waits for the rest.
-        if self.flush || self.mode.stopping { self.begin_pass() } else { Work::Hungry }
+        if self.task.flush || self.orders.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
     /// Instead of handing on what was planned with gates that are open now, or for another level.
     fn plan_anew(&mut self) -> Work {
-        self.reopened = false;
-        if self.flush {
+        self.task.reopened = false;
+        if self.task.flush {
             return self.begin_pass();
         }
         // With all that the ring can hold.
-        self.stage = Stage::Filling;
+        self.task.stage = Stage::Filling;
         Work::Working
     }
 
     fn begin_pass(&mut self) -> Work {
-        self.reopened = false;
+        self.task.reopened = false;
         self.follow_level();
-        self.lookahead.begin_pass(!self.flush);
-        self.stage = Stage::Passing;
+        self.lookahead.begin_pass(!self.task.flush);
+        self.task.stage = Stage::Passing;
         Work::Working
     }
 
@@ -417,7 +463,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let level = self.level();
         let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
         let Some(first) = self.lookahead.ring.release(&mut flight.span) else {
-            self.stage = Stage::Filling;
+            self.task.stage = Stage::Filling;
             return Ok(Work::Working);
         };
         flight.begin(self.handed);
@@ -425,14 +471,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             flight.span.raise(level);
         }
         let blocks = flight.span.blocks;
-        self.stage = Stage::Releasing(left.saturating_sub(blocks));
+        self.task.stage = Stage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
         self.hand_on(blocks);
         self.name(first, blocks);
         self.flights.push();
-        self.stood = false;
-        if self.reserve.behind.is_some() && self.is_behind(self.laid) {
-            self.laid += 1;
+        self.task.stood = false;
+        if self.reserve.behind.is_some() && self.is_behind(self.frontier.laid) {
+            self.frontier.laid += 1;
             return Ok(Work::Working);
         }
         if let Err(error) = self.lay() {
@@ -464,13 +510,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let begun = last.block.wrapping_add(1);
         // A line that stands for several has the number of its last block.
-        let merged = first.block.wrapping_sub(self.begun) as i32 > 0;
-        self.planned = Planned {
-            number: if merged { self.begun } else { first.block },
-            blocks: begun.wrapping_sub(self.begun),
+        let merged = first.block.wrapping_sub(self.report.begun) as i32 > 0;
+        self.report.planned = Planned {
+            number: if merged { self.report.begun } else { first.block },
+            blocks: begun.wrapping_sub(self.report.begun),
             n: first.n,
         };
-        self.begun = begun;
+        self.report.begun = begun;
     }
 
     /// Where the operator's commands go.
@@ -480,7 +526,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
-        let Planned { number, blocks, n } = self.planned;
+        let Planned { number, blocks, n } = self.report.planned;
         let flight = self.flights.len().checked_sub(1).and_then(|last| self.flights.get(last));
         let (length, v_in) =
             flight.map_or_else(Default::default, |flight| (flight.span.length, flight.enters));
@@ -491,19 +537,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             length,
             v_in,
             v_peak: self.profile.peak(),
-            v_out: self.speed,
+            v_out: self.frontier.speed,
             time: self.profile.time(),
-            wait: if self.stops { self.emitter.wait() } else { Time::ZERO },
+            wait: if self.frontier.stops { self.frontier.emitter.wait() } else { Time::ZERO },
         }
     }
 
     fn come_to_rest(&mut self) -> Work {
-        if self.functions.at_end(self.taken, self.handed, &mut self.queue.events) {
+        if self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.events) {
             return self.stand();
         }
-        let left = self.stay(self.rest);
-        self.rest = left;
-        self.flush = left > 0;
+        let left = self.stay(self.task.rest);
+        self.task.rest = left;
+        self.task.flush = left > 0;
         Work::Working
     }
 

@@ -18,9 +18,9 @@ const AHEAD: u32 = 1024;
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The pace of the commands, for all laws to be made.
     pub(super) fn set_pace(&mut self, commands: &Commands) {
-        let before = self.pace;
-        self.pace.follow(commands);
-        if self.pace == before {
+        let before = self.orders.pace;
+        self.orders.pace.follow(commands);
+        if self.orders.pace == before {
             return;
         }
         let level = self.level();
@@ -30,18 +30,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
-        self.mode.adjusting = true;
+        self.orders.mode.adjusting = true;
     }
 
     /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one speed.
     pub(super) fn level(&self) -> f32 {
-        let level = self.pace.level();
+        let level = self.orders.pace.level();
         if self.dynamics.slope() == SlopeType::Hsc { level } else { max(level, 1.0) }
     }
 
     /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the level it was planned for.
     pub(super) fn keeps_ahead(&self) -> bool {
-        self.end.wrapping_sub(self.queue.clock.now()) > clock::TICK * AHEAD
+        self.frontier.end.wrapping_sub(self.queue.clock.now()) > clock::TICK * AHEAD
             && self.lookahead.ring.first().is_some_and(Block::varies)
     }
 
@@ -49,13 +49,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn follow_level(&mut self) {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();
-        let made = self.laid == self.flights.len();
-        if level == before || !(empty || made) || !self.lookahead.set_level(level, self.speed) {
+        let made = self.frontier.laid == self.flights.len();
+        if level == before || !(empty || made) || !self.lookahead.set_level(level, self.frontier.speed) {
             return;
         }
         if level < before && !empty {
             // With a higher override again, they do not end faster than what is behind begins.
-            self.flights.lower(self.laid, self.speed);
+            self.flights.lower(self.frontier.laid, self.frontier.speed);
         }
         self.dynamics.set_level(max(level, 1.0));
         self.renew_held();
@@ -65,15 +65,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn has_other_level(&self) -> bool {
         let (ring, level) = (&self.lookahead.ring, self.level());
         level != ring.level()
-            && (level > ring.level() || self.speed <= ring.entry_for(level))
-            && self.is_far(self.end)
+            && (level > ring.level() || self.frontier.speed <= ring.entry_for(level))
+            && self.is_far(self.frontier.end)
     }
 
     /// Its law was made for another pace, and is not the one of now.
     fn differs(&self, flight: &Flight) -> bool {
-        let v = self.pace.limit(&flight.span);
-        let slower = || flight.leaves.to_bits() > speed_bits(min(v, self.pace.next(&flight.span)));
-        flight.pace != self.pace && (v != flight.limit || slower())
+        let v = self.orders.pace.limit(&flight.span);
+        let slower = || flight.leaves.to_bits() > speed_bits(min(v, self.orders.pace.next(&flight.span)));
+        flight.pace != self.orders.pace && (v != flight.limit || slower())
     }
 
     /// Laws of now in place of those in the queue, from the first one that differs on.
@@ -84,13 +84,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, *self.flights.get(k)?))) {
             if flight.first == at {
                 next = k;
-            } else if self.differs(&flight) && at != self.end {
+            } else if self.differs(&flight) && at != self.frontier.end {
                 left = true;
                 if let Some(motion) = self.motion_at(at) {
                     let flight = self.flights.get_mut(k)?;
                     flight.look(motion.distance);
                     let flight = *flight;
-                    let target = speed_bits(self.pace.limit(&flight.span));
+                    let target = speed_bits(self.orders.pace.limit(&flight.span));
                     // It slows down as it is.
                     let slows = motion.accel < 0 && motion.speed <= target;
                     let (end, v_out) = (flight.end(), flight.span.v_out.to_bits());
@@ -104,14 +104,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 }
             }
         }
-        let other = (next..self.laid).find(|&k| self.flights.get(k).is_some_and(|f| self.differs(f)));
+        let other =
+            (next..self.frontier.laid).find(|&k| self.flights.get(k).is_some_and(|f| self.differs(f)));
         if let Some(k) = other {
             let k = self.with_tick(k);
             if let Some(first) = self.flights.get(k).map(|flight| flight.first) {
                 return if self.is_far(first) { None } else { self.change(k, first, None) };
             }
         }
-        self.mode.adjusting = left;
+        self.orders.mode.adjusting = left;
         None
     }
 }

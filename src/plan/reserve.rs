@@ -17,7 +17,7 @@
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
 use super::flight::Flight;
 use super::hold::{Mode, NOTHING};
-use super::{Distance, Emitter, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
 
 /// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in and planned: what a slow
 /// planner needs for that.
@@ -45,12 +45,7 @@ struct Way {
 /// What is put aside while such a way is made.
 #[derive(Clone, Copy, Debug)]
 struct Aside {
-    emitter: Emitter,
-    laid: usize,
-    speed: Speed,
-    owed: u64,
-    end: u32,
-    stops: bool,
+    frontier: Frontier,
     mode: Mode,
     flights: usize,
     /// A span that has another law meanwhile.
@@ -143,7 +138,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return self.go_on_late();
         }
         // Commands come first.
-        if self.queue.control.word() != self.word || !self.go_on_stopping() {
+        if self.queue.control.word() != self.orders.word || !self.go_on_stopping() {
             self.take_back();
         }
         Work::Working
@@ -154,9 +149,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         let now = self.queue.clock.now();
-        let within = (self.end.wrapping_sub(now) / 2).min(within);
+        let within = (self.frontier.end.wrapping_sub(now) / 2).min(within);
         self.reserve.kept.is_none_or(|way| clock::is_before(way.at, now.wrapping_add(within)))
-            && (self.speed > Speed::ZERO || !self.emitter.is_done())
+            && (self.frontier.speed > Speed::ZERO || !self.frontier.emitter.is_done())
             && self.begin_reserve()
     }
 
@@ -176,7 +171,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.drop_reserve();
         }
         // On the way to a standstill that is wanted, that tick comes at once.
-        if !self.mode.stopping && !self.mode.halting {
+        if !self.orders.mode.stopping && !self.orders.mode.halting {
             self.begin_reserve();
         }
     }
@@ -191,26 +186,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     #[inline(never)]
     fn begin_reserve(&mut self) -> bool {
-        let has_one = self.reserve.kept.is_some_and(|way| way.at == self.end);
-        let failed = self.reserve.failed == Some(self.end) || has_one;
-        let stands = self.speed == Speed::ZERO && !self.emitter.has_piece();
-        let unplanned = self.stage == Stage::Passing;
+        let has_one = self.reserve.kept.is_some_and(|way| way.at == self.frontier.end);
+        let failed = self.reserve.failed == Some(self.frontier.end) || has_one;
+        let stands = self.frontier.speed == Speed::ZERO && !self.frontier.emitter.has_piece();
+        let unplanned = self.task.stage == Stage::Passing;
         // One that there is leads further.
         let has_better = unplanned && self.reserve.is_kept();
         if has_better || self.reserve.behind.is_some() || failed {
             return false;
         }
         self.queue.reserve.begin();
-        let Self { emitter, laid, speed, owed, end, stops, mode, .. } = *self;
-        let flights = self.flights.len();
-        self.reserve.aside =
-            Some(Aside { emitter, laid, speed, owed, end, stops, mode, flights, touched: None });
+        let (frontier, mode, flights) = (self.frontier, self.orders.mode, self.flights.len());
+        self.reserve.aside = Some(Aside { frontier, mode, flights, touched: None });
         // The way through the look-ahead is known when its plan is complete.
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
-        self.mode = mode.stop();
+        self.orders.mode = mode.stop();
         (self.reserve.as_planned, self.reserve.stands) = (stands, None);
-        if self.emitter.has_piece() {
+        if self.frontier.emitter.has_piece() {
             self.slow_down();
         }
         if !self.go_on_stopping() {
@@ -222,7 +215,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// From within the law with the emitter.
     fn slow_down(&mut self) {
         let mut phase = Phase::BLANK;
-        self.emitter.step(&mut phase);
+        self.frontier.emitter.step(&mut phase);
         let motion = Instant {
             distance: phase.distance.to_bits(),
             speed: phase.speed.to_bits(),
@@ -232,24 +225,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.touch(k);
         if motion.speed == 0 {
             // It has not begun.
-            self.emitter.resume_at(0);
-            (self.laid, self.speed, self.mode.halting) = (k, Speed::ZERO, true);
+            self.frontier.emitter.resume_at(0);
+            (self.frontier.laid, self.frontier.speed, self.orders.mode.halting) = (k, Speed::ZERO, true);
             return;
         }
         if let Some(descent) = self.descend(k, &motion) {
-            self.emitter.resume_at(0);
+            self.frontier.emitter.resume_at(0);
             self.go_down(k, &descent);
         } else if let Some(aside) = &self.reserve.aside {
-            self.emitter = aside.emitter;
+            self.frontier.emitter = aside.frontier.emitter;
             self.reserve.as_planned = true;
         }
     }
 
     /// The span of the law with the emitter, which is at this path distance: one that was slowed down may have no other law yet.
     fn span_at(&self, distance: i64) -> usize {
-        let before = self.laid.wrapping_sub(1);
+        let before = self.frontier.laid.wrapping_sub(1);
         let within = self.flights.get(before).is_some_and(|flight| distance.wrapping_sub(flight.end()) < 0);
-        if within { before } else { self.laid }
+        if within { before } else { self.frontier.laid }
     }
 
     /// The span `k` is about to have another law: it will be as it was when this is over.
@@ -273,19 +266,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn go_on_stopping(&mut self) -> bool {
         for _ in 0..SPANS {
             for _ in 0..PIECES {
-                if !self.emitter.has_piece() {
+                if !self.frontier.emitter.has_piece() {
                     break;
                 }
                 let mut phase = Phase::BLANK;
-                self.emitter.step(&mut phase);
+                self.frontier.emitter.step(&mut phase);
                 if !self.put_aside(phase) {
                     return false;
                 }
             }
-            if self.emitter.has_piece() {
+            if self.frontier.emitter.has_piece() {
                 return true;
             }
-            if self.mode.halting || self.speed == Speed::ZERO {
+            if self.orders.mode.halting || self.frontier.speed == Speed::ZERO {
                 self.keep();
                 return false;
             }
@@ -298,14 +291,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// A piece of it.
     fn put_aside(&mut self, phase: Phase) -> bool {
-        self.end = self.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+        self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         self.queue.reserve.push(phase) || self.fail()
     }
 
     /// There is no room for it. The one before would be in the way of what is in the queue behind it.
     fn fail(&mut self) -> bool {
         self.drop_reserve();
-        self.reserve.failed = self.reserve.aside.map(|aside| aside.end);
+        self.reserve.failed = self.reserve.aside.map(|aside| aside.frontier.end);
         false
     }
 
@@ -314,10 +307,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Some(Aside { flights, touched, .. }) = &self.reserve.aside else { return false };
         let (flights, touched) = (*flights, touched.as_ref().map(|(k, _)| *k));
         self.reserve.as_planned = false;
-        if self.laid >= flights {
-            if self.laid == self.flights.len() {
+        if self.frontier.laid >= flights {
+            if self.frontier.laid == self.flights.len() {
                 self.flights.truncate(flights);
-                self.laid = flights;
+                self.frontier.laid = flights;
                 let Some(flight) = self.flights.spare() else { return false };
                 let next = self.reserve.next;
                 if next == usize::MAX || !self.lookahead.ring.planned(next, &mut flight.span) {
@@ -332,18 +325,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.reserve.distance = Distance::from_bits(flight.end());
                 self.flights.push();
             }
-        } else if touched != Some(self.laid) {
-            self.touch(self.laid);
+        } else if touched != Some(self.frontier.laid) {
+            self.touch(self.frontier.laid);
         }
         // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
-        let Some(flight) = self.flights.get_mut(self.laid) else { return false };
+        let Some(flight) = self.flights.get_mut(self.frontier.laid) else { return false };
         let law = flight.span.limits.straighten();
         let bowed = law != flight.span.limits.law;
         if self.lay().is_ok() {
             return true;
         }
         // Where ramps differ it may take longer.
-        let Some(flight) = self.flights.get_mut(self.laid) else { return false };
+        let Some(flight) = self.flights.get_mut(self.frontier.laid) else { return false };
         flight.span.limits.law = law;
         bowed && self.lay().is_ok()
     }
@@ -351,9 +344,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// It is complete: the interrupt may come.
     fn keep(&mut self) {
         let Some(aside) = &self.reserve.aside else { return };
-        let at = aside.end;
-        let k = if self.mode.halting { self.laid } else { self.laid.wrapping_sub(1) };
-        let in_span = |flight: &Flight| if self.mode.halting { flight.start.to_bits() } else { flight.end() };
+        let at = aside.frontier.end;
+        let k =
+            if self.orders.mode.halting { self.frontier.laid } else { self.frontier.laid.wrapping_sub(1) };
+        let in_span =
+            |flight: &Flight| if self.orders.mode.halting { flight.start.to_bits() } else { flight.end() };
         let Some(stands) = self.reserve.stands.or_else(|| self.flights.get(k).map(in_span)) else { return };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
         if !self.queue.segments.is_known(rest.distance) {
@@ -366,7 +361,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.drop_reserve() {
             let as_planned = self.reserve.as_planned;
             self.queue.clock.keep(at, self.queue.reserve.commit());
-            self.reserve.kept = Some(Way { at, end: self.end, stands, as_planned });
+            self.reserve.kept = Some(Way { at, end: self.frontier.end, stands, as_planned });
         }
     }
 
@@ -374,9 +369,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn take_back(&mut self) {
         self.restore_touched();
         let Some(aside) = &self.reserve.aside else { return };
-        self.emitter = aside.emitter;
-        (self.laid, self.speed, self.owed) = (aside.laid, aside.speed, aside.owed);
-        (self.end, self.stops, self.mode) = (aside.end, aside.stops, aside.mode);
+        (self.frontier, self.orders.mode) = (aside.frontier, aside.mode);
         self.flights.truncate(aside.flights);
         self.reserve.aside = None;
     }
@@ -411,17 +404,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.kept = None;
         self.reserve.failed = None;
         self.reserve.behind = Some(way.stands);
-        self.end = way.end;
-        self.speed = Speed::ZERO;
-        self.stops = false;
-        self.emitter.resume_at(0);
-        self.mode = Mode::AGAIN;
+        self.frontier.end = way.end;
+        self.frontier.speed = Speed::ZERO;
+        self.frontier.stops = false;
+        self.frontier.emitter.resume_at(0);
+        self.orders.mode = Mode::AGAIN;
         self.put_rest(Distance::from_bits(way.stands), 1);
-        (self.owed, self.laid) = (0, 0);
-        while self.laid < self.flights.len() && self.is_behind(self.laid) {
-            self.laid += 1;
+        (self.frontier.owed, self.frontier.laid) = (0, 0);
+        while self.frontier.laid < self.flights.len() && self.is_behind(self.frontier.laid) {
+            self.frontier.laid += 1;
         }
-        let laid = self.laid;
+        let laid = self.frontier.laid;
         self.flights.from(laid + 1).for_each(Flight::restore);
         self.queue.control.set_left(false);
         if way.as_planned { Work::Working } else { Work::Late }
@@ -434,15 +427,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         };
         if flight.end().wrapping_sub(stands) <= NOTHING {
             // It has begun: a command does not change it.
-            flight.first = self.end.wrapping_sub(clock::TICK);
-            self.owed = flight.rest;
+            flight.first = self.frontier.end.wrapping_sub(clock::TICK);
+            self.frontier.owed = flight.rest;
             return true;
         }
         flight.restore();
         if stands.wrapping_sub(flight.start.to_bits()) > 0 {
             flight.begin_at(stands, Speed::ZERO);
         }
-        self.owed = 0;
+        self.frontier.owed = 0;
         self.reserve.behind = None;
         false
     }
