@@ -108,95 +108,155 @@ impl Axis {
         if rapid { &self.rapid } else { &self.feed }
     }
 
+    /// Converts the data of an axis as they are planned with.
     pub(super) fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
-        let cycle_s = channel.cycle_us as f32 * 1e-6;
-        let speed = |um_s: u32| um_s as f32 * 1e-3 * cycle_s * MARGIN;
-        let accel = |a: u32| a as f32 * cycle_s * cycle_s * MARGIN;
+        let units = Units { cycle_s: channel.cycle_us as f32 * 1e-6 };
         let data = &data.planned(channel);
-        let ticks = |us: u32| us as f32 * 1e-6 / cycle_s;
-        let geometric = ticks(data.tr_geom);
-        let a_max = accel(data.a_max);
-        let stepped = slope == SlopeType::Step;
-        let set = |v: u32, a: [u32; 2], tr: [u32; 4], stages: Stages| {
-            let [a_up, a_down] = if stepped { [stages.a[0], stages.d[0]] } else { a }.map(accel);
-            let upper = [stages.a[1], stages.d[1]].map(accel);
-            // HSC has one ramp time: the longest.
-            let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
-            let tr = tr.map(ticks);
-            let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
-            let mut j = [0.0; 4];
-            let mut budget = f32::MAX;
-            let mut ramp_budget = f32::MAX;
-            let mut geometric_budget = f32::MAX;
-            let [mut shortest, mut longest] = [f32::MAX, 0.0];
-            for (k, (j, tr)) in j.iter_mut().zip(tr).enumerate() {
-                *j = over(tr, k) * JERK_MARGIN;
-                budget = min(budget, over(min(tr, geometric), k) * JERK_MARGIN);
-                ramp_budget = min(ramp_budget, *j);
-                geometric_budget = min(geometric_budget, over(geometric, k) * JERK_MARGIN);
-                longest = max(longest, tr);
-                shortest = min(shortest, tr);
-            }
-            let a = min(a_up, a_down);
-            // Of `a`, in 0.1 %; 0: cycle time / ramp time.
-            let weight = data.a_trans_weight;
-            let knee = a * if weight == 0 { 1.0 / longest } else { weight as f32 * 1e-3 };
-            // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of it counts in the middle.
-            let peak = if slope == SlopeType::Sin2 { Bend::SineSquare.peak_jerk() } else { 1.0 };
-            let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
-            // With HSC acceleration passes a knee.
-            let passes = slope == SlopeType::Hsc;
-            let left = if passes { a_max } else { a_max - near * (1.0 / 3.0) };
-            let most = if passes || weight == 0 { KNEE_PART * a_max } else { left };
-            let jerk = match data.r_trans_weight {
-                0 => 1000,
-                weight => weight,
-            };
-            let bend = jerk as f32 * 1e-3 * TRANSITION_PART * budget;
-            let mut set = Set {
-                v: speed(v),
-                a_up,
-                a_down,
-                upper,
-                change_over: speed(stages.change_over),
-                j,
-                joint: Joint {
-                    budget,
-                    knee: min(knee, most),
-                    is_weighted: weight > 0,
-                    bend: if channel.corr_v_trans_jerk { bend } else { f32::MAX },
-                    left,
-                    gained: 0.5 * near,
-                },
-                ramp_budget: min(ramp_budget, budget),
-                geometric_budget,
-                a_shared: (1.0 - KNEE_PART) * a_max,
-                a_resting: (1.0 - SLIGHT_KNEE) * a_max,
-            };
-            if stepped {
-                // One tick of the acceleration: the weight is for the other slopes. Close knees add up as they do there.
-                let knee = min(set.least(), KNEE_PART * a_max);
-                set.joint.budget = knee / TRANSITION_PART;
-                set.geometric_budget = set.joint.budget;
-                (set.joint.knee, set.joint.is_weighted, set.joint.bend) = (knee, false, f32::MAX);
-            } else {
-                set.upper = [f32::MAX; 2];
-            }
-            if stepped || shortest < LONG_RAMP {
-                set.a_resting = set.a_shared;
-            }
-            if slope != SlopeType::Hsc {
-                set.a_shared = set.a_resting;
-            }
-            set
-        };
         let tr = [data.tr_beschl_zu, data.tr_beschl_ab, data.tr_brems_zu, data.tr_brems_ab];
         let (a_feed, a_rapid) = ([data.a_beschl, data.a_brems], [data.a_grenz; 2]);
-        Self {
-            feed: set(data.vb_max, a_feed, tr, data.stages(false)),
-            rapid: set(data.vb_eilgang, a_rapid, [data.tr_grenz; 4], data.stages(true)),
-            a_max,
-            v_reduced: if data.vb_max_red == 0 { f32::MAX } else { speed(data.vb_max_red) },
+        let feed = Motion { v: data.vb_max, a: a_feed, tr, stages: data.stages(false) };
+        let rapid =
+            Motion { v: data.vb_eilgang, a: a_rapid, tr: [data.tr_grenz; 4], stages: data.stages(true) };
+        let v_reduced = if data.vb_max_red == 0 { f32::MAX } else { units.speed(data.vb_max_red) };
+        let [feed, rapid] = [feed, rapid].map(|motion| Set::new(&motion, data, channel, slope));
+        Self { feed, rapid, a_max: units.accel(data.a_max), v_reduced }
+    }
+}
+
+/// Machine data of one kind of motion: speed, acceleration and deceleration, ramp times, stages of STEP.
+struct Motion {
+    v: u32,
+    a: [u32; 2],
+    tr: [u32; 4],
+    stages: Stages,
+}
+
+/// From units of machine data to ticks.
+#[derive(Clone, Copy)]
+struct Units {
+    cycle_s: f32,
+}
+
+impl Units {
+    /// Of µm/s, or 0.001 degrees/s.
+    fn speed(self, um_s: u32) -> f32 {
+        um_s as f32 * 1e-3 * self.cycle_s * MARGIN
+    }
+
+    /// Of mm/s².
+    fn accel(self, a: u32) -> f32 {
+        a as f32 * self.cycle_s * self.cycle_s * MARGIN
+    }
+
+    /// Of µs.
+    fn ticks(self, us: u32) -> f32 {
+        us as f32 * 1e-6 / self.cycle_s
+    }
+}
+
+/// Jerks of the four ramps of an axis.
+struct Jerks {
+    /// Mean of each.
+    j: Ramps,
+    /// The least a / min(ramp time, geometric ramp time), a / ramp time and a / geometric ramp time.
+    budget: f32,
+    ramp_budget: f32,
+    geometric_budget: f32,
+    /// Ramp times, ticks.
+    shortest: f32,
+    longest: f32,
+}
+
+impl Jerks {
+    /// From acceleration and deceleration, ramp times and geometric ramp time.
+    fn new([a_up, a_down]: [f32; 2], tr: [f32; 4], geometric: f32) -> Self {
+        let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
+        let mut jerks = Self {
+            j: [0.0; 4],
+            budget: f32::MAX,
+            ramp_budget: f32::MAX,
+            geometric_budget: f32::MAX,
+            shortest: f32::MAX,
+            longest: 0.0,
+        };
+        for (k, (j, tr)) in jerks.j.iter_mut().zip(tr).enumerate() {
+            *j = over(tr, k) * JERK_MARGIN;
+            jerks.budget = min(jerks.budget, over(min(tr, geometric), k) * JERK_MARGIN);
+            jerks.ramp_budget = min(jerks.ramp_budget, *j);
+            jerks.geometric_budget = min(jerks.geometric_budget, over(geometric, k) * JERK_MARGIN);
+            jerks.longest = max(jerks.longest, tr);
+            jerks.shortest = min(jerks.shortest, tr);
         }
+        jerks
+    }
+}
+
+impl Set {
+    fn new(motion: &Motion, data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
+        let units = Units { cycle_s: channel.cycle_us as f32 * 1e-6 };
+        let Motion { v, a, tr, stages } = *motion;
+        let (stepped, a_max) = (slope == SlopeType::Step, units.accel(data.a_max));
+        let [a_up, a_down] = if stepped { [stages.a[0], stages.d[0]] } else { a }.map(|a| units.accel(a));
+        let upper = [stages.a[1], stages.d[1]].map(|a| units.accel(a));
+        // HSC has one ramp time: the longest.
+        let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
+        let jerks = Jerks::new([a_up, a_down], tr.map(|us| units.ticks(us)), units.ticks(data.tr_geom));
+        let Jerks { j, budget, .. } = jerks;
+        let a = min(a_up, a_down);
+        // Of `a`, in 0.1 %; 0: cycle time / ramp time.
+        let weight = data.a_trans_weight;
+        let knee = a * if weight == 0 { 1.0 / jerks.longest } else { weight as f32 * 1e-3 };
+        // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of it counts in the middle.
+        let peak = if slope == SlopeType::Sin2 { Bend::SineSquare.peak_jerk() } else { 1.0 };
+        let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
+        // With HSC acceleration passes a knee.
+        let passes = slope == SlopeType::Hsc;
+        let left = if passes { a_max } else { a_max - near * (1.0 / 3.0) };
+        let most = if passes || weight == 0 { KNEE_PART * a_max } else { left };
+        let jerk = match data.r_trans_weight {
+            0 => 1000,
+            weight => weight,
+        };
+        let bend = jerk as f32 * 1e-3 * TRANSITION_PART * budget;
+        let mut set = Self {
+            v: units.speed(v),
+            a_up,
+            a_down,
+            upper,
+            change_over: units.speed(stages.change_over),
+            j,
+            joint: Joint {
+                budget,
+                knee: min(knee, most),
+                is_weighted: weight > 0,
+                bend: if channel.corr_v_trans_jerk { bend } else { f32::MAX },
+                left,
+                gained: 0.5 * near,
+            },
+            ramp_budget: min(jerks.ramp_budget, budget),
+            geometric_budget: jerks.geometric_budget,
+            a_shared: (1.0 - KNEE_PART) * a_max,
+            a_resting: (1.0 - SLIGHT_KNEE) * a_max,
+        };
+        if stepped {
+            set.step(a_max);
+        } else {
+            set.upper = [f32::MAX; 2];
+        }
+        if stepped || jerks.shortest < LONG_RAMP {
+            set.a_resting = set.a_shared;
+        }
+        if !passes {
+            set.a_shared = set.a_resting;
+        }
+        set
+    }
+
+    /// A knee of STEP: one tick of the acceleration. The weight is for the other slopes. Close knees add up as they do there.
+    fn step(&mut self, a_max: f32) {
+        let knee = min(self.least(), KNEE_PART * a_max);
+        self.joint.budget = knee / TRANSITION_PART;
+        self.geometric_budget = self.joint.budget;
+        (self.joint.knee, self.joint.is_weighted, self.joint.bend) = (knee, false, f32::MAX);
     }
 }

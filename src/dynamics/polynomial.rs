@@ -52,6 +52,49 @@ impl Steady {
 /// adds to that.
 const CONSTANT: f32 = 3e-4;
 
+/// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the slope.
+const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
+    match passage {
+        // A deceleration of STEP has to be there from the first tick on.
+        Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+        Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+        Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
+        Passage::Varying | Passage::Timed(_) => [NORMAL_PART, ARC_PART, ARC_SLOPE_PART],
+    }
+}
+
+impl Limits {
+    /// Of so many speeds, each four fifths of the one before, takes the one with which an element of this length (mm), from rest to rest,
+    /// is fastest. `left_at`: what a speed leaves of an acceleration.
+    #[inline(always)]
+    fn choose(
+        &mut self,
+        length: f32,
+        speeds: usize,
+        constant: Option<Steady>,
+        left_at: impl Fn(f32, f32) -> f32,
+    ) {
+        let mut best = (f32::MAX, 0.0, 0.0);
+        let mut v = self.v;
+        for _ in 0..speeds {
+            let a = left_at(v, min(self.a_up, self.a_down));
+            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
+            if time < best.0 {
+                best = (time, v, a);
+            }
+            v *= ARC_SPEED_STEP;
+        }
+        self.v = best.1;
+        if let Some(Steady { v, length }) = constant {
+            // No faster than the element that is slowest.
+            self.v = min(self.v, v);
+            // Over its length the square of the speed changes by 2·a·length.
+            best.2 = min(best.2, CONSTANT * self.v * self.v / length);
+        }
+        self.lower_accelerations(best.2);
+    }
+}
+
 impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
     /// its largest, share the acceleration a_max and the jerk budget:
@@ -89,13 +132,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
-        let [normal_part, curve_part, slope_part] = match bounds.passage {
-            // A deceleration of STEP has to be there from the first tick on.
-            Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
-            Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
-            Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
-            Passage::Varying | Passage::Timed(_) => [NORMAL_PART, ARC_PART, ARC_SLOPE_PART],
-        };
+        let [normal_part, curve_part, slope_part] = parts(bounds.passage, stepped);
         let trades = bounds.trades() && !stepped;
         let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
         for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
@@ -128,10 +165,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let headroom = limits.take_feed(feed, v_reduced, self.level);
             return (limits, share_left, headroom);
         }
-        let mut best = (f32::MAX, 0.0, 0.0);
-        let mut v = limits.v;
-        for _ in 0..speeds {
-            let mut a = min(limits.a_up, limits.a_down);
+        let left_at = |v: f32, mut a: f32| {
             for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
                 if *slope > 0.0 {
                     a = min(a, max(a_max(axis) - bend * v * v, 0.0) / slope);
@@ -142,20 +176,9 @@ impl<const AXES: usize> Dynamics<AXES> {
                     a = min(a, left / (3.0 * v * bend));
                 }
             }
-            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
-            if time < best.0 {
-                best = (time, v, a);
-            }
-            v *= ARC_SPEED_STEP;
-        }
-        limits.v = best.1;
-        if let Some(Steady { v, length }) = curving.constant {
-            // No faster than the element that is slowest.
-            limits.v = min(limits.v, v);
-            // Over its length the square of the speed changes by 2·a·length.
-            best.2 = min(best.2, CONSTANT * limits.v * limits.v / length);
-        }
-        limits.lower_accelerations(best.2);
+            a
+        };
+        limits.choose(length, speeds, curving.constant, left_at);
         self.path.lower(&mut limits, rapid, true);
         let headroom = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, headroom)

@@ -10,6 +10,7 @@ use crate::math::float::{max, min, to_f32};
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
 use crate::quantity::Speed;
+use crate::slope::limits::Limits;
 
 /// What the next transition needs to know of the last block.
 #[derive(Clone, Copy, Debug)]
@@ -37,111 +38,110 @@ const LONGEST_SPAN: i64 = 1 << 62;
 /// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
 const STEEP: f32 = 1000.0;
 
+/// A block that comes in.
+struct Next<'a, const AXES: usize> {
+    piece: &'a Piece<'a, AXES>,
+    /// mm.
+    length: f32,
+    /// Its speed at 100 %, or at the level if that is higher.
+    full: f32,
+    rapid: bool,
+    share: Share,
+    /// The block before is shorter than a tick takes.
+    after_brief: bool,
+}
+
+/// The transition to a block that comes in.
+struct Transition {
+    /// Speed of the motion there, at most.
+    cap: f32,
+    /// The same whatever the speeds of both blocks: their feeds may rise with the override.
+    highest: f32,
+    /// It takes a part of the limits on both sides.
+    shared: bool,
+    /// A deceleration may pass it.
+    smooth: bool,
+    /// Acceleration is zero there.
+    anchor: bool,
+}
+
+impl Transition {
+    /// The motion stands still.
+    const STANDSTILL: Self = Self { cap: 0.0, highest: 0.0, shared: false, smooth: false, anchor: true };
+}
+
+impl<const AXES: usize> Next<'_, AXES> {
+    /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the speed `fastest`. `a`:
+    /// acceleration of STEP that acts beside it.
+    #[inline(always)]
+    fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
+        let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
+        let shorter = min(last.length, self.length);
+        let v = dynamics.transition(&last.exit, entry, rapid, shorter, (fastest, a));
+        if !self.after_brief {
+            return v;
+        }
+        // What changes at both its ends shows within a tick.
+        let both = dynamics.bending(&last.behind, entry, rapid);
+        if both < fastest { Some(min(both, v.unwrap_or(both))) } else { v }
+    }
+
+    /// Whether both are parts of a curve over time, for one speed.
+    fn is_one_curve(&self, last: &Last<AXES>, [before, limits]: [&Limits; 2]) -> bool {
+        self.piece.timed && last.timed && limits.v == before.v
+    }
+
+    /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the motion there; `v`: as in
+    /// [`Self::passed`].
+    #[inline(always)]
+    fn goes_on(
+        &self,
+        last: &Last<AXES>,
+        both: [&Limits; 2],
+        (cap, v): (f32, Option<f32>),
+        dynamics: &Dynamics<AXES>,
+    ) -> bool {
+        let ([before, limits], rapid) = (both, self.rapid && last.rapid);
+        let slight = || dynamics.is_slight(&last.exit, self.piece.entry, rapid, cap);
+        match dynamics.slope() {
+            // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
+            SlopeType::Hsc => limits.is_as_strong(before),
+            SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, both) => true,
+            // As if it were one block.
+            SlopeType::Trapez | SlopeType::Sin2 => {
+                limits.are(before) && v.is_none_or(|v| v >= cap && slight())
+            }
+            // Acceleration is zero nowhere.
+            SlopeType::Step => false,
+        }
+    }
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
     /// standstill from its speed.
     #[inline(always)]
     pub(crate) fn push(
         &mut self,
-        element: &Piece<'_, AXES>,
+        piece: &Piece<'_, AXES>,
         permitted: &Permitted,
         rapid: bool,
         dynamics: &Dynamics<AXES>,
         long: bool,
     ) {
         let (mut limits, share, mut headroom) = *permitted;
-        let distance = element.shape.length.to_bits();
+        let distance = piece.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
-        let (timed, bent) = (element.timed, element.bent);
         let after_brief = self.tail.row.is_brief();
         // Of the block at 100 % at least: its limits hold for a higher level too.
-        self.tail.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), timed);
+        self.tail.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), piece.timed);
         let full = limits.v;
         if self.level < 1.0 {
             limits.v *= headroom.raised(self.level);
         }
-        let mut cap = 0.0;
-        let mut highest = 0.0;
-        let mut shared = false;
-        let mut smooth = false;
-        let mut anchor = true;
         let slope = dynamics.slope();
-        if let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop) {
-            let full_before = before.full(self.level);
-            cap = min(full_before, full);
-            // No more than the double is known.
-            highest = 2.0 * cap;
-            let rapid = rapid && last.rapid;
-            let shorter = min(last.length, length);
-            let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-            let mut v = dynamics.transition(&last.exit, element.entry, rapid, shorter, (cap, a));
-            if after_brief {
-                // What changes at both its ends shows within a tick.
-                let both = dynamics.bending(&last.behind, element.entry, rapid);
-                v = if both < cap { Some(min(both, v.unwrap_or(both))) } else { v };
-            }
-            // STEP: what passes within a tick of a knee shows together with it.
-            let brief = last.length < full_before || length < full;
-            let sides = [(&before.limits, &last.share, last.length), (&limits, &share, length)];
-            let way = match v {
-                Some(v) if v < cap && is_corner(&last.exit, element.entry) => {
-                    quickest(sides, v, slope == SlopeType::Hsc)
-                }
-                _ => Way::Through,
-            };
-            let mut shares = [last.share, share];
-            if way == Way::Resting {
-                shares = shares.map(Share::resting);
-            }
-            if way == Way::Standing {
-                // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
-                let unseen = || dynamics.unseen(&last.exit, element.entry, rapid);
-                cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
-                highest = cap;
-            } else if v.is_some() || (brief && slope == SlopeType::Step) {
-                if let Some(v) = v {
-                    cap = min(cap, v);
-                    highest = min(highest, v);
-                }
-                limits.share(&shares[1]);
-                shared = true;
-                if !last.shared {
-                    before.limits.share(&shares[0]);
-                }
-            }
-            // Both are parts of a curve over time, for one speed.
-            let one_curve = timed && last.timed && limits.v == before.limits.v;
-            let through = match slope {
-                // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
-                SlopeType::Hsc => limits.is_as_strong(&before.limits),
-                SlopeType::Trapez | SlopeType::Sin2 if one_curve => true,
-                // As if it were one block.
-                SlopeType::Trapez | SlopeType::Sin2 => {
-                    limits.are(&before.limits)
-                        && v.is_none_or(|v| {
-                            v >= cap && dynamics.is_slight(&last.exit, element.entry, rapid, cap)
-                        })
-                }
-                // Acceleration is zero nowhere.
-                SlopeType::Step => false,
-            };
-            // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
-            let (fastest, a) = (min(full_before, full), limits.fastest(&before.limits));
-            let turns_little = || {
-                (v.is_none() && a <= STEEP * fastest)
-                    || dynamics.turns_little(&last.exit, element.entry, rapid, a)
-            };
-            smooth =
-                way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-            anchor = !(through
-                && smooth
-                && last.trades == element.trades
-                && (!timed || one_curve)
-                && last.bent == bent
-                && (!bent || limits.are(&before.limits))
-                && self.tail.span + distance < LONGEST_SPAN);
-            cap = min(cap, min(before.limits.v, limits.v));
-        }
+        let next = Next { piece, length, full, rapid, share, after_brief };
+        let Transition { cap, highest, shared, smooth, mut anchor } = self.join(&next, &mut limits, dynamics);
         let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
         if anchor {
@@ -160,21 +160,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
         let behind = match &self.tail.last {
             Some(last) if self.tail.row.is_brief() => last.behind,
-            _ => *element.exit,
+            _ => *piece.exit,
         };
-        let trades = element.trades;
-        self.tail.last = Some(Last {
-            exit: *element.exit,
-            length,
-            share,
-            rapid,
-            shared,
-            slope,
-            timed,
-            bent,
-            trades,
-            behind,
-        });
+        let (exit, trades) = (*piece.exit, piece.trades);
+        let (timed, bent) = (piece.timed, piece.bent);
+        self.tail.last =
+            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);
@@ -196,5 +187,66 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             continued: false,
             trades,
         });
+    }
+
+    /// The transition from the last block of the ring. Where it takes its part of the limits, both sides have less.
+    #[inline(always)]
+    fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
+        let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
+        else {
+            return Transition::STANDSTILL;
+        };
+        let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
+        let full_before = before.full(self.level);
+        let fastest = min(full_before, next.full);
+        // No more than the double is known.
+        let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
+        let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
+        let v = next.passed(last, fastest, a, dynamics);
+        // STEP: what passes within a tick of a knee shows together with it.
+        let brief = last.length < full_before || next.length < next.full;
+        let sides = [(&before.limits, &last.share, last.length), (&*limits, &next.share, next.length)];
+        let way = match v {
+            Some(v) if v < cap && is_corner(&last.exit, piece.entry) => {
+                quickest(sides, v, slope == SlopeType::Hsc)
+            }
+            _ => Way::Through,
+        };
+        let mut shares = [last.share, next.share];
+        if way == Way::Resting {
+            shares = shares.map(Share::resting);
+        }
+        if way == Way::Standing {
+            // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
+            let unseen = || dynamics.unseen(&last.exit, piece.entry, rapid);
+            cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
+            highest = cap;
+        } else if v.is_some() || (brief && slope == SlopeType::Step) {
+            if let Some(v) = v {
+                cap = min(cap, v);
+                highest = min(highest, v);
+            }
+            limits.share(&shares[1]);
+            shared = true;
+            if !last.shared {
+                before.limits.share(&shares[0]);
+            }
+        }
+        let both = [&before.limits, &*limits];
+        let through = next.goes_on(last, both, (cap, v), dynamics);
+        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
+        let a = limits.fastest(&before.limits);
+        let turns_little = || {
+            (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
+        };
+        let smooth =
+            way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        let alike = last.trades == piece.trades
+            && (!piece.timed || next.is_one_curve(last, both))
+            && last.bent == piece.bent
+            && (!piece.bent || limits.are(&before.limits));
+        let fits = self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
+        cap = min(cap, min(before.limits.v, limits.v));
+        Transition { cap, highest, shared, smooth, anchor: !(through && smooth && alike && fits) }
     }
 }

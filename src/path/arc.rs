@@ -48,52 +48,16 @@ pub fn arc<const AXES: usize>(
     if !measure.is_space() && !axes.iter().all(|k| measure.feeds(*k)) {
         return Err(PathError::NoFeedPlane(plane));
     }
-    let mut travel = [0; AXES];
-    let (mut bits, mut over) = (0i64, false);
-    for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
-        let wide;
-        (*travel, wide) = to.to_bits().overflowing_sub(from.to_bits());
-        over |= wide;
-        bits |= *travel ^ *travel >> 63;
-    }
-    let at = |k: usize| (start.get(k).map_or(0, |x| x.to_bits()), travel.get(k).copied().unwrap_or(0));
-    let [(p, dp), (q, dq)] = [at(axes[0]), at(axes[1])];
-    let ((p0, wide_p), (q0, wide_q)) =
-        (p.overflowing_sub(centre[0].to_bits()), q.overflowing_sub(centre[1].to_bits()));
-    let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
-    over |= wide_p | wide_q | wider_p | wider_q;
-    for x in [p0, q0, p1, q1] {
-        // Half as far.
-        bits |= x << 1 ^ x >> 63;
-    }
-    let [r0, r1] = [[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]];
-    if over || bits as u64 >= (LONGEST >> FINER) as u64 {
-        return Err(PathError::TooLong);
-    }
-    let [len0, len1] = [plane_hypot(r0), plane_hypot(r1)];
-    if len0 == 0 || len1 == 0 {
-        return Err(PathError::NoRadius);
-    }
-    let difference = len1 - len0;
-    if difference.abs() > DIFFERENCE && difference.abs() > LARGEST_DIFFERENCE.min(len0 >> 10) {
-        return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
-    }
-    let [first, last] = [Radius::new(r0, len0), Radius::new(r1, len1)];
-
-    // Angle travelled, 2^-60 revolutions, positive counter-clockwise, and its size in 2^-60 radians.
-    let turned = first.angle_to(&last);
-    let turned = if clockwise { turned.wrapping_neg() } else { turned };
-    let apart = dp.abs() > SAME_POINT || dq.abs() > SAME_POINT;
-    let swept = if apart && turned >= SAME_DIRECTION { (turned >> 4) as i64 } else { 1 << 60 };
-    let sweep = if clockwise { -swept } else { swept };
+    let (travel, ends) = Ends::new(start, target, centre, axes)?;
+    let swept = ends.swept(clockwise);
     let angle = mul_shift(swept, TWO_PI, 60);
-
+    let [len0, len1] = ends.lengths;
     if mul_hi(len0.max(len1), angle) >= LONGEST >> 4 {
         return Err(PathError::TooLong);
     }
+    let difference = len1 - len0;
     let plane0 = mul_shift(len0, angle, 60);
     let plane1 = if difference == 0 { plane0 } else { mul_shift(len1, angle, 60) };
-    let plane_length = plane0.max(plane1);
     let mut outside = travel;
     for k in axes {
         if let Some(travel) = outside.get_mut(k) {
@@ -101,21 +65,8 @@ pub fn arc<const AXES: usize>(
         }
     }
     let flat = reach(&outside) == 0;
-    let small = difference.unsigned_abs() as u32;
-    let mut travelled = plane_length;
-    // Otherwise its square is below that of one LSB more.
-    if !flat
-        || u64::from(small) != difference.unsigned_abs()
-        || u64::from(small) * u64::from(small) > plane_length as u64
-    {
-        let mut square = with_square(square_wide(plane_length as u64), difference);
-        for (k, x) in outside.iter().enumerate() {
-            if *x != 0 && measure.feeds(k) {
-                square = with_square(square, x << FINER);
-            }
-        }
-        travelled = i64::try_from(sqrt_wide(square.0, square.1)).unwrap_or(i64::MAX - 1);
-    }
+    let outer = if flat { None } else { Some(&outside) };
+    let travelled = travelled(plane0.max(plane1), difference, outer, measure);
     // One LSB up: a chord is never longer than the path under it.
     let mut shape = Shape::resting(if flat && measure.is_space() {
         if travelled + 1 >= LONGEST {
@@ -127,37 +78,17 @@ pub fn arc<const AXES: usize>(
     });
     let whole = shape.reciprocal();
     let reciprocal = Halves::of(whole);
-    // Of a length of the block, as a part of it: 60 fraction bits.
-    let shift = shape.shift;
-    let part = |length: i64| part(length, shift, reciprocal);
-
     let mut linear = [0; AXES];
     if !flat {
         shape.set_gains_by(&outside, whole);
         linear = shape.linear_tangent();
     }
-    let mut circle = Arc {
-        a: r0,
-        turn: Halves::of(sweep << 2).times(reciprocal) << 1,
-        grow: [0; 2],
-        miss: [0; 2],
-        plane: [axes[0] as u8, axes[1] as u8],
-    };
-    if difference != 0 {
-        // Below 2^40: 2^-44 mm per 2^-18 units of `w`.
-        let growth = Halves::of(difference << 22).times(reciprocal);
-        let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
-        circle.grow = [grow(first.unit[0]), grow(first.unit[1])];
-    }
-    // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard bits.
-    let end = circle.circle(Halves::of(shape.end_w()), 0);
-    let missed = |i: usize| {
-        let missed = (r1[i] >> (FINER - GUARD)).wrapping_sub(end[i]);
-        ((Halves::of(missed << 12).times(reciprocal) + (1 << 7)) >> 8) as i32
-    };
-    circle.miss = [missed(0), missed(1)];
+    let sweep = if clockwise { -swept } else { swept };
+    let circle = ends.circle(axes, sweep, &shape, reciprocal);
     shape.curve = Curve::Arc(circle);
 
+    // Of a length of the block, as a part of it: 60 fraction bits.
+    let part = |length: i64| part(length, shape.shift, reciprocal);
     let outward = Halves::of(part(difference));
     let end = |radius: &Radius, plane: i64, len: i64| {
         let along = part(plane);
@@ -176,14 +107,138 @@ pub fn arc<const AXES: usize>(
         }
         (ends, share)
     };
-    let (entry, share0) = end(&first, plane0, len0);
-    let (exit, share1) = end(&last, plane1, len1);
+    let (entry, share0) = end(&ends.radii[0], plane0, len0);
+    let (exit, share1) = end(&ends.radii[1], plane1, len1);
     let circle = Circle {
         plane: axes,
         radius: to_f32(len0.min(len1)) * LSB_44,
         share: if share0 > share1 { share0 } else { share1 },
     };
     Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
+}
+
+/// Start and end of an arc in its plane, seen from its centre.
+struct Ends {
+    /// Both points, LSB 2^-44 mm.
+    points: [[i64; 2]; 2],
+    /// How far they are from the centre, LSB 2^-44 mm.
+    lengths: [i64; 2],
+    radii: [Radius; 2],
+    /// They are two points.
+    apart: bool,
+}
+
+impl Ends {
+    /// What every axis travels, and both ends about `centre`.
+    #[inline(always)]
+    fn new<const AXES: usize>(
+        start: &[Position; AXES],
+        target: &[Position; AXES],
+        centre: [Position; 2],
+        axes: [usize; 2],
+    ) -> Result<([i64; AXES], Self), PathError> {
+        let mut travel = [0; AXES];
+        let (mut bits, mut over) = (0i64, false);
+        for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
+            let wide;
+            (*travel, wide) = to.to_bits().overflowing_sub(from.to_bits());
+            over |= wide;
+            bits |= *travel ^ *travel >> 63;
+        }
+        let at = |k: usize| (start.get(k).map_or(0, |x| x.to_bits()), travel.get(k).copied().unwrap_or(0));
+        let [(p, dp), (q, dq)] = [at(axes[0]), at(axes[1])];
+        let ((p0, wide_p), (q0, wide_q)) =
+            (p.overflowing_sub(centre[0].to_bits()), q.overflowing_sub(centre[1].to_bits()));
+        let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
+        over |= wide_p | wide_q | wider_p | wider_q;
+        for x in [p0, q0, p1, q1] {
+            // Half as far.
+            bits |= x << 1 ^ x >> 63;
+        }
+        let points = [[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]];
+        if over || bits as u64 >= (LONGEST >> FINER) as u64 {
+            return Err(PathError::TooLong);
+        }
+        let lengths = points.map(plane_hypot);
+        let [len0, len1] = lengths;
+        if len0 == 0 || len1 == 0 {
+            return Err(PathError::NoRadius);
+        }
+        let difference = (len1 - len0).abs();
+        if difference > DIFFERENCE && difference > LARGEST_DIFFERENCE.min(len0 >> 10) {
+            return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
+        }
+        let radii = [Radius::new(points[0], len0), Radius::new(points[1], len1)];
+        let apart = dp.abs() > SAME_POINT || dq.abs() > SAME_POINT;
+        Ok((travel, Self { points, lengths, radii, apart }))
+    }
+
+    /// Angle travelled, LSB 2^-60 revolutions.
+    #[inline(always)]
+    fn swept(&self, clockwise: bool) -> i64 {
+        let turned = self.radii[0].angle_to(&self.radii[1]);
+        let turned = if clockwise { turned.wrapping_neg() } else { turned };
+        if self.apart && turned >= SAME_DIRECTION { (turned >> 4) as i64 } else { 1 << 60 }
+    }
+
+    /// The arc's part of a shape whose length is known. `sweep`: angle, LSB 2^-60 revolutions, positive counter-clockwise.
+    #[inline(always)]
+    fn circle<const AXES: usize>(
+        &self,
+        axes: [usize; 2],
+        sweep: i64,
+        shape: &Shape<AXES>,
+        reciprocal: Halves,
+    ) -> Arc {
+        let [len0, len1] = self.lengths;
+        let mut circle = Arc {
+            a: self.points[0],
+            turn: Halves::of(sweep << 2).times(reciprocal) << 1,
+            grow: [0; 2],
+            miss: [0; 2],
+            plane: [axes[0] as u8, axes[1] as u8],
+        };
+        if len1 != len0 {
+            // Below 2^40: 2^-44 mm per 2^-18 units of `w`.
+            let growth = Halves::of((len1 - len0) << 22).times(reciprocal);
+            let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
+            circle.grow = [grow(self.radii[0].unit[0]), grow(self.radii[0].unit[1])];
+        }
+        // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard bits.
+        let end = circle.circle(Halves::of(shape.end_w()), 0);
+        let missed = |i: usize| {
+            let missed = (self.points[1][i] >> (FINER - GUARD)).wrapping_sub(end[i]);
+            ((Halves::of(missed << 12).times(reciprocal) + (1 << 7)) >> 8) as i32
+        };
+        circle.miss = [missed(0), missed(1)];
+        circle
+    }
+}
+
+/// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by what the axes `outside` its
+/// plane travel, if there are any.
+#[inline(always)]
+fn travelled<const AXES: usize>(
+    along: i64,
+    difference: i64,
+    outside: Option<&[i64; AXES]>,
+    measure: &Measure,
+) -> i64 {
+    let small = difference.unsigned_abs() as u32;
+    let counts = outside.is_some()
+        || u64::from(small) != difference.unsigned_abs()
+        || u64::from(small) * u64::from(small) > along as u64;
+    if !counts {
+        // The square is below that of one LSB more.
+        return along;
+    }
+    let mut square = with_square(square_wide(along as u64), difference);
+    for (k, x) in outside.into_iter().flatten().enumerate() {
+        if *x != 0 && measure.feeds(k) {
+            square = with_square(square, x << FINER);
+        }
+    }
+    i64::try_from(sqrt_wide(square.0, square.1)).unwrap_or(i64::MAX - 1)
 }
 
 #[inline(always)]
