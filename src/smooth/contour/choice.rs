@@ -136,15 +136,7 @@ impl Candidate {
             let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
             return way.is_long().then_some(Self { way, time: None });
         }
-        // How far both may be from the corner when they are equally far from it.
-        let turn = f64::from(size(&setting.measure.main, &change));
-        let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
-        let track = tolerance.track;
-        for (_, x) in change.iter().enumerate().filter(|(k, _)| !setting.measure.main.contains(&Some(*k))) {
-            if track > 0.0 && *x != 0.0 {
-                off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
-            }
-        }
+        let off = off_corner(&setting.measure.main, &change, tolerance);
         let reach = f64::from(rule.ptp_distance());
         let whole = Rise::within(most, v, a, j);
         let quickest = |a: Overlap, b: Overlap| {
@@ -179,6 +171,19 @@ impl Candidate {
         };
         way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
     }
+}
+
+/// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of which a hair is left.
+fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f64 {
+    let turn = f64::from(size(main, change));
+    let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
+    let track = tolerance.track;
+    for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
+        if track > 0.0 && *x != 0.0 {
+            off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
+        }
+    }
+    off
 }
 
 /// About the speed at which a curve over arc length is passed, no more than `v`.
