@@ -136,18 +136,32 @@ pub(super) struct Trial {
     pub time: f32,
     pub ease: Ease,
     pub law: Law,
-    worst: [Option<Excess>; 2],
-    /// The search: what was tried last, and the margin of that.
-    point: [f32; 2],
-    pub rounds: u8,
-    /// What the law begins with before its first block, LSB 2^-44 mm.
-    pub head: i64,
-    /// It is one of a dip.
-    pub fitting: bool,
+    pub search: Search,
+    pub fit: Fit,
     /// Laws of spans as they are planned: first block, highest speed, time. At the remainder of the first block's number.
     known: [(usize, f32, f32); KNOWN],
     /// Only anchors that are slower than they may be.
     first: bool,
+}
+
+/// The search for what a law may use.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// The worst limits that the law exceeds while it speeds up, and while it slows down.
+    worst: [Option<Excess>; 2],
+    /// What was tried last, and the margin of that.
+    point: [f32; 2],
+    /// Rounds that are left.
+    pub rounds: u8,
+}
+
+/// A law that is fitted to the blocks of one span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    /// What the law begins with before its first block, LSB 2^-44 mm.
+    pub head: i64,
+    /// It is one of a dip.
+    pub fitting: bool,
 }
 
 impl Trial {
@@ -164,11 +178,8 @@ impl Trial {
         time: 0.0,
         ease: Ease::NONE,
         law: Law::NONE,
-        worst: [None; 2],
-        point: [0.0; 2],
-        rounds: 0,
-        head: 0,
-        fitting: false,
+        search: Search { worst: [None; 2], point: [0.0; 2], rounds: 0 },
+        fit: Fit { head: 0, fitting: false },
         known: [UNKNOWN; KNOWN],
         first: true,
     };
@@ -196,8 +207,8 @@ impl Trial {
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
         self.law = law;
-        (self.next, self.way) = (self.from, self.head);
-        self.worst = [None; 2];
+        (self.next, self.way) = (self.from, self.fit.head);
+        self.search.worst = [None; 2];
     }
 }
 
@@ -320,11 +331,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
-            if pass.first && !pass.fitting {
+            if pass.first && !pass.fit.fitting {
                 (pass.from, pass.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
             } else {
-                pass.step = Step::Dip(if pass.fitting { dip::Step::Weigh } else { dip::Step::Look });
+                pass.step = Step::Dip(if pass.fit.fitting { dip::Step::Weigh } else { dip::Step::Look });
             }
             return;
         }
@@ -380,7 +391,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         first.append(second);
         pass.speeds = speeds;
         pass.time = (time + time_behind) * GAIN;
-        (pass.ease, pass.rounds) = (Ease::NONE, ROUNDS);
+        (pass.ease, pass.search.rounds) = (Ease::NONE, ROUNDS);
         self.try_law(pass);
     }
 
@@ -428,7 +439,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 let Some((side, excess)) = Excess::new(&mut pass.law, v, places, length) else {
                     return self.slow_peak(pass, v);
                 };
-                if let Some(worst) = pass.worst.get_mut(side)
+                if let Some(worst) = pass.search.worst.get_mut(side)
                     && worst.is_none_or(|worst| excess.a < worst.a)
                 {
                     *worst = Some(excess);
@@ -441,28 +452,28 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The peak lies in a block of that speed.
     fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
         let ends = pass.speeds[0].max(pass.speeds[2]);
-        if pass.rounds == 0 || v < speed_f32(ends.to_bits()) {
+        if pass.search.rounds == 0 || v < speed_f32(ends.to_bits()) {
             return self.keep_anchor(pass);
         }
-        pass.rounds -= 1;
+        pass.search.rounds -= 1;
         pass.ease.v = v;
         self.try_law(pass);
     }
 
     /// All blocks are compared.
     fn compared(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let [up, down] = pass.worst;
+        let [up, down] = pass.search.worst;
         if up.is_none() && down.is_none() {
-            return if pass.fitting { self.fitted(pass, dip) } else { self.do_without(pass) };
+            return if pass.fit.fitting { self.fitted(pass, dip) } else { self.do_without(pass) };
         }
-        if pass.rounds == 0 {
+        if pass.search.rounds == 0 {
             return self.keep_anchor(pass);
         }
-        pass.rounds -= 1;
+        pass.search.rounds -= 1;
         let side = usize::from(up.is_none());
         let less = pass.ease.less[side];
         let (Some(worst), false) = (up.or(down), less >= MOST) else { return self.keep_anchor(pass) };
-        pass.point = [f32::from(less), worst.margin];
+        pass.search.point = [f32::from(less), worst.margin];
         pass.step = Step::Search(side, [less, MOST], Some(worst.guess(&pass.spans[0].limits, side)));
     }
 
@@ -474,7 +485,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         [mut fast, mut slow]: [u8; 2],
         mut first: Option<u8>,
     ) {
-        let Some(Excess { way, v, .. }) = pass.worst.get(side).copied().flatten() else {
+        let Some(Excess { way, v, .. }) = pass.search.worst.get(side).copied().flatten() else {
             return self.keep_anchor(pass);
         };
         let length = to_f32(pass.spans[0].length) * LSB_44;
@@ -493,7 +504,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 slow = less;
                 continue;
             }
-            let [x, before] = core::mem::replace(&mut pass.point, [f32::from(less), margin]);
+            let [x, before] = core::mem::replace(&mut pass.search.point, [f32::from(less), margin]);
             let per_step = (margin - before) / (f32::from(less) - x);
             if margin >= 0.0 {
                 slow = less;

@@ -126,18 +126,18 @@ impl Pace {
     /// Highest speed of a span now.
     pub fn limit(&self, span: &Release) -> f32 {
         let v = if self.is_planned(span) { span.limits.v } else { self.slowed(span) };
-        min(v, span.ceiling)
+        min(v, span.slow.ceiling)
     }
 
     /// An override alone makes a span no slower.
     fn slowest(&self, span: &Release) -> f32 {
-        let v = if span.is_uneven() { max(span.v_slow, span.cruise) } else { span.limits.v };
+        let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
         let full = if span.level < 1.0 { v / span.headroom.raised(span.level) } else { v };
         min(full, to_f32(span.length.to_bits()) * (1.0 / SLOWEST))
     }
 
     fn slowed(&self, span: &Release) -> f32 {
-        let v = if span.is_uneven() { max(span.v_slow, span.cruise) } else { span.limits.v };
+        let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
         let slowest = self.slowest(span);
         let part =
             if span.is_uneven() { self.part(span.level) } else { self.factor(span.headroom, span.level) };
@@ -147,12 +147,12 @@ impl Pace {
     /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`; `None`
     /// where the slowest of them is the limit instead: entered at another speed, the law is not the one that keeps all of them.
     pub fn stretch(&self, span: &Release, v_in: Speed) -> Option<f32> {
-        if !span.is_uneven() || span.ceiling < f32::MAX || self.reduced {
+        if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced {
             return None;
         }
         let most = self.part(span.level);
-        if span.cruise > 0.0 {
-            return (speed_f32(v_in.to_bits()) <= span.cruise * most * SAME).then_some(most);
+        if span.slow.cruise > 0.0 {
+            return (speed_f32(v_in.to_bits()) <= span.slow.cruise * most * SAME).then_some(most);
         }
         let begins = if span.v_in == Speed::ZERO {
             most
@@ -172,7 +172,7 @@ impl Pace {
 
     /// Highest speed of the block behind a span now.
     pub fn next(&self, span: &Release) -> f32 {
-        self.reduce(span, span.v_next * self.factor(span.next, span.level))
+        self.reduce(span, span.next.v * self.factor(span.next.headroom, span.level))
     }
 
     /// Whether the override counts for the programmed feed alone.

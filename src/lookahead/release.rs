@@ -19,12 +19,8 @@ pub struct Release {
     pub limits: Limits,
     /// Deceleration that all of its blocks permit: a law may be gentler, see `limits`.
     pub a_down: f32,
-    /// The lowest of their speeds.
-    pub v_least: f32,
-    /// The same, with those of slow blocks that are in part in this span: only of several blocks.
-    pub v_slow: f32,
-    /// What is left of it may be as fast as that: see [`Self::cruises`]. 0: not known.
-    pub cruise: f32,
+    /// What is known of it below its highest speed.
+    pub slow: Slow,
     /// Speed at its start.
     pub v_in: Speed,
     /// Speed at its end.
@@ -36,18 +32,36 @@ pub struct Release {
     pub smooth: bool,
     /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
     pub trades: bool,
-    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
-    pub ceiling: f32,
     /// How its speed follows the override: of its blocks the fastest.
     pub headroom: Headroom,
-    /// The speed of the block behind it.
-    pub v_next: f32,
-    /// How that follows the override.
-    pub next: Headroom,
+    /// The block behind it.
+    pub next: Behind,
     /// Highest speed while the speed is reduced.
     pub v_reduced: f32,
     /// The level that all speeds were planned for.
     pub level: f32,
+}
+
+/// Speeds that all blocks of a span permit.
+#[derive(Clone, Copy, Debug)]
+pub struct Slow {
+    /// The lowest of their speeds.
+    pub least: f32,
+    /// The same, with those of slow blocks that are in part in the span: only of several blocks.
+    pub shared: f32,
+    /// What is left of the span may be as fast as that: see [`Release::cruises`]. 0: not known.
+    pub cruise: f32,
+    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
+    pub ceiling: f32,
+}
+
+/// The block behind a span.
+#[derive(Clone, Copy, Debug)]
+pub struct Behind {
+    /// Its speed; 0 where the motion stands.
+    pub v: f32,
+    /// How that follows the override.
+    pub headroom: Headroom,
 }
 
 impl Release {
@@ -57,18 +71,14 @@ impl Release {
         length: Distance::ZERO,
         limits: Limits::NOTHING,
         a_down: 0.0,
-        v_least: 0.0,
-        v_slow: 0.0,
-        cruise: 0.0,
+        slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
         smooth: false,
         trades: false,
-        ceiling: 0.0,
         headroom: Headroom::BLANK,
-        v_next: 0.0,
-        next: Headroom::BLANK,
+        next: Behind { v: 0.0, headroom: Headroom::BLANK },
         v_reduced: 0.0,
         level: 0.0,
     };
@@ -77,13 +87,13 @@ impl Release {
     pub fn raise(&mut self, level: f32) {
         let risen = |v: f32, h: Headroom| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
         self.limits.v = risen(self.limits.v, self.headroom);
-        self.v_next = risen(self.v_next, self.next);
+        self.next.v = risen(self.next.v, self.next.headroom);
         self.level = level;
     }
 
     /// Whether blocks with other speeds are in it.
     pub fn is_uneven(&self) -> bool {
-        self.blocks > 1 && self.limits.varies() && self.v_slow < self.limits.v
+        self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
     /// Its highest speed, if the law planned for it, over `length` from the speed `v_in` on, has reached that at the distance `at`
@@ -174,32 +184,32 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if blocks > 1 {
             limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.
-            release.v_slow = v_least;
+            release.slow.shared = v_least;
             if first.continued {
-                release.v_slow = min(release.v_slow, speed_f32(first.v_in.to_bits()));
+                release.slow.shared = min(release.slow.shared, speed_f32(first.v_in.to_bits()));
             }
             if let Some(next) = next.filter(|next| next.continued) {
-                release.v_slow = min(release.v_slow, speed_f32(next.v_in.to_bits()));
+                release.slow.shared = min(release.slow.shared, speed_f32(next.v_in.to_bits()));
             }
         }
         let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
-        release.v_next = 0.0;
+        release.next.v = 0.0;
         if let Some(next) = next {
-            (release.v_next, release.next) = (next.limits.v, next.headroom);
+            (release.next.v, release.next.headroom) = (next.limits.v, next.headroom);
             let planned = next.v_in.max(Speed::ZERO);
             v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
         }
         if first.is(Marks::FLAT) {
             limits.flatten(v_in, v_out);
         }
-        (release.blocks, release.cruise) = (blocks, 0.0);
+        (release.blocks, release.slow.cruise) = (blocks, 0.0);
         release.length = Distance::from_bits(length);
         release.limits = limits;
-        (release.headroom, release.ceiling) = (headroom, f32::MAX);
+        (release.headroom, release.slow.ceiling) = (headroom, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
         (release.smooth, release.trades) = (first.is(Marks::SMOOTH), first.trades);
-        (release.v_least, release.v_in, release.v_out) = (v_least, v_in, v_out);
+        (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }
 }

@@ -89,8 +89,8 @@ impl Stretch {
         Self {
             limits: Limits { a_down: span.a_down, ..span.limits },
             v_in: span.v_in,
-            v_slow: span.v_slow,
-            v_least: min(span.v_least, span.limits.v),
+            v_slow: span.slow.shared,
+            v_least: min(span.slow.least, span.limits.v),
             is_uneven: span.is_uneven(),
             smooth: span.smooth,
             trades: span.trades,

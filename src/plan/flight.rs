@@ -37,7 +37,7 @@ impl Flight {
         let end = self.end();
         (self.start, self.span.v_in, self.span.checked) = self.released;
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
-        (self.span.ceiling, self.span.cruise) = (f32::MAX, 0.0);
+        (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
     /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it, where that cruises.
@@ -45,7 +45,7 @@ impl Flight {
         let (start, v_in, checked) = self.released;
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));
         let known = checked && at > 0 && self.span.is_uneven();
-        self.span.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
+        self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
     }
 
     /// Its start, up to path distance `start`, is behind: it goes on there, at the speed `v_in`.
@@ -61,7 +61,7 @@ impl Flight {
             let limits = &span.limits;
             let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
             let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
-            span.ceiling = min(span.ceiling, v);
+            span.slow.ceiling = min(span.slow.ceiling, v);
         }
     }
 

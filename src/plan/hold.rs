@@ -408,7 +408,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.orders.pace);
         let span = &flight.span;
         let as_planned = v_in == span.v_in && span.checked && self.orders.pace.is_planned(span);
-        (flight.limit, flight.leaves) = (min(span.limits.v, span.ceiling), span.v_out);
+        (flight.limit, flight.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
             if self.stretch(k) {
@@ -456,8 +456,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
             let mut limits = span.limits.stretched(part);
             let mut leaves = speed_bits(speed_f32(to) * part);
-            if span.cruise > 0.0 {
-                limits.v = min(limits.v, span.cruise * part);
+            if span.slow.cruise > 0.0 {
+                limits.v = min(limits.v, span.slow.cruise * part);
             } else {
                 // The change is what has to fit: of the end speed alone it would be rounded by far more.
                 let change = speed_bits(speed_f32((to - from).abs()) * part);
@@ -470,7 +470,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return true;
             }
         }
-        span.cruise = 0.0;
+        span.slow.cruise = 0.0;
         false
     }
 
@@ -486,9 +486,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
         if lowered && span.blocks > 1 {
-            let known = max(span.v_least, speed_f32(v_in.to_bits()));
-            span.ceiling = min(span.ceiling, max(known, span.cruise));
-            v = min(v, span.ceiling);
+            let known = max(span.slow.least, speed_f32(v_in.to_bits()));
+            span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));
+            v = min(v, span.slow.ceiling);
         }
         flight.limit = v;
         let motion = Instant { distance: flight.start.to_bits(), speed: v_in.to_bits(), accel: 0 };

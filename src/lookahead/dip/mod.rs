@@ -117,19 +117,41 @@ pub(super) struct Dip {
     /// Time as it is, and of the laws: before, behind, between.
     before: f32,
     times: [f32; 3],
-    /// Where the slow block is cut, from its start and from its end; speeds there; only one dip from end to end.
-    cuts: [i64; 2],
-    v: [f32; 2],
-    meet: bool,
+    cut: Cut,
     eases: [Ease; 3],
-    /// An anchor moves, instead of a dip: where it was, and by how much in whole blocks.
-    shifts: bool,
+    shift: Shift,
+}
+
+/// Where a slow block is cut.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    /// From its start and from its end.
+    cuts: [i64; 2],
+    /// Speeds there.
+    v: [f32; 2],
+    /// There is only one dip, from end to end.
+    meet: bool,
+}
+
+/// An anchor that moves, instead of a dip.
+#[derive(Clone, Copy, Debug)]
+struct Shift {
+    on: bool,
+    /// Where it was, and by how much it moves in whole blocks.
     was: usize,
     moved: i64,
     /// The search for its place: steps done, distances into the block, speed and time found.
     steps: u8,
     between: [i64; 2],
     best: Option<(Speed, f32)>,
+}
+
+impl Cut {
+    const NONE: Self = Self { cuts: [0; 2], v: [0.0; 2], meet: false };
+}
+
+impl Shift {
+    const NONE: Self = Self { on: false, was: 0, moved: 0, steps: 0, between: [0; 2], best: None };
 }
 
 impl Dip {
@@ -142,16 +164,9 @@ impl Dip {
         peaks: [0.0; 2],
         before: 0.0,
         times: [0.0; 3],
-        cuts: [0; 2],
-        v: [0.0; 2],
-        meet: false,
+        cut: Cut::NONE,
         eases: [Ease::NONE; 3],
-        shifts: false,
-        was: 0,
-        moved: 0,
-        steps: 0,
-        between: [0; 2],
-        best: None,
+        shift: Shift::NONE,
     };
 
     /// Of all laws.
@@ -176,16 +191,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Step::TakeIn => self.take_in(pass, dip),
             Step::Measure => self.measure(pass, dip),
             Step::Fit(which) => self.fit(pass, dip, which),
-            Step::Do if dip.shifts => self.do_shift(pass, dip),
+            Step::Do if dip.shift.on => self.do_shift(pass, dip),
             Step::Do => self.do_dip(pass, dip),
-            Step::Weigh if dip.shifts => self.weigh_shift(pass, dip),
+            Step::Weigh if dip.shift.on => self.weigh_shift(pass, dip),
             Step::Weigh => self.weigh_dip(pass, dip),
         }
     }
 
     /// The next anchor. `tried`: not this one again.
     fn leave_anchor(&mut self, pass: &mut Trial, dip: &mut Dip, tried: bool) {
-        (pass.fitting, pass.head) = (false, 0);
+        (pass.fit.fitting, pass.fit.head) = (false, 0);
         *dip = Dip::NONE;
         if tried {
             return self.pass_anchor(pass);
@@ -249,7 +264,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [_, b, c, d] = dip.edges;
         for _ in 0..WALK {
             if pass.next >= d {
-                let known = dip.moved > 0;
+                let known = dip.shift.moved > 0;
                 pass.step = ease::Step::Dip(if known { Step::Weigh } else { Step::Measure });
                 return;
             }
@@ -356,43 +371,43 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [a, b, c, d] = dip.edges;
         let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
         let mut slow = dip.spans[1];
-        dip.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
+        dip.cut.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
         if meet {
-            dip.cuts[0] = slow.length / 2;
-            dip.cuts[1] = slow.length - dip.cuts[0];
+            dip.cut.cuts[0] = slow.length / 2;
+            dip.cut.cuts[1] = slow.length - dip.cut.cuts[0];
         }
         let [mut v_in, mut v_out] = [dip.speeds[1], dip.speeds[2]];
-        dip.meet = meet;
-        dip.v = [enter.v, leave.v];
+        dip.cut.meet = meet;
+        dip.cut.v = [enter.v, leave.v];
         dip.times = [0.0; 3];
         dip.eases = [self.ease(a), self.ease(c), self.ease(b)];
         if a < b {
-            if dip.cuts[0] <= 0 {
+            if dip.cut.cuts[0] <= 0 {
                 return None;
             }
             v_in = Speed::from_bits(speed_bits(enter.v));
             let mut fast = dip.spans[0];
-            fast.add_piece(&first.limits, dip.cuts[0]);
+            fast.add_piece(&first.limits, dip.cut.cuts[0]);
             fast.limits.ease(dip.eases[0]);
             if !fast.joins(dip.speeds[0], v_in) {
                 return None;
             }
             dip.times[0] = Law::new(&fast, dip.speeds[0], v_in, true).time();
-            slow.shorten(dip.cuts[0]);
+            slow.shorten(dip.cut.cuts[0]);
         }
         if c < d {
-            if dip.cuts[1] <= 0 {
+            if dip.cut.cuts[1] <= 0 {
                 return None;
             }
             v_out = Speed::from_bits(speed_bits(leave.v));
             let mut fast = dip.spans[2];
-            fast.add_piece(&last.limits, dip.cuts[1]);
+            fast.add_piece(&last.limits, dip.cut.cuts[1]);
             fast.limits.ease(dip.eases[1]);
             if !fast.joins(v_out, dip.speeds[3]) {
                 return None;
             }
             dip.times[1] = Law::new(&fast, v_out, dip.speeds[3], true).time();
-            slow.shorten(dip.cuts[1]);
+            slow.shorten(dip.cut.cuts[1]);
         }
         if !meet {
             if slow.length <= 0 {
@@ -414,20 +429,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Fits the law of one of the outer spans to its blocks.
     fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
         let [a, b, c, d] = dip.edges;
-        (dip.fitting, pass.fitting) = (which, true);
+        (dip.fitting, pass.fit.fitting) = (which, true);
         let (from, to, cut, mut span, ease) = match which {
-            1 => (a, b, dip.cuts[0], dip.spans[0], dip.eases[0]),
-            2 => (c, d, dip.cuts[1], dip.spans[2], dip.eases[1]),
+            1 => (a, b, dip.cut.cuts[0], dip.spans[0], dip.eases[0]),
+            2 => (c, d, dip.cut.cuts[1], dip.spans[2], dip.eases[1]),
             _ => (b, c, 0, dip.spans[1], dip.eases[2]),
         };
-        if to <= from + 1 && (cut <= 0 || !dip.shifts) {
+        if to <= from + 1 && (cut <= 0 || !dip.shift.on) {
             pass.step = ease::Step::Dip(Step::behind(which));
             return;
         }
         let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
             return self.leave_anchor(pass, dip, true);
         };
-        let [enter, leave] = dip.v.map(|v| Speed::from_bits(speed_bits(v)));
+        let [enter, leave] = dip.cut.v.map(|v| Speed::from_bits(speed_bits(v)));
         let [v_in, v_out] = match which {
             1 => [dip.speeds[0], enter],
             2 => [leave, dip.speeds[3]],
@@ -440,7 +455,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // The piece of an anchor that moves is compared too.
         let (mut from, mut to) = (from, to);
         let mut before = 0;
-        if dip.shifts && cut > 0 {
+        if dip.shift.on && cut > 0 {
             if which == 1 {
                 to += 1;
             } else {
@@ -448,11 +463,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 before = block.length;
             }
         }
-        pass.head = match which {
+        pass.fit.head = match which {
             1 => 0,
             2 => cut - before,
             _ => {
-                let [near, far] = [(dip.enters(), dip.cuts[0]), (dip.leaves(), dip.cuts[1])]
+                let [near, far] = [(dip.enters(), dip.cut.cuts[0]), (dip.leaves(), dip.cut.cuts[1])]
                     .map(|(is, cut)| if is { cut } else { 0 });
                 span.shorten(near + far);
                 -near
@@ -471,7 +486,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         pass.time = dip.before * GAIN - dip.time();
         (pass.from, pass.to) = (from, to);
-        pass.rounds = ease::ROUNDS;
+        pass.search.rounds = ease::ROUNDS;
         self.try_law(pass);
     }
 
@@ -544,13 +559,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.forget();
         pass.step = ease::Step::Dip(Step::Do);
         if plan.enters() {
-            self.cut(b, plan.cuts[0]);
+            self.cut(b, plan.cut.cuts[0]);
             cuts += 1;
             c += 1;
             self.open_up(b, self.limit(b - 1));
             self.lend(b);
             at = b + 1;
-            self.dip_at(at, plan.v[0]);
+            self.dip_at(at, plan.cut.v[0]);
             self.keep_ease(a, plan.eases[0]);
             self.keep_ease(at, plan.eases[2]);
             let mut span = plan.spans[0];
@@ -558,7 +573,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 span.add(piece, None);
             }
             span.limits.ease(plan.eases[0]);
-            self.renew(a, &span, Speed::from_bits(speed_bits(plan.v[0])));
+            self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
                 // The other end in the next call.
                 dip.edges = [at, at, c, d + 1];
@@ -569,12 +584,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if plan.leaves() {
             self.keep_ease(b, plan.eases[2]);
             at = c - 1;
-            if !plan.meet {
+            if !plan.cut.meet {
                 let length = self.blocks.get(at).map_or(0, |block| block.length);
-                self.cut(at, length - plan.cuts[1]);
+                self.cut(at, length - plan.cut.cuts[1]);
                 cuts += 1;
                 (at, c) = (c, c + 1);
-                self.dip_at(at, plan.v[1]);
+                self.dip_at(at, plan.cut.v[1]);
             }
             self.lend(at);
             self.open_up(c, self.limit(c));
@@ -591,7 +606,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         pass.last += cuts;
         (pass.from, pass.next) = (at, at + 1);
-        (pass.fitting, pass.head) = (false, 0);
+        (pass.fit.fitting, pass.fit.head) = (false, 0);
         *dip = Dip::NONE;
         pass.step = ease::Step::Seek;
     }

@@ -2,7 +2,7 @@
 //!
 //! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
 //! zero either: it moves into the block on the other side, as far as the limit where it was permits.
-use super::{Dip, Step};
+use super::{Dip, Shift, Step};
 use crate::lookahead::block::{Marks, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
 use crate::lookahead::law::{LSB_44, Law, RISE, Span};
@@ -26,14 +26,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
             return self.try_knee(pass, dip);
         }
-        *dip = Dip { edges: [from, at, at, to], shifts: true, was: at, ..Dip::NONE };
+        let shift = Shift { on: true, was: at, ..Shift::NONE };
+        *dip = Dip { edges: [from, at, at, to], shift, ..Dip::NONE };
         pass.next = from;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
 
     /// Goes on with the knee.
     fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        (pass.fitting, pass.head) = (false, 0);
+        (pass.fit.fitting, pass.fit.head) = (false, 0);
         *dip = Dip::NONE;
         pass.next = pass.from;
         pass.spans = [Span::NONE; 2];
@@ -42,9 +43,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
     pub(super) fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let moves = if pass.fitting { None } else { self.search_shift(pass, dip) };
+        let moves = if pass.fit.fitting { None } else { self.search_shift(pass, dip) };
         if moves.is_none() {
-            (pass.from, pass.at) = (dip.edges[0], dip.was);
+            (pass.from, pass.at) = (dip.edges[0], dip.shift.was);
             self.try_knee(pass, dip);
         }
     }
@@ -63,7 +64,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// is too fast where the anchor was.
     fn shifted(&self, dip: &Dip, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
         let mut span = dip.spans[if early { 2 } else { 0 }];
-        let at = to_f32(if early { dip.moved + way } else { span.length - dip.moved }) * LSB_44;
+        let at = to_f32(if early { dip.shift.moved + way } else { span.length - dip.shift.moved }) * LSB_44;
         if way > 0 {
             span.add_piece(limits, way);
         }
@@ -73,7 +74,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
         let [from, to] = if early { [v, v_end] } else { [v_from, v] };
         let mut law = Law::new(&span, from, to, true);
-        let cap = self.blocks.get(dip.was)?.cap();
+        let cap = self.blocks.get(dip.shift.was)?.cap();
         law.keeps(cap, at, at).then(|| (v, law.time()))
     }
 
@@ -83,14 +84,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [a, b, _, d] = dip.edges;
         let block = self.blocks.get(if early { b - 1 } else { b })?;
         let (limits, length) = (block.limits, block.length);
-        if dip.steps == 0 {
-            if dip.moved == 0 {
+        if dip.shift.steps == 0 {
+            if dip.shift.moved == 0 {
                 dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
             }
             let more = if early { b - 1 > a } else { b + 1 < d };
             if more && dip.tried < MOVES && self.shifted(dip, &limits, early, length).is_some() {
                 dip.tried += 1;
-                dip.moved += length;
+                dip.shift.moved += length;
                 let b = if early { b - 1 } else { b + 1 };
                 dip.edges = [a, b, b, d];
                 dip.spans = [Span::NONE; 3];
@@ -98,22 +99,22 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 pass.step = ease::Step::Dip(Step::TakeIn);
                 return Some(());
             }
-            dip.best = if dip.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
-            dip.between = [0, length / 16 * 15];
+            dip.shift.best = if dip.shift.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
+            dip.shift.between = [0, length / 16 * 15];
         }
         for _ in 0..LAWS {
-            if dip.steps >= SHIFTS {
+            if dip.shift.steps >= SHIFTS {
                 return self.try_shift(pass, dip, early);
             }
-            dip.steps += 1;
-            let [near, far] = dip.between;
+            dip.shift.steps += 1;
+            let [near, far] = dip.shift.between;
             let middle = near + (far - near) / 2;
             match self.shifted(dip, &limits, early, middle) {
                 Some(found) => {
-                    dip.between[0] = middle;
-                    dip.best = Some(found);
+                    dip.shift.between[0] = middle;
+                    dip.shift.best = Some(found);
                 }
-                None => dip.between[1] = middle,
+                None => dip.shift.between[1] = middle,
             }
         }
         pass.step = ease::Step::Dip(Step::Weigh);
@@ -124,14 +125,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip, early: bool) -> Option<()> {
         let [_, b, ..] = dip.edges;
         let [v_from, .., v_end] = dip.speeds;
-        let (w, time) = dip.best?;
-        let near = dip.between[0];
+        let (w, time) = dip.shift.best?;
+        let near = dip.shift.between[0];
         if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
             return None;
         }
-        dip.cuts = if early { [-near, near] } else { [near, -near] };
+        dip.cut.cuts = if early { [-near, near] } else { [near, -near] };
         let speed = speed_f32(w.to_bits()) * ROUNDED;
-        dip.v = [speed; 2];
+        dip.cut.v = [speed; 2];
         let w = Speed::from_bits(speed_bits(speed));
         let mut other = dip.spans[if early { 0 } else { 2 }];
         other.shorten(near);
@@ -153,14 +154,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let plan = *dip;
         pass.forget();
         let [a, b, _, _] = plan.edges;
-        let mut was = plan.was;
-        let at = if plan.cuts[0] == 0 {
+        let mut was = plan.shift.was;
+        let at = if plan.cut.cuts[0] == 0 {
             b
         } else {
-            let early = plan.cuts[0] < 0;
+            let early = plan.cut.cuts[0] < 0;
             let k = if early { b - 1 } else { b };
             let length = self.blocks.get(k).map_or(0, |block| block.length);
-            self.cut(k, if early { length + plan.cuts[0] } else { plan.cuts[0] });
+            self.cut(k, if early { length + plan.cut.cuts[0] } else { plan.cut.cuts[0] });
             was += usize::from(early);
             pass.last += 1;
             k + 1
@@ -171,9 +172,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.open_up(was, cap);
         let (cap_here, open_here) =
             self.blocks.get(at).map_or((0.0, false), |block| (block.cap, block.joint.is_open()));
-        self.dip_at(at, plan.v[0]);
+        self.dip_at(at, plan.cut.v[0]);
         if let Some(block) = self.blocks.get_mut(at) {
-            let is_cut = plan.cuts[0] != 0;
+            let is_cut = plan.cut.cuts[0] != 0;
             block.cap = if is_cut { block.limits.v } else { cap_here };
             if is_cut || open_here {
                 block.joint.open();
@@ -189,7 +190,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);
         // It gets no faster there, although the new law might.
-        let end = plan.edges[3] + usize::from(plan.cuts[0] != 0);
+        let end = plan.edges[3] + usize::from(plan.cut.cuts[0] != 0);
         if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;
         }
