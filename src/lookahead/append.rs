@@ -87,7 +87,8 @@ impl<const AXES: usize> Next<'_, AXES> {
     }
 
     /// Whether both are parts of a curve over time, for one speed.
-    fn is_one_curve(&self, last: &Last<AXES>, [before, limits]: [&Limits; 2]) -> bool {
+    #[inline(always)]
+    fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
@@ -97,16 +98,17 @@ impl<const AXES: usize> Next<'_, AXES> {
     fn goes_on(
         &self,
         last: &Last<AXES>,
-        both: [&Limits; 2],
+        before: &Limits,
+        limits: &Limits,
         (cap, v): (f32, Option<f32>),
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let ([before, limits], rapid) = (both, self.rapid && last.rapid);
+        let rapid = self.rapid && last.rapid;
         let slight = || dynamics.is_slight(&last.exit, self.piece.entry, rapid, cap);
         match dynamics.slope() {
             // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
             SlopeType::Hsc => limits.is_as_strong(before),
-            SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, both) => true,
+            SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
             // As if it were one block.
             SlopeType::Trapez | SlopeType::Sin2 => {
                 limits.are(before) && v.is_none_or(|v| v >= cap && slight())
@@ -232,8 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 before.limits.share(&shares[0]);
             }
         }
-        let both = [&before.limits, &*limits];
-        let through = next.goes_on(last, both, (cap, v), dynamics);
+        let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
         // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
         let a = limits.fastest(&before.limits);
         let turns_little = || {
@@ -241,12 +242,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        let alike = last.trades == piece.trades
-            && (!piece.timed || next.is_one_curve(last, both))
-            && last.bent == piece.bent
-            && (!piece.bent || limits.are(&before.limits));
-        let fits = self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
+        let alike = || {
+            last.trades == piece.trades
+                && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
+                && last.bent == piece.bent
+                && (!piece.bent || limits.are(&before.limits))
+        };
+        let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
+        let anchor = !(through && smooth && alike() && fits());
         cap = min(cap, min(before.limits.v, limits.v));
-        Transition { cap, highest, shared, smooth, anchor: !(through && smooth && alike && fits) }
+        Transition { cap, highest, shared, smooth, anchor }
     }
 }
