@@ -6,12 +6,12 @@
 use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
-use glidepath::dynamics::Dynamics;
+use glidepath::dynamics::{Curving, Dynamics};
 use glidepath::machine::MachineData;
 use glidepath::nc::{self, Contour, ContourMethod, ContourSwitch, Place};
 use glidepath::path::{self, Element, Measure};
 use glidepath::quantity::Position;
-use glidepath::smooth::contour::{Block, Contouring, Data, Form, Outgoing};
+use glidepath::smooth::{Data, Form, ProgrammedBlock, Smoother, Smoothing};
 
 /// Half an LSB of a position, mm.
 const ROUNDING: f64 = 0.5 / (1u64 << 32) as f64;
@@ -129,11 +129,19 @@ pub fn position(nm: i64) -> Position {
     Position::from_bits(set_point(nm))
 }
 
+/// An element that contour mode has emitted.
+#[derive(Clone, Copy, Debug)]
+pub struct Out<const AXES: usize> {
+    pub element: Element<AXES>,
+    pub data: Data,
+    pub curving: Option<Curving>,
+}
+
 /// An element that came out, with its points.
 #[derive(Clone, Debug)]
 pub struct Piece<const AXES: usize> {
     /// As it goes on.
-    pub out: Outgoing<AXES>,
+    pub out: Out<AXES>,
     /// Where it begins.
     pub base: [Position; AXES],
 }
@@ -174,7 +182,10 @@ impl<const AXES: usize> Piece<AXES> {
 }
 
 /// The blocks of a program as the contour stage gets them.
-pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> Vec<Block<AXES>> {
+pub fn blocks<const AXES: usize>(
+    program: &Program,
+    machine: &MachineData<AXES>,
+) -> Vec<ProgrammedBlock<AXES>> {
     let measure = Measure::of(machine);
     let mut from: [Position; AXES] = std::array::from_fn(|k| position(program.start[k]));
     let mut at = program.start.clone();
@@ -202,7 +213,7 @@ pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
             }
             _ => (path::line(&from, &to, &measure).expect("a line").expect("motion"), Form::Line),
         };
-        out.push(Block { element, from, to, form, data });
+        out.push(ProgrammedBlock { element, from, to, form, data });
         from = to;
         at.clone_from(&block.target);
     }
@@ -211,19 +222,25 @@ pub fn blocks<const AXES: usize>(program: &Program, machine: &MachineData<AXES>)
 
 /// Runs blocks through contour mode with every corner on.
 pub fn round<const AXES: usize>(
-    blocks: &[Block<AXES>],
+    blocks: &[ProgrammedBlock<AXES>],
     machine: &MachineData<AXES>,
     contour: &Contour,
 ) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Contouring::new(Measure::of(machine), 1);
-    stage.command(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
+    let mut stage = Smoothing::new(Measure::of(machine), 1);
+    stage.contour(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
     let mut out = Vec::new();
     let mut at = blocks[0].from;
-    let mut drain = |stage: &mut Contouring<AXES>| {
+    let mut drain = |stage: &mut Smoothing<AXES>| {
         loop {
-            while stage.go_on(&dynamics) {}
-            let Some(next) = stage.outgoing() else { break };
+            while stage.work(&dynamics) {}
+            let mut next = None;
+            let emitted = stage.emit(|smoothed| {
+                let (element, data) = (*smoothed.element, *smoothed.data);
+                next = Some(Out { element, data, curving: smoothed.curving });
+            });
+            assert_eq!(emitted, next.is_some());
+            let Some(next) = next else { break };
             let base = next.element.shape.base(&at);
             next.element.shape.at(next.element.shape.length.to_bits(), &base, &mut at);
             out.push(Piece { out: next, base });
@@ -233,7 +250,7 @@ pub fn round<const AXES: usize>(
         stage.take(block, &dynamics, false);
         drain(&mut stage);
     }
-    stage.release(false);
+    stage.flush(false);
     drain(&mut stage);
     out
 }

@@ -22,6 +22,7 @@ use super::{
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::{Event, PHASES};
+use crate::smooth::Smoother;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;
@@ -656,7 +657,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);
         self.intake.programmed = self.intake.entered;
         self.intake.taken = self.report.begun;
-        self.intake.contouring.clear();
+        self.intake.smoothing.clear();
         self.intake.held.clear();
         self.lookahead.clear();
         self.task.stage = super::Stage::Filling;

@@ -10,7 +10,7 @@ use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeT
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{EVENTS, Event, Function, Layer, Producer};
-use crate::smooth::contour::{Block, Data, Form, Outgoing};
+use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,18 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
+    /// An element of the smoother.
+    #[inline(never)]
+    fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
+        let Smoothed { element, data, curving, due } = smoothed;
+        let limits = match (&element.bounds, curving) {
+            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            _ => self.dynamics.element(element, data.feed),
+        };
+        let Data { feed, n, number, stop, .. } = **data;
+        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
+    }
+
     /// `end`: where it ends, if that is known.
     #[inline(never)]
     pub fn push(
@@ -119,7 +131,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             MotionKind::Rapid | MotionKind::Line => {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
-                    if !self.intake.contouring.is_idle() {
+                    if !self.intake.smoothing.is_idle() {
                         let element = line.element();
                         Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
                         self.round(&element, Form::Line, motion, feed)?;
@@ -168,7 +180,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(&limits, element.shape.length)?;
-        if self.intake.contouring.is_idle() {
+        if self.intake.smoothing.is_idle() {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
@@ -180,9 +192,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// An exact stop at the end of the block taken in last.
     fn stop_before(&mut self) {
-        self.intake.contouring.release(true);
+        self.intake.smoothing.flush(true);
         self.stop_held();
-        if !self.intake.contouring.holds() && self.intake.held.is_none() {
+        if !self.intake.smoothing.holds() && self.intake.held.is_none() {
             self.lookahead.ring.stop_here();
         }
     }
@@ -196,7 +208,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.let_go();
-        self.intake.contouring.command(contour, in_motion);
+        self.intake.smoothing.contour(contour, in_motion);
     }
 
     /// Whether there is a master axis for DIST_MASTER.
@@ -206,18 +218,18 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Whether the end of the block taken in last is to be rounded.
     pub fn rounds(&self) -> bool {
-        self.intake.contouring.rounds()
+        self.intake.smoothing.rounds()
     }
 
     /// What is to be said about the curve that the last motion led to.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
-        self.intake.contouring.remark()
+        self.intake.smoothing.remark()
     }
 
     /// The block taken in last ends where it was programmed to. Only after [`super::Work::Hungry`].
     pub fn keep_corner(&mut self) {
         self.let_go();
-        self.intake.contouring.cancel();
+        self.intake.smoothing.cancel();
     }
 
     /// A block of that length does not take too long.
@@ -236,7 +248,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// Contour mode takes a block.
+    /// The smoother takes a block.
     fn round(
         &mut self,
         element: &Element<AXES>,
@@ -253,12 +265,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             stop: motion.exact_stop,
         };
         let parted = self.functions.are_open();
-        self.intake.contouring.take(
-            &Block { element: *element, from, to, form, data },
+        self.intake.smoothing.take(
+            &ProgrammedBlock { element: *element, from, to, form, data },
             self.dynamics,
             parted,
         );
-        self.functions.settle(true, self.intake.contouring.rounds());
+        self.functions.settle(true, self.intake.smoothing.rounds());
         Ok(())
     }
 
@@ -290,16 +302,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, events, entered }, held)
     }
 
-    /// Takes over an element from contour mode.
+    /// The next element of the smoother goes into the look-ahead; `false` if there is none.
     #[inline(never)]
-    pub(super) fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
-        let Outgoing { element, data, curving, due } = outgoing;
-        let limits = match (&element.bounds, curving) {
-            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
-            _ => self.dynamics.element(element, data.feed),
-        };
-        let Data { feed, n, number, stop, .. } = *data;
-        self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
+    pub(super) fn pass_smoothed(&mut self) -> bool {
+        let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
+        let super::Intake { entered, smoothing, .. } = intake;
+        let (segments, events) = (&mut queue.segments, &mut queue.events);
+        let ring = &mut lookahead.ring;
+        let mut entrance = Entrance { ring, functions, dynamics, segments, events, entered };
+        smoothing.emit(|smoothed| entrance.take(smoothed))
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

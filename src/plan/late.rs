@@ -11,6 +11,7 @@
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the text comes.
 use super::{Planning, RESERVE, Speed, Work, clock};
 use crate::queue::{MOST, PHASES, SEGMENTS};
+use crate::smooth::Smoother;
 
 /// Ticks of motion in the queue below which nothing is waited for: time for the plan of a full ring.
 const LOW: u32 = 64;
@@ -52,7 +53,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.lookahead.ring.is_empty() {
             return self.begin_pass();
         }
-        if !self.intake.contouring.holds() {
+        if !self.intake.smoothing.holds() {
             self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.events);
         }
         if self.task.stood || self.flights.len() == 0 {

@@ -21,7 +21,7 @@ use crate::queue::{Function, Phase, Sender, Slot, clock};
 use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
-use crate::smooth::contour::Contouring;
+use crate::smooth::{Smoother, Smoothing};
 use core::mem::MaybeUninit;
 use flight::Flights;
 use functions::Functions;
@@ -68,7 +68,7 @@ pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
     flights: Flights,
     functions: Functions,
     dynamics: MaybeUninit<Dynamics<AXES>>,
-    contouring: MaybeUninit<Contouring<AXES>>,
+    smoothing: MaybeUninit<Smoothing<AXES>>,
     held: MaybeUninit<Held<AXES>>,
     reserve: MaybeUninit<Reserve>,
 }
@@ -81,7 +81,7 @@ impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
             flights: Flights::new(),
             functions: Functions::new(),
             dynamics: MaybeUninit::uninit(),
-            contouring: MaybeUninit::uninit(),
+            smoothing: MaybeUninit::uninit(),
             held: MaybeUninit::uninit(),
             reserve: MaybeUninit::uninit(),
         }
@@ -123,7 +123,7 @@ struct Intake<'a, const AXES: usize> {
     entered: [Position; AXES],
     /// Motion blocks taken in.
     taken: u32,
-    contouring: &'a mut Contouring<AXES>,
+    smoothing: &'a mut Smoothing<AXES>,
     /// Waits for the next one, only while contour mode is idle.
     held: &'a mut Held<AXES>,
 }
@@ -251,18 +251,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
-        let PlanningMemory { lookahead, flights, functions, dynamics, contouring, held, reserve } = memory;
+        let PlanningMemory { lookahead, flights, functions, dynamics, smoothing, held, reserve } = memory;
         flights.clear();
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
-        let contouring = contouring.write(Contouring::new(measure, machine.channel.check_jerk_on_poly_path));
+        let smoothing = smoothing.write(Smoothing::new(measure, machine.channel.check_jerk_on_poly_path));
         let held = held.write(Held::none());
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
             dynamics: dynamics.write(Dynamics::new(machine)),
-            intake: Intake { programmed: start, entered: start, taken: 0, contouring, held },
+            intake: Intake { programmed: start, entered: start, taken: 0, smoothing, held },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
             profile: Profile::default(),
@@ -289,7 +289,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn is_at_rest(&self) -> bool {
         let taken_in = !self.lookahead.ring.is_empty()
             || !self.intake.held.is_none()
-            || !self.intake.contouring.is_empty();
+            || !self.intake.smoothing.is_empty();
         let handed_out = self.frontier.laid == self.flights.len() && self.frontier.emitter.is_done();
         let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end);
         !taken_in
@@ -387,16 +387,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// A piece of contour mode's work, if there is any: making a curve, or handing an element on.
+    /// A piece of the smoother's work, if there is any, or an element that goes on.
     fn round_off(&mut self) -> bool {
-        self.intake.contouring.go_on(self.dynamics) || self.pass_outgoing()
-    }
-
-    #[inline(never)]
-    fn pass_outgoing(&mut self) -> bool {
-        let Some(outgoing) = self.intake.contouring.outgoing() else { return false };
-        self.push_outgoing(&outgoing);
-        true
+        self.intake.smoothing.work(self.dynamics) || self.pass_smoothed()
     }
 
     /// Blocks are taken in, or the ring is planned if there is no room for another one.
@@ -407,11 +400,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
-        if !self.intake.contouring.is_empty() && self.round_off() {
+        if !self.intake.smoothing.is_empty() && self.round_off() {
             return Work::Working;
         }
-        if self.task.flush && self.intake.contouring.holds() {
-            self.intake.contouring.release(false);
+        if self.task.flush && self.intake.smoothing.holds() {
+            self.intake.smoothing.flush(false);
             return Work::Working;
         }
         if self.task.flush && !self.intake.held.is_none() {

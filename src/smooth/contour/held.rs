@@ -1,6 +1,6 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, pace, plus, size};
-use super::{Block, Data, Form, LSB_32, LSB_44, Outgoing, Parameters};
+use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
@@ -10,7 +10,7 @@ use crate::quantity::Position;
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Held<const AXES: usize> {
-    pub block: Block<AXES>,
+    pub block: ProgrammedBlock<AXES>,
     /// Path length as programmed, LSB 2^-44 mm.
     pub length: i64,
     /// How its end is rounded; not at all without.
@@ -119,7 +119,7 @@ impl<const AXES: usize> Held<AXES> {
     /// tolerance only as long as a straight line over them keeps a part of it; the corner has the rest.
     pub fn leave_out(
         &self,
-        next: &Block<AXES>,
+        next: &ProgrammedBlock<AXES>,
         rule: &Parameters,
         measure: &Measure,
     ) -> Option<Skipped<AXES>> {
@@ -154,7 +154,7 @@ impl<const AXES: usize> Held<AXES> {
         let (main, to) = (&measure.main, &next.block.to);
         let [path, track] = rule.relevant();
         let is_short = |held: &Self, path: f32| {
-            let Block { element, from, to, .. } = &held.block;
+            let ProgrammedBlock { element, from, to, .. } = &held.block;
             Self::in_space(element, held.length, measure) <= path && aside(main, &travel(from, to)) <= track
         };
         // A curve that ends in this block goes on in its direction.
@@ -221,7 +221,7 @@ impl<const AXES: usize> Held<AXES> {
         {
             return None;
         }
-        let block = Block { element, from: self.block.from, ..*block };
+        let block = ProgrammedBlock { element, from: self.block.from, ..*block };
         Some(Self { block, length: self.length.saturating_add(next.length), stray, ..*next })
     }
 
@@ -253,10 +253,16 @@ impl<const AXES: usize> Held<AXES> {
         self.block.data.feed.is_none()
     }
 
-    /// The block on its way out.
-    pub fn outgoing(&self) -> Outgoing<AXES> {
-        let Block { element, data, .. } = self.block;
-        Outgoing { element, data, curving: None, due: data.number }
+    /// What is left of the block, to be emitted.
+    pub fn smoothed(&self) -> Smoothed<'_, AXES> {
+        let ProgrammedBlock { element, data, .. } = &self.block;
+        Smoothed { element, data, curving: None, due: data.number }
+    }
+
+    /// The same by itself.
+    pub fn made(&self) -> Made<AXES> {
+        let ProgrammedBlock { element, data, .. } = self.block;
+        Made { element, data, curving: None, due: data.number }
     }
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose end is where it
@@ -271,15 +277,15 @@ impl<const AXES: usize> Held<AXES> {
             return None;
         };
         let length = element.shape.length.to_bits();
-        let block = Block { element, from, to, form: Form::Line, data };
+        let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
         Some(Self { block, length, rule: None, stray, previous: None, skipped: None })
     }
 
     /// The line in place of the blocks left out.
-    pub fn bridge(&self, measure: &Measure) -> Option<Outgoing<AXES>> {
+    pub fn bridge(&self, measure: &Measure) -> Option<Made<AXES>> {
         let Skipped { to, data, .. } = self.skipped?;
         let element = line(&self.block.to, &to, measure).ok().flatten()?;
-        Some(Outgoing { element, data, curving: None, due: data.number })
+        Some(Made { element, data, curving: None, due: data.number })
     }
 
     /// The rest of the block from a point on it.

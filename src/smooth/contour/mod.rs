@@ -41,68 +41,27 @@ use self::held::{Held, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
-use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, Plane};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind};
 use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line};
 use crate::quantity::{Distance, Position};
+use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
-/// How a block was programmed, to make its rest anew.
+/// An element that waits to be emitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
-    /// Straight.
-    Line,
-    /// About a centre.
-    Arc {
-        /// In the two axes of the plane.
-        centre: [Position; 2],
-        /// Its plane.
-        plane: Plane,
-        /// G02.
-        clockwise: bool,
-    },
+struct Made<const AXES: usize> {
+    element: Element<AXES>,
+    data: Data,
+    curving: Option<Curving>,
+    /// See [`Smoothed::due`].
+    due: u32,
 }
 
-/// What goes with a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Data {
-    /// Feed, mm/min; rapid without.
-    pub feed: Option<f32>,
-    /// Programmed N number.
-    pub n: u32,
-    /// Where it stands in the text.
-    pub place: Place,
-    /// Motion blocks before it.
-    pub number: u32,
-    /// It ends in an exact stop.
-    pub stop: bool,
-}
-
-/// A block as it comes in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block<const AXES: usize> {
-    /// Its curve.
-    pub element: Element<AXES>,
-    /// Where that begins.
-    pub from: [Position; AXES],
-    /// Where it ends.
-    pub to: [Position; AXES],
-    /// How it was programmed.
-    pub form: Form,
-    /// What goes with it.
-    pub data: Data,
-}
-
-/// What goes on to the look-ahead.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outgoing<const AXES: usize> {
-    /// The curve.
-    pub element: Element<AXES>,
-    /// What goes with it.
-    pub data: Data,
-    /// Set for the curve in a corner.
-    pub curving: Option<Curving>,
-    /// Functions with no more motion blocks before them come before it.
-    pub due: u32,
+impl<const AXES: usize> Made<AXES> {
+    fn smoothed(&self) -> Smoothed<'_, AXES> {
+        let Self { element, data, curving, due } = self;
+        Smoothed { element, data, curving: *curving, due: *due }
+    }
 }
 
 /// A curve in a corner on its way out: what goes with each half, and the functions due before it.
@@ -119,7 +78,7 @@ struct Turning<const AXES: usize> {
 
 impl<const AXES: usize> Turning<AXES> {
     /// The next element, which is not made yet.
-    fn begin(&mut self) -> Option<Outgoing<AXES>> {
+    fn begin(&mut self) -> Option<Made<AXES>> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
         let (mut element, draft) = self.course.next_element()?;
         if let Some(bounds) = element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
@@ -127,17 +86,17 @@ impl<const AXES: usize> Turning<AXES> {
         }
         self.draft = Some(draft);
         let data = Data { stop: false, ..data };
-        Some(Outgoing { element, data, curving: Some(self.curving), due })
+        Some(Made { element, data, curving: Some(self.curving), due })
     }
 
     /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
     #[cold]
     #[inline(never)]
-    fn go_straight(&mut self, from: &[Position; AXES], measure: &Measure) -> Option<Outgoing<AXES>> {
+    fn go_straight(&mut self, from: &[Position; AXES], measure: &Measure) -> Option<Made<AXES>> {
         self.draft = None;
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
         let element = line(from, self.course.finish(), measure).ok()??;
-        Some(Outgoing { element, data: Data { stop: false, ..data }, curving: None, due })
+        Some(Made { element, data: Data { stop: false, ..data }, curving: None, due })
     }
 
     /// Goes on making it. `None` where it cannot be made.
@@ -163,8 +122,8 @@ pub struct Contouring<const AXES: usize> {
     once: bool,
     /// What goes out, in this order: the block before a corner, element by element its curve, or what stands for blocks
     /// left out, the block behind it.
-    before: Option<Outgoing<AXES>>,
-    bridge: Option<Outgoing<AXES>>,
+    before: Option<Made<AXES>>,
+    bridge: Option<Made<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<Held<AXES>>,
     /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one. Only
@@ -279,52 +238,9 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// No curve at the end of the last block. If that is left out, the corner before it stays.
-    pub fn cancel(&mut self) {
-        if let Some(last) = self.last() {
-            last.end();
-        }
-    }
-
     /// The block that came last, if it is held back.
     fn last(&mut self) -> Option<&mut Held<AXES>> {
         self.waiting.as_mut().or(self.held.as_mut())
-    }
-
-    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only when
-    /// [`Self::outgoing`] has no more.
-    pub fn is_idle(&self) -> bool {
-        self.held.is_none() && !self.on && !self.once
-    }
-
-    /// Takes in the next block; only when [`Self::outgoing`] has no more. `parted`: functions stand between it and the block before.
-    #[inline(never)]
-    pub fn take(&mut self, block: &Block<AXES>, dynamics: &Dynamics<AXES>, parted: bool) {
-        let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
-        if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
-            self.on = false;
-            rounds = false;
-            self.remark = Some(NcWarningKind::PtpArc);
-        }
-        let next = Held {
-            block: *block,
-            length: block.element.shape.length.to_bits(),
-            rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
-            stray: Stray::NONE,
-            previous: None,
-            skipped: None,
-        };
-        if let Some(waiting) = self.waiting.take() {
-            let behind = waiting.rule.map(|_| next.length);
-            self.waiting = Some(next);
-            self.enter(waiting, behind, true, dynamics);
-            return;
-        }
-        if next.weighs() && self.held.is_some() {
-            self.waiting = Some(next);
-            return;
-        }
-        self.enter(next, None, parted, dynamics);
     }
 
     /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`: length of the one
@@ -341,7 +257,7 @@ impl<const AXES: usize> Contouring<AXES> {
             if let Some(standing) = held.stands(&next, &rule, &self.measure) {
                 let from = if standing.whole { held.block.from } else { held.block.to };
                 if let Ok(Some(element)) = line(&from, &block.to, &self.measure) {
-                    next.block = Block { element, from, form: Form::Line, ..block };
+                    next.block = ProgrammedBlock { element, from, form: Form::Line, ..block };
                     next.length = element.shape.length.to_bits();
                     next.stray = standing.stray;
                     held.skipped = None;
@@ -372,88 +288,15 @@ impl<const AXES: usize> Contouring<AXES> {
         self.held = Some(next);
     }
 
-    /// What is to be said about the curve that the last block led to, once.
-    pub fn remark(&mut self) -> Option<NcWarningKind> {
-        self.remark.take()
-    }
-
-    /// Lets go of the block held back; `stop` demands a standstill at its end.
-    pub fn release(&mut self, stop: bool) {
-        if let Some(last) = self.last() {
-            last.end();
-            last.skipped.as_mut().map_or(&mut last.block.data, |skipped| &mut skipped.data).stop |= stop;
-        }
-    }
-
-    /// Forgets what it holds.
-    pub fn clear(&mut self) {
-        (self.held, self.waiting, self.joining) = (None, None, None);
-        (self.before, self.course, self.bridge) = (None, None, None);
-        self.once = false;
-    }
-
-    /// Whether the end of the last block is to be rounded.
-    pub fn rounds(&self) -> bool {
-        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())
-    }
-
-    /// Whether a block is held back.
-    pub fn holds(&self) -> bool {
-        self.held.is_some()
-    }
-}
-
-impl<const AXES: usize> Contouring<AXES> {
-    /// Whether nothing is to be done and nothing goes on before another block comes.
-    #[inline(always)]
-    pub fn is_empty(&self) -> bool {
-        // Whatever there is else, is there with a block held back.
-        self.held.is_none() && self.bridge.is_none()
-    }
-
     /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no curve.
     #[inline(never)]
     fn joined(&mut self) {
         let Some(joining) = &self.joining else { return };
-        self.before = Some(joining.held.outgoing()).filter(|out| out.element.shape.length > Distance::ZERO);
+        self.before = Some(joining.held.made()).filter(|made| made.element.shape.length > Distance::ZERO);
         if self.course.is_none() {
             self.bridge = joining.held.bridge(&self.measure);
         }
         self.joining = None;
-    }
-
-    /// Goes on with the corner before the block held back: a bounded piece of work. `false` if nothing is to be done, and only then
-    /// [`Self::outgoing`] knows what goes on.
-    #[inline(never)]
-    pub fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
-            let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
-            let parameters = &self.parameters.by(method);
-            let setting = Setting { measure: &self.measure, parameters, dynamics };
-            if let Some(course) = joining.go_on(next, &setting) {
-                self.course = course;
-                self.joined();
-            }
-            return true;
-        }
-        let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
-        match &mut self.before {
-            // The block before the corner, or an element that is made.
-            Some(_) if turning.draft.is_none() => return false,
-            Some(outgoing) => {
-                if turning.go_on(&mut outgoing.element).is_some() {
-                    return true;
-                }
-            }
-            None => {
-                self.before = turning.begin();
-                if self.before.is_some() {
-                    return true;
-                }
-            }
-        }
-        self.go_straight();
-        true
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
@@ -486,19 +329,125 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         true
     }
+}
 
-    /// What goes on next, if anything does before another block comes.
-    pub fn outgoing(&mut self) -> Option<Outgoing<AXES>> {
-        // Asked before taking: an empty one would be copied too.
-        if self.before.is_some() {
-            return self.before.take();
+impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
+    #[inline(never)]
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parted: bool) {
+        let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
+        if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
+            self.on = false;
+            rounds = false;
+            self.remark = Some(NcWarningKind::PtpArc);
         }
-        if self.bridge.is_some() {
-            return self.bridge.take();
+        let next = Held {
+            block: *block,
+            length: block.element.shape.length.to_bits(),
+            rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
+            stray: Stray::NONE,
+            previous: None,
+            skipped: None,
+        };
+        if let Some(waiting) = self.waiting.take() {
+            let behind = waiting.rule.map(|_| next.length);
+            self.waiting = Some(next);
+            self.enter(waiting, behind, true, dynamics);
+            return;
         }
-        if self.held.as_ref()?.rule.is_some() {
-            return None;
+        if next.weighs() && self.held.is_some() {
+            self.waiting = Some(next);
+            return;
         }
-        Some(self.held.take()?.outgoing())
+        self.enter(next, None, parted, dynamics);
+    }
+
+    #[inline(never)]
+    fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
+            let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
+            let parameters = &self.parameters.by(method);
+            let setting = Setting { measure: &self.measure, parameters, dynamics };
+            if let Some(course) = joining.go_on(next, &setting) {
+                self.course = course;
+                self.joined();
+            }
+            return true;
+        }
+        let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
+        match &mut self.before {
+            // The block before the corner, or an element that is made.
+            Some(_) if turning.draft.is_none() => return false,
+            Some(made) => {
+                if turning.go_on(&mut made.element).is_some() {
+                    return true;
+                }
+            }
+            None => {
+                self.before = turning.begin();
+                if self.before.is_some() {
+                    return true;
+                }
+            }
+        }
+        self.go_straight();
+        true
+    }
+
+    fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        if let Some(made) = &self.before {
+            into(&made.smoothed());
+            self.before = None;
+            return true;
+        }
+        if let Some(made) = &self.bridge {
+            into(&made.smoothed());
+            self.bridge = None;
+            return true;
+        }
+        let Some(held) = self.held.as_ref().filter(|held| held.rule.is_none()) else { return false };
+        into(&held.smoothed());
+        self.held = None;
+        true
+    }
+
+    fn flush(&mut self, stop: bool) {
+        if let Some(last) = self.last() {
+            last.end();
+            last.skipped.as_mut().map_or(&mut last.block.data, |skipped| &mut skipped.data).stop |= stop;
+        }
+    }
+
+    fn cancel(&mut self) {
+        if let Some(last) = self.last() {
+            last.end();
+        }
+    }
+
+    fn clear(&mut self) {
+        (self.held, self.waiting, self.joining) = (None, None, None);
+        (self.before, self.course, self.bridge) = (None, None, None);
+        self.once = false;
+    }
+
+    fn remark(&mut self) -> Option<NcWarningKind> {
+        self.remark.take()
+    }
+
+    fn is_idle(&self) -> bool {
+        self.held.is_none() && !self.on && !self.once
+    }
+
+    #[inline(always)]
+    fn is_empty(&self) -> bool {
+        // Whatever there is else, is there with a block held back.
+        self.held.is_none() && self.bridge.is_none()
+    }
+
+    fn rounds(&self) -> bool {
+        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())
+    }
+
+    fn holds(&self) -> bool {
+        self.held.is_some()
     }
 }
