@@ -48,7 +48,10 @@ pub fn arc<const AXES: usize>(
     if !measure.is_space() && !axes.iter().all(|k| measure.feeds(*k)) {
         return Err(PathError::NoFeedPlane(plane));
     }
-    let (travel, ends) = Ends::new(start, target, centre, axes)?;
+    let mut travel = [0; AXES];
+    let points = points(start, target, centre, axes, &mut travel)?;
+    let lengths = lengths(points)?;
+    let ends = Ends::new(points, lengths);
     let swept = ends.swept(clockwise);
     let angle = mul_shift(swept, TWO_PI, 60);
     let [len0, len1] = ends.lengths;
@@ -58,12 +61,7 @@ pub fn arc<const AXES: usize>(
     let difference = len1 - len0;
     let plane0 = mul_shift(len0, angle, 60);
     let plane1 = if difference == 0 { plane0 } else { mul_shift(len1, angle, 60) };
-    let mut outside = travel;
-    for k in axes {
-        if let Some(travel) = outside.get_mut(k) {
-            *travel = 0;
-        }
-    }
+    let outside = outside(&travel, axes);
     let flat = reach(&outside) == 0;
     let outer = if flat { None } else { Some(&outside) };
     let travelled = travelled(plane0.max(plane1), difference, outer, measure);
@@ -117,6 +115,18 @@ pub fn arc<const AXES: usize>(
     Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
 }
 
+/// What the axes outside the plane travel.
+#[inline(always)]
+fn outside<const AXES: usize>(travel: &[i64; AXES], plane: [usize; 2]) -> [i64; AXES] {
+    let mut outside = *travel;
+    for k in plane {
+        if let Some(travel) = outside.get_mut(k) {
+            *travel = 0;
+        }
+    }
+    outside
+}
+
 /// Start and end of an arc in its plane, seen from its centre.
 struct Ends {
     /// Both points, LSB 2^-44 mm.
@@ -128,49 +138,60 @@ struct Ends {
     apart: bool,
 }
 
+/// Start and end of an arc in its plane about `centre`, LSB 2^-44 mm, and what every axis travels.
+#[inline(always)]
+fn points<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    centre: [Position; 2],
+    axes: [usize; 2],
+    travel: &mut [i64; AXES],
+) -> Result<[[i64; 2]; 2], PathError> {
+    let (mut bits, mut over) = (0i64, false);
+    for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
+        let wide;
+        (*travel, wide) = to.to_bits().overflowing_sub(from.to_bits());
+        over |= wide;
+        bits |= *travel ^ *travel >> 63;
+    }
+    let at = |k: usize| (start.get(k).map_or(0, |x| x.to_bits()), travel.get(k).copied().unwrap_or(0));
+    let [(p, dp), (q, dq)] = [at(axes[0]), at(axes[1])];
+    let ((p0, wide_p), (q0, wide_q)) =
+        (p.overflowing_sub(centre[0].to_bits()), q.overflowing_sub(centre[1].to_bits()));
+    let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
+    over |= wide_p | wide_q | wider_p | wider_q;
+    for x in [p0, q0, p1, q1] {
+        // Half as far.
+        bits |= x << 1 ^ x >> 63;
+    }
+    if over || bits as u64 >= (LONGEST >> FINER) as u64 {
+        return Err(PathError::TooLong);
+    }
+    Ok([[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]])
+}
+
+/// How far both are from the centre, LSB 2^-44 mm.
+#[inline(always)]
+fn lengths(points: [[i64; 2]; 2]) -> Result<[i64; 2], PathError> {
+    let [len0, len1] = points.map(plane_hypot);
+    if len0 == 0 || len1 == 0 {
+        return Err(PathError::NoRadius);
+    }
+    let difference = (len1 - len0).abs();
+    if difference > DIFFERENCE && difference > LARGEST_DIFFERENCE.min(len0 >> 10) {
+        return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
+    }
+    Ok([len0, len1])
+}
+
 impl Ends {
-    /// What every axis travels, and both ends about `centre`.
     #[inline(always)]
-    fn new<const AXES: usize>(
-        start: &[Position; AXES],
-        target: &[Position; AXES],
-        centre: [Position; 2],
-        axes: [usize; 2],
-    ) -> Result<([i64; AXES], Self), PathError> {
-        let mut travel = [0; AXES];
-        let (mut bits, mut over) = (0i64, false);
-        for ((travel, from), to) in travel.iter_mut().zip(start).zip(target) {
-            let wide;
-            (*travel, wide) = to.to_bits().overflowing_sub(from.to_bits());
-            over |= wide;
-            bits |= *travel ^ *travel >> 63;
-        }
-        let at = |k: usize| (start.get(k).map_or(0, |x| x.to_bits()), travel.get(k).copied().unwrap_or(0));
-        let [(p, dp), (q, dq)] = [at(axes[0]), at(axes[1])];
-        let ((p0, wide_p), (q0, wide_q)) =
-            (p.overflowing_sub(centre[0].to_bits()), q.overflowing_sub(centre[1].to_bits()));
-        let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
-        over |= wide_p | wide_q | wider_p | wider_q;
-        for x in [p0, q0, p1, q1] {
-            // Half as far.
-            bits |= x << 1 ^ x >> 63;
-        }
-        let points = [[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]];
-        if over || bits as u64 >= (LONGEST >> FINER) as u64 {
-            return Err(PathError::TooLong);
-        }
-        let lengths = points.map(plane_hypot);
-        let [len0, len1] = lengths;
-        if len0 == 0 || len1 == 0 {
-            return Err(PathError::NoRadius);
-        }
-        let difference = (len1 - len0).abs();
-        if difference > DIFFERENCE && difference > LARGEST_DIFFERENCE.min(len0 >> 10) {
-            return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
-        }
-        let radii = [Radius::new(points[0], len0), Radius::new(points[1], len1)];
-        let apart = dp.abs() > SAME_POINT || dq.abs() > SAME_POINT;
-        Ok((travel, Self { points, lengths, radii, apart }))
+    fn new(points: [[i64; 2]; 2], lengths: [i64; 2]) -> Self {
+        let [[p0, q0], [p1, q1]] = points;
+        let far = |from: i64, to: i64| (to - from).abs() > SAME_POINT << FINER;
+        let apart = far(p0, p1) || far(q0, q1);
+        let radii = [Radius::new(points[0], lengths[0]), Radius::new(points[1], lengths[1])];
+        Self { points, lengths, radii, apart }
     }
 
     /// Angle travelled, LSB 2^-60 revolutions.

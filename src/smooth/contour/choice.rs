@@ -14,6 +14,7 @@ use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::ContourMethod;
+use crate::path::Measure;
 use crate::slope::ramp::Ramp;
 
 /// The two blocks of a corner, seen from it: how long their parts take beside a curve.
@@ -128,11 +129,8 @@ impl Candidate {
         };
         let [a, j] = dynamics.together(&change, rapid, of);
         if soft {
-            let mut distance = rule.distances([most; 2])[0];
-            if tracks(&setting.measure.main, &change) {
-                distance = min(distance, rule.track_distance());
-            }
             let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
+            let distance = soft_distance(rule, most, &change, setting.measure);
             let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
             return way.is_long().then_some(Self { way, time: None });
         }
@@ -171,6 +169,17 @@ impl Candidate {
         };
         way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
     }
+}
+
+/// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
+fn soft_distance<const AXES: usize>(
+    rule: &Parameters,
+    most: f32,
+    change: &[f32; AXES],
+    measure: &Measure,
+) -> f32 {
+    let distance = rule.distances([most; 2])[0];
+    if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
 /// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of which a hair is left.
