@@ -31,7 +31,7 @@ pub struct Set {
     pub geometric_budget: f32,
     /// Acceleration left to the slope beside a knee.
     pub a_shared: f32,
-    /// The same where acceleration is zero at the knee.
+    /// Acceleration left to the slope beside a knee where acceleration is zero.
     pub a_resting: f32,
 }
 

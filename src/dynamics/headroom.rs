@@ -69,7 +69,7 @@ impl Headroom {
         v / self.raised(level) * self.parts()[0]
     }
 
-    /// The same where the machine permits no more than `most` on a block that was planned with `v` for a level.
+    /// How a block follows the override that was planned with `v` for a level, where the machine permits no more than `most`.
     pub(crate) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);

@@ -169,7 +169,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// The same for a straight line: its direction (LSB 2^-40).
+    /// Limits of a straight line with this direction (LSB 2^-40), run with `feed` (mm/min), or as rapid motion without one.
     #[inline(never)]
     pub(crate) fn line(&self, tangent: &[i64; AXES], feed: Option<f32>) -> Permitted {
         self.permitted(tangent, &None, feed)

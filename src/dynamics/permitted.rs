@@ -28,7 +28,7 @@ pub struct Share {
     pub j: f32,
     /// Acceleration, mm/tick².
     pub a: f32,
-    /// The same where it is zero at the transition.
+    /// Acceleration where it is zero at the transition, mm/tick².
     pub a_resting: f32,
 }
 

@@ -55,7 +55,7 @@ struct Next<'a, const AXES: usize> {
 struct Transition {
     /// Speed of the motion there, at most.
     cap: f32,
-    /// The same whatever the speeds of both blocks: their feeds may rise with the override.
+    /// Speed there, at most, whatever the speeds of both blocks: their feeds may rise with the override.
     highest: f32,
     /// It takes a part of the limits on both sides.
     shared: bool,

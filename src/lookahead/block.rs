@@ -16,7 +16,7 @@ pub struct Block {
     pub(super) limits: Limits,
     /// Speed at which its start may be passed at most, mm/tick.
     pub(super) cap: f32,
-    /// The same whatever the speeds of the blocks beside it: their feeds may rise with the override.
+    /// Speed at its start, at most, whatever the speeds of both blocks there: their feeds may rise with the override. mm/tick.
     pub(super) highest: f32,
     /// Planned speed at its start.
     pub(super) v_in: Speed,

@@ -48,7 +48,7 @@ impl Ease {
         Self { less: [up, down], v: f32::from_le_bytes(v) }
     }
 
-    /// The same to be kept there.
+    /// The bits in which it is kept in a block.
     pub fn kept(self) -> Speed {
         let ([up, down], [v0, v1, v2, v3]) = (self.less, self.v.to_le_bytes());
         Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))

@@ -96,7 +96,7 @@ impl Plan {
         }
     }
 
-    /// The same with spans of several blocks: as much as one call may do.
+    /// Goes on with a plan of spans of several blocks, as much as one call may do; `true` when it is complete.
     #[inline(never)]
     fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) -> bool {
         let mut work = WORK;

@@ -47,7 +47,7 @@ pub struct Release {
 pub struct Slow {
     /// The lowest of their speeds.
     pub least: f32,
-    /// The same, with those of slow blocks that are in part in the span: only of several blocks.
+    /// The lowest speed of its blocks and of slow blocks that are in part in the span. Set for several blocks only.
     pub shared: f32,
     /// What is left of the span may be as fast as that: see [`Release::cruises`]. 0: not known.
     pub cruise: f32,

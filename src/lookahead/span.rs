@@ -1,7 +1,7 @@
 //! Speeds at the anchors, and which transitions are anchors.
 //!
 //! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
-//! block inside, those ends of the slowest such block become anchors at which it is too fast (both, if it is too fast only
+//! block inside, an end of the slowest such block becomes an anchor where the law is too fast there (both, if it is too fast only
 //! between them), and all sides are planned again. Acceleration
 //! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring, unless
 //! [`super::ease`] finds a faster law without it.

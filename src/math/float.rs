@@ -11,7 +11,7 @@ pub fn to_f32(x: i64) -> f32 {
     if x < 0 { -size } else { size }
 }
 
-/// The same for an unsigned number.
+/// `x` as `f32`, relative error at most 2^-23.
 #[inline(always)]
 pub fn size_f32(x: u64) -> f32 {
     (x >> 32) as u32 as f32 * TWO_32 + x as u32 as f32

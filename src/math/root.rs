@@ -115,7 +115,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
     }
 }
 
-/// The same for a normal number above 0.
+/// The root of a normal number above 0.
 #[inline(always)]
 fn heron(x: f32) -> f32 {
     let mut s = f32::from_bits((x.to_bits() + 0x3f80_0000) >> 1);

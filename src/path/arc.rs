@@ -271,7 +271,7 @@ fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
 struct Radius {
     /// Its direction: length in 2^61..2^62.
     direction: [Halves; 2],
-    /// The same of length 1, LSB 2^-60: off by 2^-56 at most.
+    /// The direction with length 1, LSB 2^-60: off by 2^-56 at most.
     unit: [i64; 2],
 }
 

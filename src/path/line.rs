@@ -26,7 +26,7 @@ pub fn line<const AXES: usize>(
     Ok(straight(start, target, measure)?.map(|line| line.element()))
 }
 
-/// The same, not yet as an element.
+/// A line from `start` to `target` that is not an element yet; `None` where nothing moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -99,7 +99,7 @@ impl<const AXES: usize> Shape<AXES> {
         self.set_gains_by(travel, self.reciprocal());
     }
 
-    /// The same with [`Self::reciprocal`].
+    /// Makes the linear part of what every axis travels, by the [`Self::reciprocal`] of the length.
     #[inline(always)]
     pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {

@@ -22,7 +22,7 @@ use crate::quantity::{Distance, Position};
 /// half of that.
 const TOLERANCE: i64 = 4900;
 
-/// The same in mm, with the rounding of what is made of it.
+/// [`TOLERANCE`] in mm, with the rounding of what is made of it.
 pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 - 1.0 / 1_048_576.0);
 
 /// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the tolerance.

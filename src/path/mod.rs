@@ -321,7 +321,7 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// The same at its end. Of a line without a branch for every axis, which would keep the halves of `w` apart.
+    /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w` apart.
     #[inline(always)]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {

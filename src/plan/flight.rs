@@ -127,7 +127,7 @@ impl Flights {
         if k < self.len { self.slots.get((self.front + k) % SLOTS) } else { None }
     }
 
-    /// The same, to change it.
+    /// The one `k` behind the front, to change it.
     #[inline(always)]
     pub fn get_mut(&mut self, k: usize) -> Option<&mut Flight> {
         if k < self.len { self.slots.get_mut((self.front + k) % SLOTS) } else { None }

@@ -184,7 +184,7 @@ impl Functions {
         self.forget();
     }
 
-    /// The same where none is planned.
+    /// Forgets all functions where none is planned.
     pub fn forget(&mut self) {
         self.entries.clear();
         self.gates.clear();

@@ -82,7 +82,7 @@ impl Mode {
 /// No law at a part of its speed is longer: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
 
-/// What a law reaches of the one planned.
+/// How far a new law follows the planned one.
 enum Fit {
     /// Its end speed, or that of now.
     Whole,
@@ -401,7 +401,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         made
     }
 
-    /// The same; spans behind it are left as they are ([`Self::note_passed`]).
+    /// Makes the law of the next span that has none, and leaves spans behind it as they are ([`Self::note_passed`]).
     fn make_law(&mut self) -> Result<(), Unplannable> {
         let (k, v_in) = (self.frontier.laid, self.frontier.speed);
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());

@@ -81,7 +81,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.push_here(&element.piece(), limits, pass, (due, false), end);
     }
 
-    /// The same, inline: of a line only what lines have is made.
+    /// Puts an element into queue and look-ahead, inline: of a line only what lines have is made.
     #[inline(always)]
     pub fn push_here(
         &mut self,

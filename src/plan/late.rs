@@ -16,7 +16,7 @@ use crate::smooth::Smoother;
 /// Ticks of motion in the queue below which nothing is waited for: time for the plan of a full ring.
 const LOW: u32 = 64;
 
-/// The same for a planner that does not keep up, which needs more time for it.
+/// Ticks of motion in the queue that are few for a planner that does not keep up: its plan takes longer.
 const DRY: u32 = 256;
 
 /// Curves handed on, and pieces of time, that are few: of a full ring a tick leaves more.

@@ -493,7 +493,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.segments.hand_on(curves);
     }
 
-    /// What the span of so many blocks is called that begins on the curve with the number `first`, and ends on the last one handed on.
+    /// Keeps the number, the blocks and the N number of a span. It begins on the curve with the number `first` and ends on the last one
+    /// handed on.
     fn name(&mut self, first: u32, blocks: usize) {
         let segments = &self.queue.segments;
         let Some(first) = segments.recent(first) else { return };

@@ -32,7 +32,7 @@ enum Kind {
     Hold,
     /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
     Fall,
-    /// The same two with the acceleration of [`Bend::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 − u).
+    /// Acceleration grows, and falls, as in [`Bend::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 − u).
     SineRise,
     SineFall,
 }
@@ -133,7 +133,7 @@ impl Emitter {
         self.at_hand().is_some()
     }
 
-    /// The same: that part, with what else a piece needs.
+    /// The part at hand, with what else a piece needs.
     #[inline(always)]
     fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
         let Self { parts, part: number, count, next, per_time, .. } = self;
@@ -280,7 +280,7 @@ impl Part {
         }
     }
 
-    /// The same in another part, as coefficients in ticks.
+    /// The piece that begins at the time `t` in a part with a linear ramp, as coefficients in ticks.
     #[inline(never)]
     fn piece(&self, per_time: &PerTime, t: u64) -> Phase {
         let delta = self.v1 - self.v0;
@@ -317,7 +317,7 @@ impl Part {
         }
     }
 
-    /// The same in a ramp of [`Bend::SineSquare`], and the time at which its piece ends.
+    /// The piece that begins at the time `t` in a ramp of [`Bend::SineSquare`], and the time at which that piece ends.
     #[inline(never)]
     fn sine_piece(&self, per_time: &PerTime, t: u64) -> (Phase, u64) {
         let falls = self.kind == Kind::SineFall;
@@ -349,7 +349,7 @@ impl Part {
         (phase, end)
     }
 
-    /// The same within the first tick of the part, from its start: the powers of t stay below 1.
+    /// The piece that begins within the first tick of a part, from the start of that: the powers of t stay below 1.
     #[inline(never)]
     fn first_piece(&self, per_time: &PerTime, t32: u32, rest: u32, phase: &mut Phase) {
         let times = |x: i64| mul_u32(x, t32, 32);

@@ -91,7 +91,7 @@ impl Change {
         self.plan(ramp, [low, high], low, high, |times| times);
     }
 
-    /// The same backward, from `high` to `low`.
+    /// Becomes the change from `high` to `low`.
     #[inline(always)]
     pub(super) fn slow_down(&mut self, ramp: &Ramp, high: i64, low: i64) {
         self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
@@ -319,7 +319,7 @@ pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit
     }
 }
 
-/// The same for ramps of one law.
+/// Highest peak of a profile whose ramps belong to one law.
 ///
 /// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
 /// halves where a step leaves it; the first guess is exact from rest to rest.

@@ -30,7 +30,7 @@ impl Ramp {
     /// Of nothing.
     pub const NONE: Self = Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0 });
 
-    /// The same with linear ramps.
+    /// This change of speed with linear ramps.
     pub fn linear(self) -> Self {
         match self {
             Self::Bowed(ramp) => {

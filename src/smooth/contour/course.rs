@@ -204,7 +204,7 @@ impl<const AXES: usize> Course<AXES> {
         Fit::Working
     }
 
-    /// The same through a given point. What no number of elements makes even is as even as it can be.
+    /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it can be.
     fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
         let fits = !cuts.is_full() && self.is_fine(u32::from(cuts.count), even, f32::MAX);
         let fit = if fits && cuts.accept() { Fit::Ready } else { Fit::Working };

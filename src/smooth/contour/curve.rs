@@ -275,7 +275,7 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent, curvature }
     }
 
-    /// The same over a path of which there are so many mm per u.
+    /// The point at `u`, with direction and curvature over a path of which there are so many mm per u.
     pub fn site_over(&self, path: f32, u: f32) -> Site<AXES> {
         let [offset, first, second] = self.at(u);
         let per = 1.0 / path;

@@ -259,7 +259,7 @@ impl<const AXES: usize> Held<AXES> {
         Smoothed { element, data, curving: None, due: data.number }
     }
 
-    /// The same by itself.
+    /// What is left of the block, as a value of its own.
     pub fn made(&self) -> Made<AXES> {
         let ProgrammedBlock { element, data, .. } = self.block;
         Made { element, data, curving: None, due: data.number }

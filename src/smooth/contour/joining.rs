@@ -18,7 +18,7 @@ use crate::quantity::{Distance, Position};
 /// tolerance has to spare.
 const SLIVER: u32 = 14;
 
-/// The same of a curve over time, which becomes slower by that much: its distance comes short of what is there by what its
+/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by what its
 /// rounding needs.
 const SCRAP: u32 = 18;
 
@@ -322,7 +322,7 @@ impl<const AXES: usize> Joining<AXES> {
         Some(ends.join(held, next, Curve::Even(*course), steady, setting))
     }
 
-    /// The same of a curve over time.
+    /// Cuts both blocks where a curve over time begins and ends, and makes it.
     #[inline(never)]
     fn overlap(
         held: &mut Held<AXES>,

@@ -61,7 +61,7 @@ impl Rise {
         Self::new(min(v, fastest * (1.0 - 1.0 / 1_048_576.0)), a, j)
     }
 
-    /// The same speed, gained in so many times the time.
+    /// A rise to the speed of this one in so many times its time.
     pub fn stretched(self, by: f64) -> Self {
         Self { j: self.j / (by * by), ramp: self.ramp * by, hold: self.hold * by, v: self.v }
     }
@@ -177,12 +177,12 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// The same in so many times the time, and so many times as far from the corner.
+    /// An overlap that takes so many times the time of this one, and begins so many times as far from the corner.
     pub fn stretched(self, by: f64) -> Self {
         Self { rise: self.rise.stretched(by), time: self.time * by }
     }
 
-    /// The same with no more than the ramps.
+    /// An overlap of the ramps alone.
     pub fn brief(self) -> Self {
         Self { time: f64::min(self.time, self.rise.ramp), ..self }
     }
