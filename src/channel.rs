@@ -1,11 +1,10 @@
-//! Planner and interpolator: wiring only, all that an application holds.
+//! Planner, interpolator and operator: wiring only, all that an application holds.
 //!
 //! The front page of the crate shows how they are used.
 mod memory;
 
-pub use memory::Channel;
+pub use memory::{Channel, Handles};
 
-use crate::control::Control;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
@@ -17,8 +16,8 @@ use crate::nc::{
 use crate::path::measure::FEED_AXES;
 use crate::planning::{MotionError, Planning, Work};
 use crate::quantity::{Distance, Position, Speed, Time};
-use crate::queue::Function;
 use crate::slope::profile::Unplannable;
+use crate::technology::Function;
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -314,11 +313,6 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         }
     }
 
-    /// Where the operator's commands go.
-    pub fn control(&self) -> &'a Control {
-        self.planning.control()
-    }
-
     /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
     /// the next line of the program on, also where that zero offset is in force; nothing moves.
     ///
@@ -342,7 +336,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// Whether the motion stands still because a function is not acknowledged: [`Control::awaited`].
+    /// Whether the motion stands still because a function is not acknowledged: [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting()
     }

@@ -5,11 +5,12 @@
 //!  text → nc ─commands→ path ─segments→ lookahead ─speeds→ slope ─time law→ queue → tick ─set points→ axis → board
 //! ```
 //!
-//! An application holds two halves of one [`channel::Channel`]: the [`channel::Planner`] runs where time is not
-//! critical and is called again and again; the [`tick::Interpolator`] is moved into the timer interrupt.
+//! An application holds three handles of one [`channel::Channel`]: the [`channel::Planner`] runs where time is not
+//! critical and is called again and again; the [`tick::Interpolator`] is moved into the timer interrupt; the
+//! [`operator::Operator`] gives commands, takes the functions that are due and sees the status, in any task or on another core.
 //!
 //! ```
-//! use glidepath::channel::{Channel, Progress};
+//! use glidepath::channel::{Channel, Handles, Progress};
 //! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 //! use glidepath::quantity::Position;
 //! use glidepath::tick::State;
@@ -21,7 +22,8 @@
 //!
 //! // On a controller a static variable: all of the memory is in it.
 //! let mut memory = Channel::<3, 120>::new();
-//! let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+//! let handles = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+//! let Handles { mut planner, mut interpolator, operator } = handles;
 //! let mut planned = false;
 //! loop {
 //!     // In the main loop or a task: until the queue is full, or everything is in it.
@@ -39,10 +41,12 @@
 //!         break;
 //!     }
 //! }
+//! // In a PLC or serial task: commands, functions that are due, acknowledgements, and what happens now.
+//! assert_eq!((operator.output(), operator.status().n), (None, 10));
 //! assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
 //! ```
 #![no_std]
-// Only the rings of `queue` may, and say why: `ring`, `course` and `reserve`.
+// Only the rings of `queue` may, and say why: `ring`, `course`, `reserve` and `actions`, and the cells they are made of (`word`).
 #![deny(unsafe_code)]
 
 pub mod quantity;
@@ -66,6 +70,8 @@ pub mod queue;
 pub mod tick;
 
 pub mod axis;
+
+pub mod operator;
 
 pub mod technology;
 

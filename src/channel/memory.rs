@@ -2,19 +2,30 @@
 use super::{MachineError, Planner, Source, check};
 use crate::machine::MachineData;
 use crate::nc::{Decoder, DecoderMemory, Setup, Text};
+use crate::operator::Operator;
 use crate::planning::{Planning, PlanningMemory};
 use crate::quantity::Position;
 use crate::queue::Rings;
 use crate::tick::Interpolator;
 
-/// All memory of planner and interrupt, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+/// All memory of planner, interrupt and operator, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
 ///
-/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes both halves in it: what they are beside that are
+/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes the handles in it: what they are beside that are
 /// some hundred bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize> {
     rings: Rings<AXES, BLOCKS>,
     decoder: DecoderMemory<AXES>,
     planning: PlanningMemory<AXES, BLOCKS>,
+}
+
+/// The handles of a channel. Each belongs to one context; all are `Send`.
+pub struct Handles<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
+    /// Where time is not critical: a main loop, a task, a low-priority interrupt.
+    pub planner: Planner<'a, T, AXES, BLOCKS>,
+    /// The timer interrupt: of higher priority than the planner, or on another core.
+    pub interpolator: Interpolator<'a, AXES>,
+    /// Whoever gives commands and carries out functions: a PLC task, a serial task, another core.
+    pub operator: Operator<'a, AXES>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
@@ -23,7 +34,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         Self { rings: Rings::new(), decoder: DecoderMemory::new(), planning: PlanningMemory::new() }
     }
 
-    /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
+    /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`.
     ///
     /// # Errors
     /// Machine data out of range, or that this version cannot work with.
@@ -32,10 +43,10 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         machine: &MachineData<AXES>,
         start: [Position; AXES],
         text: T,
-    ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError> {
+    ) -> Result<Handles<'a, T, AXES, BLOCKS>, MachineError> {
         check::<AXES, BLOCKS>(machine)?;
         let Self { rings, decoder, planning } = self;
-        let (sender, receiver) = rings.split();
+        let (sender, receiver, panel) = rings.split();
         let planner = Planner {
             decoder: Decoder::new(decoder, Setup::new(machine, start), text),
             planning: Planning::new(planning, machine, start, sender),
@@ -45,7 +56,8 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             held: None,
             released: 0,
         };
-        Ok((planner, Interpolator::new(receiver, start)))
+        let (interpolator, operator) = (Interpolator::new(receiver, start), Operator::new(panel));
+        Ok(Handles { planner, interpolator, operator })
     }
 
     /// A decoder alone, in the memory of this channel: to look through `text` before it is run.

@@ -15,11 +15,10 @@
 use super::descent::{Descent, Passed};
 use super::flight::Flight;
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Time,
-    Unplannable, Work,
+    Brake, Commands, Control, Distance, Instant, PIECES, Planning, Speed, Stage, Time, Unplannable, Work,
 };
 use super::{clock, max, min, speed_f32};
-use crate::queue::{Event, PHASES};
+use crate::queue::{Change, Cut, PHASES, TooLate};
 use crate::slope::profile::speed_bits;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
@@ -47,8 +46,8 @@ pub(super) struct Mode {
     pub(super) halting: bool,
     /// It is handed out.
     standing: bool,
-    /// The instant of the cut that may be pending, and the last one at which one was tried.
-    pub(super) cut: Option<u32>,
+    /// The cut that may be pending, and the last instant at which one was tried.
+    pub(super) cut: Option<Cut>,
     tried: Option<u32>,
     /// What a way down passes, until its spans know.
     pub(super) passed: Option<Passed>,
@@ -95,12 +94,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
-        if self.mode.busy || word != self.word { self.follow(word) } else { None }
+        let is_called = self.mode.busy || word != self.word || self.queue.clock.has_left();
+        if is_called { self.follow(word) } else { None }
     }
 
     #[inline(never)]
     fn follow(&mut self, word: u32) -> Option<Work> {
-        if self.reserve.is_made() || self.queue.control.has_left() {
+        if self.reserve.is_made() || self.queue.clock.has_left() {
             return Some(self.look_after());
         }
         let commands = Commands::of(word);
@@ -169,19 +169,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if motion != end || !motion.is_rest() {
             return;
         }
-        let (before, gate) = (self.end, self.queue.phases.count());
-        let _ = self.queue.phases.push(Phase::BLANK);
+        let before = self.end;
+        let change = Change::begin(&mut self.queue.phases);
         self.end = at;
         self.put_rest(Distance::from_bits(motion.distance), 1);
-        self.queue.clock.publish(at, gate.wrapping_add(1));
-        let is_late = clock::is_before(at, self.queue.clock.now());
-        // Late, it was taken or never will be.
-        if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-            self.mode.cut = Some(at);
-        } else {
-            self.queue.clock.withdraw();
-            self.queue.phases.withdraw(gate);
-            self.end = before;
+        match change.commit(at, &mut self.queue.phases, self.queue.clock) {
+            Ok(cut) => self.mode.cut = Some(cut),
+            Err(TooLate) => self.end = before,
         }
     }
 
@@ -198,7 +192,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
-        if self.mode.cut.is_some_and(|at| clock::is_before(at, now)) {
+        if self.mode.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
             self.queue.clock.withdraw();
             self.mode.cut = None;
         }
@@ -313,14 +307,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flight = *self.flights.get(k)?;
         let before = (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode);
         let behind = self.reserve.behind;
-        let gate = self.queue.phases.count();
         let drops = at != self.end;
         if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
             return None;
         }
-        if drops {
-            let _ = self.queue.phases.push(Phase::BLANK);
-        }
+        let phases = &mut self.queue.phases;
+        let change = if drops { Change::begin(phases) } else { Change::append(phases) };
         self.end = at;
         self.laid = k;
         self.mode.uneven = true;
@@ -357,19 +349,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.changed(k);
             return Some(Work::Working);
         }
-        if self.end != at {
-            self.queue.clock.publish(at, gate.wrapping_add(1));
-            let is_late = clock::is_before(at, self.queue.clock.now());
-            // Late, it was taken or never will be.
-            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                self.changed(k);
-                self.mode.cut = Some(at);
-                return Some(Work::Working);
-            }
-            self.queue.clock.withdraw();
+        // Nothing was handed out for a law that failed.
+        if self.end == at {
+            change.abandon(&mut self.queue.phases, self.queue.clock);
+        } else if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
+            self.changed(k);
+            self.mode.cut = Some(cut);
+            return Some(Work::Working);
         }
         // Everything as before; again at the next tick.
-        self.queue.phases.withdraw(gate);
         (self.emitter, self.laid, self.speed, self.owed, self.end, self.stops, self.mode) = before;
         self.reserve.behind = behind;
         if let Some(old) = self.flights.get_mut(k) {
@@ -636,12 +624,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // The interrupt keeps the curve it is on.
         self.queue.segments.withdraw(number);
         self.handed = self.queue.segments.end();
-        let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
-        let mut event = self.queue.events.taken();
-        while self.queue.events.recent(event).is_some_and(is_due) {
-            event = event.wrapping_add(1);
+        let is_due = |point: Distance| stands.wrapping_sub(point.to_bits()) >= 0;
+        let mut action = self.queue.actions.first_open();
+        while self.queue.actions.open(action).is_some_and(is_due) {
+            action = action.wrapping_add(1);
         }
-        self.queue.events.withdraw(event);
+        self.queue.actions.withdraw(action);
+        // A tick at hand may look at those.
+        self.queue.clock.settle();
         self.functions.clear(self.queue.control);
         (self.reopened, self.joining, self.stood) = (false, false, false);
         self.programmed = self.entered;

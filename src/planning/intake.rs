@@ -9,7 +9,7 @@ use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeT
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
-use crate::queue::{EVENTS, Event, Function, Layer, Producer};
+use crate::queue::{Function, Layer, Scheduler};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,
-    events: &'a mut Producer<'q, Event, EVENTS>,
+    actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
 }
 
@@ -78,7 +78,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         (due, long): (u32, bool),
         end: Option<&[Position; AXES]>,
     ) {
-        let gate = self.functions.before(due, self.segments.end(), self.events);
+        let gate = self.functions.before(due, self.segments.end(), self.actions);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
@@ -275,8 +275,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
         let Self { lookahead, functions, dynamics, entered, held, queue, .. } = self;
-        let (segments, events) = (&mut queue.segments, &mut queue.events);
-        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, events, entered }, held)
+        let (segments, actions) = (&mut queue.segments, &mut queue.actions);
+        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, actions, entered }, held)
     }
 
     /// Takes over an element from contour mode.
@@ -307,7 +307,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Ok(());
         }
         self.let_go();
-        let room = self.queue.events.room();
+        let room = self.queue.actions.room();
         let taken =
             self.functions.take((n, function, synch), (self.taken, in_motion), (room, self.queue.control));
         taken.map_err(|()| function)
