@@ -9,7 +9,7 @@
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{MOST, Receiver, clock};
+use crate::queue::{MOST, Receiver};
 
 /// Most elements one tick may pass.
 pub const SKIP_PER_TICK: u32 = MOST;
@@ -52,7 +52,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
     /// [`crate::planning::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
-        queue.status.show_points(&start);
+        queue.show(&start);
         Self { queue, set_points: start }
     }
 
@@ -61,36 +61,22 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     ///
     /// The planner must not interrupt it: an interrupt of higher priority than the planner's on the same core, or any on another one.
     pub fn tick(&mut self) -> State {
-        let Receiver { segments, time, actions, status } = &mut self.queue;
-        let Some(distance) = time.begin() else {
+        let Some(distance) = self.queue.begin() else {
             return self.rest();
         };
-        if let Some((segment, along)) = segments.follow(distance) {
+        if let Some((segment, along)) = self.queue.follow(distance) {
             segment.shape.at(along, &segment.base, &mut self.set_points);
-            status.show_curve(segment.n, segment.block);
         }
-        status.show_points(&self.set_points);
-        status.show_distance(time.instant(), distance);
-        if actions.is_armed() {
-            actions.reach(distance, time.tick());
-        }
-        time.pass();
+        self.queue.show(&self.set_points);
+        self.queue.pass();
         State::Active
     }
 
     /// Nothing to do for the path.
     #[inline(never)]
     fn rest(&mut self) -> State {
-        let distance = self.distance();
-        let Receiver { time, actions, .. } = &mut self.queue;
-        actions.reach(distance, time.tick());
-        time.rest();
+        self.queue.rest();
         State::Idle
-    }
-
-    /// Path distance of the last set point.
-    fn distance(&self) -> i64 {
-        self.queue.status.distance(self.queue.time.instant().wrapping_sub(clock::TICK))
     }
 
     /// The set point of every axis after the last tick.
@@ -104,7 +90,7 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         let n = i64::from(tick);
         let (half, sixth) = (phase.half_accel.to_bits(), phase.sixth_jerk.to_bits());
         let speed = phase.speed.to_bits() + n * (2 * half + 3 * n * sixth);
-        let distance = self.distance();
+        let distance = self.queue.distance();
         let (number, block) = self.queue.segments.peek(distance).map_or((0, 0), |s| (s.n, s.block));
         Telemetry {
             n: number,

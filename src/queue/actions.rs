@@ -19,14 +19,7 @@ pub struct Actions {
     put: AtomicU32,
     due: AtomicU32,
     taken: AtomicU32,
-    places: [Place; EVENTS],
-}
-
-/// Room for one.
-struct Place {
-    record: UnsafeCell<Record>,
-    /// The tick at which it became due. Written by the interrupt.
-    tick: AtomicU32,
+    places: [UnsafeCell<Record>; EVENTS],
 }
 
 /// An event as it is kept: nested enums would take a quarter more.
@@ -37,10 +30,13 @@ struct Record {
     n: u32,
     kind: u16,
     ticket: Ticket,
+    /// The tick at which it became due. The interrupt writes it, and the planner reads other fields meanwhile.
+    tick: u32,
 }
 
 impl Record {
-    const BLANK: Self = Self { distance: Distance::ZERO, value: 0, n: 0, kind: 0, ticket: Ticket::NONE };
+    const BLANK: Self =
+        Self { distance: Distance::ZERO, value: 0, n: 0, kind: 0, ticket: Ticket::NONE, tick: 0 };
 
     fn new(event: &Event) -> Self {
         let Event { distance, n, action: Action::Out(function, ticket) } = *event;
@@ -50,11 +46,11 @@ impl Record {
             Function::Spindle(speed) => (2, speed.to_bits()),
             Function::Tool(tool) => (3, tool.into()),
         };
-        Self { distance, value, n, kind, ticket }
+        Self { distance, value, n, kind, ticket, tick: 0 }
     }
 
     fn event(self) -> Event {
-        let Self { distance, value, n, kind, ticket } = self;
+        let Self { distance, value, n, kind, ticket, .. } = self;
         let function = match kind {
             0 => Function::M(value as u16),
             1 => Function::H(value as u16),
@@ -72,9 +68,6 @@ unsafe impl Sync for Actions {}
 /// The planner's end: puts actions in, in the order of their points.
 pub struct Scheduler<'a>(&'a Actions);
 
-/// The interrupt's: finds those that are due.
-pub struct Trigger<'a>(&'a Actions);
-
 /// The operator's: takes them.
 pub struct Outlet<'a>(&'a Actions);
 
@@ -83,26 +76,24 @@ impl Actions {
     pub const fn blank() -> Self {
         const { assert!(EVENTS.is_power_of_two()) };
         let [put, due, taken] = [const { AtomicU32::new(0) }; 3];
-        Self {
-            put,
-            due,
-            taken,
-            places: [const { Place { record: UnsafeCell::new(Record::BLANK), tick: AtomicU32::new(0) } };
-                EVENTS],
-        }
+        Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; EVENTS] }
     }
 
-    /// The three ends, emptied. There is one of each: they borrow it exclusively.
-    pub fn split(&mut self) -> (Scheduler<'_>, Trigger<'_>, Outlet<'_>) {
+    /// Forgets all of them. Before the three sides run.
+    pub(super) fn reset(&mut self) {
         for counter in [&mut self.put, &mut self.due, &mut self.taken] {
             *counter.get_mut() = 0;
         }
-        (Scheduler(self), Trigger(self), Outlet(self))
     }
 
-    fn place(&self, number: u32) -> &Place {
+    /// The ends of planner and operator; the interrupt's is that of [`super::Shared`]. The caller makes one of each.
+    pub(super) const fn ends(&self) -> (Scheduler<'_>, Outlet<'_>) {
+        (Scheduler(self), Outlet(self))
+    }
+
+    fn record(&self, number: u32) -> *mut Record {
         // The mask is below the length: the optimiser removes the check.
-        &self.places[(number & MASK) as usize]
+        self.places[(number & MASK) as usize].get()
     }
 }
 
@@ -123,7 +114,7 @@ impl Scheduler<'_> {
         }
         let put = self.0.put.load(Ordering::Relaxed);
         // SAFETY: the operator has given the place back, and of planners there is one; it is handed over below.
-        unsafe { *self.0.place(put).record.get() = Record::new(&event) };
+        unsafe { *self.0.record(put) = Record::new(&event) };
         self.0.put.store(put.wrapping_add(1), Ordering::Release);
         Ok(())
     }
@@ -141,7 +132,7 @@ impl Scheduler<'_> {
             return None;
         }
         // SAFETY: only this end writes places, and needs `&mut self` for that; the others read too.
-        Some(unsafe { (*self.0.place(number).record.get()).distance })
+        Some(unsafe { (*self.0.record(number)).distance })
     }
 
     /// Takes back the actions from the one with this number on, none of which is due or will be. Before others are put in
@@ -153,32 +144,34 @@ impl Scheduler<'_> {
     }
 }
 
-impl Trigger<'_> {
+/// For the interrupt alone, of which there is one.
+impl Actions {
     /// Whether there is one that is not due yet. Runs in the tick.
     #[inline(always)]
-    pub fn is_armed(&self) -> bool {
-        self.0.put.load(Ordering::Relaxed) != self.0.due.load(Ordering::Relaxed)
+    pub(super) fn is_armed(&self) -> bool {
+        self.put.load(Ordering::Relaxed) != self.due.load(Ordering::Relaxed)
     }
 
     /// Those whose point is at `distance` or before it become due, in the tick with this number. Runs in the tick: about a dozen
     /// instructions for each, at most as many as there is room for.
     #[inline(never)]
-    pub fn reach(&mut self, distance: i64, tick: u32) {
-        let mut due = self.0.due.load(Ordering::Relaxed);
-        let put = self.0.put.load(Ordering::Acquire);
+    pub(super) fn reach(&self, distance: i64, tick: u32) {
+        let mut due = self.due.load(Ordering::Relaxed);
+        let put = self.put.load(Ordering::Acquire);
         for _ in 0..EVENTS {
             if due == put {
                 return;
             }
-            let place = self.0.place(due);
+            let record = self.record(due);
             // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
-            let point = unsafe { (*place.record.get()).distance };
+            let point = unsafe { (*record).distance };
             if distance.wrapping_sub(point.to_bits()) < 0 {
                 return;
             }
-            place.tick.store(tick, Ordering::Relaxed);
+            // SAFETY: the same; of the record the planner reads the distance only.
+            unsafe { (*record).tick = tick };
             due = due.wrapping_add(1);
-            self.0.due.store(due, Ordering::Release);
+            self.due.store(due, Ordering::Release);
         }
     }
 }
@@ -190,11 +183,9 @@ impl Outlet<'_> {
         if self.0.due.load(Ordering::Acquire) == taken {
             return None;
         }
-        let place = self.0.place(taken);
         // SAFETY: due and not taken, so it is the operator's until the counter moves on.
-        let event = unsafe { *place.record.get() }.event();
-        let tick = place.tick.load(Ordering::Relaxed);
+        let record = unsafe { *self.0.record(taken) };
         self.0.taken.store(taken.wrapping_add(1), Ordering::Release);
-        Some((event, tick))
+        Some((record.event(), record.tick))
     }
 }

@@ -11,7 +11,7 @@ mod time;
 pub mod word;
 
 pub use crate::technology::Function;
-pub use actions::{Actions, Outlet, Scheduler, Trigger};
+pub use actions::{Actions, Outlet, Scheduler};
 pub use clock::Clock;
 pub use course::{Course, Follower, Layer, MOST};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
@@ -129,10 +129,15 @@ pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     segments: Course<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
     reserve: Reserve,
-    actions: Actions,
     control: Control,
+    shared: Shared<AXES>,
+}
+
+/// What the interrupt reads and writes beside the rings, in one place: one register leads to all of it.
+struct Shared<const AXES: usize> {
     clock: Clock,
     status: Words<AXES>,
+    actions: Actions,
 }
 
 /// The planner's end.
@@ -157,10 +162,55 @@ pub struct Receiver<'a, const AXES: usize> {
     pub segments: Follower<'a, AXES>,
     /// Pieces of time.
     pub time: Timeline<'a>,
-    /// Actions.
-    pub actions: Trigger<'a>,
-    /// What it shows.
-    pub status: &'a Words<AXES>,
+    shared: &'a Shared<AXES>,
+}
+
+impl<const AXES: usize> Receiver<'_, AXES> {
+    /// A tick begins: its path distance, which is shown, or `None` if there is no piece.
+    #[inline(always)]
+    pub fn begin(&mut self) -> Option<i64> {
+        let Shared { clock, status, .. } = self.shared;
+        let (instant, distance) = self.time.begin(clock)?;
+        status.show_distance(instant, distance);
+        Some(distance)
+    }
+
+    /// The curve that a path distance is on, and how far along; its place in the program is shown.
+    #[inline(always)]
+    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
+        let (segment, along) = self.segments.follow(distance)?;
+        self.shared.status.show_curve(segment.n, segment.block);
+        Some((segment, along))
+    }
+
+    /// Shows set points.
+    #[inline(always)]
+    pub fn show(&self, set_points: &[Position; AXES]) {
+        self.shared.status.show_points(set_points);
+    }
+
+    /// A tick ends that had a piece: actions reached by it become due.
+    #[inline(always)]
+    pub fn pass(&mut self) {
+        let Shared { clock, status, actions } = self.shared;
+        if actions.is_armed() {
+            actions.reach(status.distance(clock.own()), clock.tick());
+        }
+        clock.pass();
+    }
+
+    /// A tick ends that had none: actions put in for the point where the path stands become due.
+    pub fn rest(&mut self) {
+        let Shared { clock, actions, .. } = self.shared;
+        actions.reach(self.distance(), clock.tick());
+        clock.rest();
+    }
+
+    /// Path distance of the last tick that had a piece, LSB 2^-44 mm.
+    pub fn distance(&self) -> i64 {
+        let Shared { clock, status, .. } = self.shared;
+        status.distance(clock.own().wrapping_sub(clock::TICK))
+    }
 }
 
 /// The operator's end.
@@ -180,23 +230,23 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
             segments: Course::new(),
             phases: Ring::new(),
             reserve: Reserve::blank(),
-            actions: Actions::blank(),
             control: Control::blank(),
-            clock: Clock::blank(),
-            status: Words::blank(),
+            shared: Shared { clock: Clock::blank(), status: Words::blank(), actions: Actions::blank() },
         }
     }
 
     /// The ends of every ring, emptied.
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>, Panel<'_, AXES>) {
-        let Self { segments, phases, reserve, actions, control, clock, status } = self;
-        clock.reset();
-        (*control, *status) = (Control::new(), Words::blank());
-        let (control, clock, status) = (&*control, &*clock, &*status);
+        let Self { segments, phases, reserve, control, shared } = self;
+        shared.clock.reset();
+        shared.actions.reset();
+        (*control, shared.status) = (Control::new(), Words::blank());
+        let (control, shared) = (&*control, &*shared);
+        let Shared { clock, status, actions } = shared;
         let (to_segments, segments) = segments.split();
         let (to_phases, phases) = phases.split();
         let (to_reserve, reserve) = reserve.split();
-        let (to_actions, actions, outlet) = actions.split();
+        let (to_actions, outlet) = actions.ends();
         let display = Display::new(status, clock, to_phases.gauge());
         (
             Sender {
@@ -207,7 +257,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
                 control,
                 clock,
             },
-            Receiver { segments, time: Timeline::new(phases, reserve, clock), actions, status },
+            Receiver { segments, time: Timeline::new(phases, reserve), shared },
             Panel { control, actions: outlet, status: display },
         )
     }

@@ -7,9 +7,10 @@
 //! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of this tick and the one
 //! before, are the speed.
 use super::clock::TICK;
+use super::word::{Memory, Ram, Word};
 use super::{Clock, Gauge, PHASES, Phase};
 use crate::quantity::{Distance, Position};
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::Ordering;
 
 /// What the last tick did, for the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,12 +33,25 @@ pub struct Snapshot<const AXES: usize> {
     pub queued: u16,
 }
 
-/// A number of 64 bits in two words.
-struct Long([AtomicU32; 2]);
+impl<const AXES: usize> Snapshot<AXES> {
+    const BLANK: Self = Self {
+        ticks: 0,
+        moved: false,
+        set_points: [Position::ZERO; AXES],
+        distance: Distance::ZERO,
+        step: Distance::ZERO,
+        n: 0,
+        block: 0,
+        queued: 0,
+    };
+}
 
-impl Long {
+/// A number of 64 bits in two words.
+struct Long<W>([W; 2]);
+
+impl<W: Word> Long<W> {
     const fn zero() -> Self {
-        Self([const { AtomicU32::new(0) }; 2])
+        Self([const { W::ZERO }; 2])
     }
 
     #[inline(always)]
@@ -56,27 +70,30 @@ impl Long {
 }
 
 /// The words of the snapshot. Written by the interrupt.
-pub struct Words<const AXES: usize> {
+pub struct Words<const AXES: usize, M: Memory = Ram> {
     /// Of the last two ticks that took time of a piece, in turn.
-    distances: [Long; 2],
-    n: AtomicU32,
-    block: AtomicU32,
-    set_points: [Long; AXES],
+    distances: [Long<M::Word>; 2],
+    n: M::Word,
+    block: M::Word,
+    set_points: [Long<M::Word>; AXES],
 }
 
 /// The reader's end.
-pub struct Display<'a, const AXES: usize> {
-    words: &'a Words<AXES>,
-    clock: &'a Clock,
-    pieces: Gauge<'a, Phase, PHASES>,
+pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
+    words: &'a Words<AXES, M>,
+    clock: &'a Clock<M>,
+    pieces: Gauge<'a, Phase, PHASES, M>,
 }
 
-impl<const AXES: usize> Words<AXES> {
+impl<const AXES: usize, M: Memory> Words<AXES, M> {
     /// All bits zero.
     pub const fn blank() -> Self {
-        let [n, block] = [const { AtomicU32::new(0) }; 2];
-        let distances = [const { Long::zero() }; 2];
-        Self { distances, n, block, set_points: [const { Long::zero() }; AXES] }
+        Self {
+            distances: [const { Long::zero() }; 2],
+            n: M::Word::ZERO,
+            block: M::Word::ZERO,
+            set_points: [const { Long::zero() }; AXES],
+        }
     }
 
     /// For the interrupt: path distance at `instant`.
@@ -109,38 +126,40 @@ impl<const AXES: usize> Words<AXES> {
     }
 }
 
-impl<'a, const AXES: usize> Display<'a, AXES> {
-    pub(super) const fn new(
-        words: &'a Words<AXES>,
-        clock: &'a Clock,
-        pieces: Gauge<'a, Phase, PHASES>,
+impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
+    /// Of what the interrupt shows.
+    pub const fn new(
+        words: &'a Words<AXES, M>,
+        clock: &'a Clock<M>,
+        pieces: Gauge<'a, Phase, PHASES, M>,
     ) -> Self {
         Self { words, clock, pieces }
     }
 
-    /// What the last tick did. Repeats itself while a tick comes in between.
+    /// What the last tick did. Looks again while a tick comes in between.
     pub fn read(&self) -> Snapshot<AXES> {
-        loop {
-            let (ended, last, moved) = self.clock.ended();
-            let Words { distances: [even, odd], n, block, set_points } = self.words;
-            let [even, odd] = [even, odd].map(Long::get);
-            let (distance, before) = if last & TICK == 0 { (even, odd) } else { (odd, even) };
-            let snapshot = Snapshot {
-                ticks: ended / TICK,
-                moved,
-                set_points: core::array::from_fn(|k| {
-                    set_points.get(k).map_or(Position::ZERO, |words| Position::from_bits(words.get()))
-                }),
-                distance: Distance::from_bits(distance),
-                step: Distance::from_bits(distance.wrapping_sub(before)),
-                n: n.load(Ordering::Relaxed),
-                block: block.load(Ordering::Relaxed),
-                queued: self.pieces.len() as u16,
-            };
-            if self.clock.is_at(ended) {
-                return snapshot;
-            }
-            core::hint::spin_loop();
+        let mut snapshot = Snapshot::BLANK;
+        M::wait(|| {
+            let ended = self.look(&mut snapshot);
+            self.clock.is_at(ended)
+        });
+        snapshot
+    }
+
+    /// One look at all words; ticks ended before.
+    fn look(&self, snapshot: &mut Snapshot<AXES>) -> u32 {
+        let (ended, last, moved) = self.clock.ended();
+        let Words { distances: [even, odd], n, block, set_points } = self.words;
+        let [even, odd] = [even, odd].map(Long::get);
+        let (distance, before) = if last & TICK == 0 { (even, odd) } else { (odd, even) };
+        (snapshot.ticks, snapshot.moved) = (ended / TICK, moved);
+        for (point, words) in snapshot.set_points.iter_mut().zip(set_points) {
+            *point = Position::from_bits(words.get());
         }
+        snapshot.distance = Distance::from_bits(distance);
+        snapshot.step = Distance::from_bits(distance.wrapping_sub(before));
+        (snapshot.n, snapshot.block) = (n.load(Ordering::Relaxed), block.load(Ordering::Relaxed));
+        snapshot.queued = self.pieces.len() as u16;
+        ended
     }
 }

@@ -19,7 +19,7 @@
 //! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own ([`super::reserve`]). Once there,
 //! the interrupt stays with them until the planner lets it go on.
 //!
-//! `host-tests/tests/interleavings.rs` runs this code in every order of its accesses to shared words.
+//! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};
 use super::{Clock, Consumer, PHASES, Phase, Producer, Slot, Taker};
 
@@ -94,7 +94,6 @@ pub struct Timeline<'a, M: Memory = Ram> {
     phase: Phase,
     pieces: Consumer<'a, Phase, PHASES, M>,
     reserve: Taker<'a, M>,
-    clock: &'a Clock<M>,
     /// Ticks of the piece evaluated.
     done: u16,
     /// It stops, or stands, without the planner.
@@ -103,9 +102,9 @@ pub struct Timeline<'a, M: Memory = Ram> {
 
 impl<M: Replay> Clone for Timeline<'_, M> {
     fn clone(&self) -> Self {
-        let Self { phase, pieces, reserve, clock, done, stops } = self;
+        let Self { phase, pieces, reserve, done, stops } = self;
         let (pieces, reserve) = (pieces.clone(), reserve.clone());
-        Self { phase: *phase, pieces, reserve, clock, done: *done, stops: *stops }
+        Self { phase: *phase, pieces, reserve, done: *done, stops: *stops }
     }
 }
 
@@ -118,19 +117,16 @@ impl<M: Replay> Timeline<'_, M> {
 
 impl<'a, M: Memory> Timeline<'a, M> {
     /// Nothing is at hand.
-    pub const fn new(
-        pieces: Consumer<'a, Phase, PHASES, M>,
-        reserve: Taker<'a, M>,
-        clock: &'a Clock<M>,
-    ) -> Self {
-        Self { phase: Phase::BLANK, pieces, reserve, clock, done: 0, stops: false }
+    pub const fn new(pieces: Consumer<'a, Phase, PHASES, M>, reserve: Taker<'a, M>) -> Self {
+        Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false }
     }
 
-    /// A tick begins: its path distance, LSB 2^-44 mm, or `None` if there is no piece. [`Self::pass`] or [`Self::rest`] ends it.
+    /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece. [`Clock::pass`] or [`Clock::rest`]
+    /// ends it.
     #[inline(always)]
-    pub fn begin(&mut self) -> Option<i64> {
-        let instant = self.clock.begin();
-        if let Some(number) = self.clock.cut(instant) {
+    pub fn begin(&mut self, clock: &Clock<M>) -> Option<(u32, i64)> {
+        let instant = clock.begin();
+        if let Some(number) = clock.cut(instant) {
             // On its way to a standstill it has left them for good.
             if !self.stops {
                 self.pieces.jump(number);
@@ -138,10 +134,10 @@ impl<'a, M: Memory> Timeline<'a, M> {
             }
         }
         if self.done >= self.phase.ticks {
-            if self.clock.is_end(instant) {
-                self.leave();
+            if clock.is_end(instant) {
+                self.leave(clock);
             }
-            let more = if self.stops { self.stop() } else { self.take() };
+            let more = if self.stops { self.stop(clock) } else { self.take() };
             if !more {
                 return None;
             }
@@ -149,18 +145,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         }
         let distance = self.phase.at(self.done);
         self.done += 1;
-        Some(distance)
-    }
-
-    /// A tick ends that had a piece.
-    #[inline(always)]
-    pub fn pass(&self) {
-        self.clock.pass();
-    }
-
-    /// A tick ends that had none.
-    pub fn rest(&self) {
-        self.clock.rest();
+        Some((instant, distance))
     }
 
     #[inline(always)]
@@ -170,30 +155,19 @@ impl<'a, M: Memory> Timeline<'a, M> {
 
     /// Goes on with the way to a standstill.
     #[inline(never)]
-    fn leave(&mut self) {
-        self.reserve.begin(self.clock.leave());
+    fn leave(&mut self, clock: &Clock<M>) {
+        self.reserve.begin(clock.leave());
         self.stops = true;
     }
 
     /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
     #[inline(never)]
-    fn stop(&mut self) -> bool {
-        if !self.clock.is_let_go() {
+    fn stop(&mut self, clock: &Clock<M>) -> bool {
+        if !clock.is_let_go() {
             return self.reserve.take_into(&mut self.phase);
         }
         self.stops = false;
         self.take()
-    }
-
-    /// The number of the tick at hand, or of the last one, from 0.
-    pub fn tick(&self) -> u32 {
-        self.clock.tick()
-    }
-
-    /// The instant of the next piece of time, or of the tick at hand.
-    #[inline(always)]
-    pub fn instant(&self) -> u32 {
-        self.clock.own()
     }
 
     /// The piece at hand, and the tick of it evaluated last.

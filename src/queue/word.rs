@@ -51,7 +51,7 @@ pub trait Memory {
     fn fence(order: Ordering);
 
     /// Waits until another side has come so far.
-    fn wait(is_over: impl Fn() -> bool);
+    fn wait(is_over: impl FnMut() -> bool);
 }
 
 /// A memory whose accesses can be made again: the ends of what lies in it may be copied. Never that of a target.
@@ -71,7 +71,7 @@ impl Memory for Ram {
     }
 
     #[inline(always)]
-    fn wait(is_over: impl Fn() -> bool) {
+    fn wait(mut is_over: impl FnMut() -> bool) {
         while !is_over() {
             core::hint::spin_loop();
         }
