@@ -1,80 +1,24 @@
-//! Planner and interpolator: wiring only, all that an application holds.
+//! Planner, interpolator and operator: wiring only, all that an application holds.
 //!
 //! The front page of the crate shows how they are used.
-use crate::control::Control;
+mod memory;
+
+pub use memory::{Channel, Handles};
+
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning,
-    NcWarningKind, Place, Setup, Spline, Step, Text,
+    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, NcWarningKind, Place,
+    Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
 pub use crate::plan::PlannedBlock;
-use crate::plan::{MotionError, Planning, PlanningMemory, Work};
+use crate::plan::{MotionError, Planning, Work};
 use crate::quantity::Position;
-use crate::queue::{Function, Rings};
 use crate::slope::profile::Unplannable;
-use crate::tick::Interpolator;
-
-/// All memory of planner and interrupt, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
-///
-/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes both halves in it: what they are beside that are
-/// some hundred bytes.
-pub struct Channel<const AXES: usize, const BLOCKS: usize> {
-    rings: Rings<AXES, BLOCKS>,
-    decoder: DecoderMemory<AXES>,
-    planning: PlanningMemory<AXES, BLOCKS>,
-}
-
-impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
-    /// An empty channel.
-    pub const fn new() -> Self {
-        Self { rings: Rings::new(), decoder: DecoderMemory::new(), planning: PlanningMemory::new() }
-    }
-
-    /// The two halves: `text` will be decoded and planned for `machine`, which stands at `start`.
-    ///
-    /// # Errors
-    /// Machine data out of range, or that this version cannot work with.
-    pub fn split<'a, T: Text>(
-        &'a mut self,
-        machine: &MachineData<AXES>,
-        start: [Position; AXES],
-        text: T,
-    ) -> Result<(Planner<'a, T, AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError> {
-        check::<AXES, BLOCKS>(machine)?;
-        let Self { rings, decoder, planning } = self;
-        let (sender, receiver) = rings.split();
-        let planner = Planner {
-            decoder: Decoder::new(decoder, Setup::new(machine, start), text),
-            planning: Planning::new(planning, machine, start, sender),
-            cycle_us: machine.channel.cycle_us,
-            ptp: machine.channel.ptp,
-            source: Source::Open,
-            held: None,
-            released: 0,
-        };
-        Ok((planner, Interpolator::new(receiver, start)))
-    }
-
-    /// A decoder alone, in the memory of this channel: to look through `text` before it is run.
-    pub fn decode<'a, T: Text>(
-        &'a mut self,
-        machine: &MachineData<AXES>,
-        start: [Position; AXES],
-        text: T,
-    ) -> Decoder<'a, T, AXES> {
-        Decoder::new(&mut self.decoder, Setup::new(machine, start), text)
-    }
-}
-
-impl<const AXES: usize, const BLOCKS: usize> Default for Channel<AXES, BLOCKS> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
+use crate::technology::Function;
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -347,11 +291,6 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         }
     }
 
-    /// Where the operator's commands go.
-    pub fn control(&self) -> &'a Control {
-        self.planning.control()
-    }
-
     /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
     /// the next line of the program on, also where that zero offset is in force; nothing moves.
     ///
@@ -375,7 +314,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// Whether the motion stands still because a function is not acknowledged: [`Control::awaited`].
+    /// Whether the motion stands still because a function is not acknowledged: [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting()
     }

@@ -1,17 +1,17 @@
 //! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an operator,
 //! acknowledgements of functions.
 //!
-//! Each command has a word of its own, which giving it writes and nothing reads back: any context may give them at any time,
-//! without a lock, without waiting and without compare-and-swap, which small cores do not have. The planner follows them
-//! from a few ticks behind its next call on, see [`crate::plan`].
+//! The words behind [`crate::operator::Operator`], which gives the commands. Each word has one writer, the operator or the planner:
+//! commands can be given at any time, without a lock, without waiting and without compare-and-swap, which small cores do not
+//! have. The planner follows them from a few ticks behind its next call on, see [`crate::plan`].
 mod acknowledge;
 
+pub(crate) use acknowledge::OPEN;
 pub use acknowledge::Unexpected;
-pub(crate) use acknowledge::{OPEN, Ticket};
 
-use crate::queue::Function;
+use crate::technology::Function;
 use acknowledge::Acknowledgements;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
+use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Highest override: 200 %, LSB 0.1 %.
 pub const MAX_OVERRIDE: u16 = 2000;
@@ -19,33 +19,32 @@ pub const MAX_OVERRIDE: u16 = 2000;
 /// 100 %.
 pub const FULL_OVERRIDE: u16 = 1000;
 
-/// The commands in one word, for comparison: the override is in its lower half.
+/// The commands in one word: the override is in its lower half.
 const FEED: u32 = 0xffff;
 const HOLD: u32 = 1 << 16;
 const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
 /// An acknowledgement came that the planner has not looked at.
 const ANSWERED: u32 = 8 << 16;
-/// The interrupt has gone on with the way in reserve.
-const LEFT: u32 = 16 << 16;
+/// As the operator gives them, in place of [`ABORT`]: a count of the aborts.
+const ABORTS: u32 = 0xff << 24;
+const ONE_ABORT: u32 = 1 << 24;
 
-/// Commands to a running channel. Shared by all who give them and the planner that follows them.
-///
-/// A word with several writers takes the value written last: a hold that is given while the planner ends an aborted program
-/// may count for that program or for the next one.
+/// What is shared of commands and acknowledgements by the operator who gives them and the planner that follows them.
 pub struct Control {
-    /// Feed override, LSB 0.1 %.
-    feed: AtomicU32,
-    hold: AtomicBool,
-    abort: AtomicBool,
-    reduced: AtomicBool,
-    /// An acknowledgement came. Written by whoever acknowledges, and by the planner that looks at it.
-    answered: AtomicBool,
-    /// The interrupt goes on with the way in reserve. Written by the interrupt, and by the planner that lets it go on.
-    left: AtomicBool,
-    /// One of the above was written since [`Self::word`] was put together.
-    changed: AtomicBool,
-    /// All of them as the planner saw them last. Written by the planner.
+    /// The commands. This and the next two are written by the operator.
+    given: AtomicU32,
+    /// Acknowledgements given.
+    answers: AtomicU32,
+    /// Changes of the above.
+    changes: AtomicU32,
+    /// Changes looked at. This and the next three are written by the planner.
+    looked: AtomicU32,
+    /// Acknowledgements looked at.
+    heard: AtomicU32,
+    /// Aborts carried out, as in `given`.
+    aborted: AtomicU32,
+    /// All commands as they were seen last.
     seen: AtomicU32,
     acknowledgements: Acknowledgements,
 }
@@ -66,83 +65,87 @@ pub struct Commands {
 
 impl Control {
     /// The commands in the word.
-    pub(crate) const COMMANDS: u32 = !(ANSWERED | LEFT);
+    pub(crate) const COMMANDS: u32 = !ANSWERED;
 
     /// The word of [`Self::new`].
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
     /// Full override, no hold.
-    pub const fn new() -> Self {
-        Self { feed: AtomicU32::new(Self::NORMAL), seen: AtomicU32::new(Self::NORMAL), ..Self::blank() }
+    pub(crate) const fn new() -> Self {
+        let [given, seen] = [const { AtomicU32::new(Self::NORMAL) }; 2];
+        Self { given, seen, ..Self::blank() }
     }
 
     /// Memory for one; all bits zero.
     pub(crate) const fn blank() -> Self {
-        Self {
-            feed: AtomicU32::new(0),
-            hold: AtomicBool::new(false),
-            abort: AtomicBool::new(false),
-            reduced: AtomicBool::new(false),
-            answered: AtomicBool::new(false),
-            left: AtomicBool::new(false),
-            changed: AtomicBool::new(false),
-            seen: AtomicU32::new(0),
-            acknowledgements: Acknowledgements::new(),
-        }
+        let [given, answers, changes, looked, heard, aborted, seen] = [const { AtomicU32::new(0) }; 7];
+        let acknowledgements = Acknowledgements::new();
+        Self { given, answers, changes, looked, heard, aborted, seen, acknowledgements }
     }
 
-    /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066 says how. With 0
-    /// the motion stands still on the path, as in a feed hold.
-    pub fn set_override(&self, feed: u16) {
-        let feed = u32::from(feed.min(MAX_OVERRIDE));
-        self.feed.store(feed, Ordering::Relaxed);
-        self.changed.store(true, Ordering::Release);
+    /// The open acknowledgements, for all.
+    pub(crate) const fn acknowledgements(&self) -> &Acknowledgements {
+        &self.acknowledgements
     }
 
-    /// Stand still on the path as soon as the limits allow.
-    pub fn feed_hold(&self) {
-        self.set(&self.hold, true);
+    fn gather(&self) -> u32 {
+        let given = self.given.load(Ordering::Acquire);
+        let flag = |on, flag| if on { flag } else { 0 };
+        let aborts = given & ABORTS != self.aborted.load(Ordering::Relaxed);
+        let answered = self.answers.load(Ordering::Acquire) != self.heard.load(Ordering::Relaxed);
+        given & (FEED | HOLD | REDUCED) | flag(aborts, ABORT) | flag(answered, ANSWERED)
+    }
+}
+
+/// For the operator.
+impl Control {
+    /// Feed override, LSB 0.1 %.
+    pub(crate) fn set_override(&self, feed: u16) {
+        self.give(FEED, feed.min(MAX_OVERRIDE).into());
     }
 
-    /// End of [`Self::feed_hold`].
-    pub fn resume(&self) {
-        self.set(&self.hold, false);
+    pub(crate) fn set_hold(&self, hold: bool) {
+        self.give(HOLD, if hold { HOLD } else { 0 });
     }
 
-    /// Stand still and forget the rest of the program; ends a hold too.
-    pub fn abort(&self) {
-        self.set(&self.abort, true);
+    pub(crate) fn set_reduced(&self, reduced: bool) {
+        self.give(REDUCED, if reduced { REDUCED } else { 0 });
     }
 
-    /// Reduced speed (P-AXIS-00214) on or off.
-    pub fn set_reduced(&self, reduced: bool) {
-        self.set(&self.reduced, reduced);
+    pub(crate) fn abort(&self) {
+        let aborts = self.given.load(Ordering::Relaxed).wrapping_add(ONE_ABORT);
+        self.give(HOLD | ABORTS, aborts & ABORTS);
     }
 
-    /// Acknowledges a function. If it was put out more than once, that put out first.
-    ///
-    /// # Errors
-    /// Nothing waits for it: it was not put out yet, or it is acknowledged already. It is ignored.
-    pub fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
+    pub(crate) fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
         self.acknowledgements.answer(function)?;
-        self.set(&self.answered, true);
+        self.answers.store(self.answers.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
+        self.change();
         Ok(())
     }
 
-    /// The function put out first of those that are not acknowledged.
-    pub fn awaited(&self) -> Option<Function> {
-        self.acknowledgements.awaited()
-    }
-
     /// The commands as they stand.
-    pub fn commands(&self) -> Commands {
+    pub(crate) fn commands(&self) -> Commands {
         Commands::of(self.gather())
     }
 
-    /// All of them in one word, to see whether something has changed. For the planner.
+    fn give(&self, which: u32, commands: u32) {
+        let given = self.given.load(Ordering::Relaxed) & !which | commands;
+        self.given.store(given, Ordering::Release);
+        self.change();
+    }
+
+    fn change(&self) {
+        self.changes.store(self.changes.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
+    }
+}
+
+/// For the planner.
+impl Control {
+    /// All of them in one word, to see whether something has changed.
     #[inline(always)]
     pub(crate) fn word(&self) -> u32 {
-        if self.changed.load(Ordering::Relaxed) {
+        if self.changes.load(Ordering::Relaxed) != self.looked.load(Ordering::Relaxed) {
             self.look();
         }
         self.seen.load(Ordering::Relaxed)
@@ -150,60 +153,27 @@ impl Control {
 
     #[inline(never)]
     fn look(&self) {
-        // What is written behind this sets it again.
-        self.changed.store(false, Ordering::Relaxed);
-        fence(Ordering::SeqCst);
+        // What is given behind this is another change.
+        self.looked.store(self.changes.load(Ordering::Acquire), Ordering::Relaxed);
         self.seen.store(self.gather(), Ordering::Relaxed);
-    }
-
-    fn gather(&self) -> u32 {
-        let flag = |word: &AtomicBool, flag| if word.load(Ordering::Acquire) { flag } else { 0 };
-        self.feed.load(Ordering::Relaxed)
-            | flag(&self.hold, HOLD)
-            | flag(&self.abort, ABORT)
-            | flag(&self.reduced, REDUCED)
-            | flag(&self.answered, ANSWERED)
-            | flag(&self.left, LEFT)
-    }
-
-    /// Whether the interrupt stops, or stands, without the planner ([`crate::queue::Clock`]).
-    #[inline(always)]
-    pub(crate) fn has_left(&self) -> bool {
-        self.left.load(Ordering::Relaxed)
-    }
-
-    /// It does; or it may go on with what is in the queue.
-    pub(crate) fn set_left(&self, left: bool) {
-        self.set(&self.left, left);
     }
 
     /// Whether an acknowledgement is to be looked at.
     pub(crate) fn is_answered(&self) -> bool {
-        self.answered.load(Ordering::Relaxed)
+        self.answers.load(Ordering::Relaxed) != self.heard.load(Ordering::Relaxed)
     }
 
-    /// The tickets acknowledged, which are free again. For the planner.
+    /// The tickets acknowledged, which are free again.
     pub(crate) fn take_answers(&self) -> u32 {
-        // What comes behind this sets the flag again.
-        self.set(&self.answered, false);
-        fence(Ordering::SeqCst);
+        self.heard.store(self.answers.load(Ordering::Acquire), Ordering::Relaxed);
+        self.look();
         self.acknowledgements.take_answers()
     }
 
-    /// The open acknowledgements, for both ends of the queue.
-    pub(crate) fn acknowledgements(&self) -> &Acknowledgements {
-        &self.acknowledgements
-    }
-
-    /// The rest of the program is forgotten, and with it a hold in which it stood.
+    /// The rest of the program is forgotten.
     pub(crate) fn aborted(&self) {
-        self.set(&self.abort, false);
-        self.set(&self.hold, false);
-    }
-
-    fn set(&self, word: &AtomicBool, on: bool) {
-        word.store(on, Ordering::Release);
-        self.changed.store(true, Ordering::Release);
+        self.aborted.store(self.given.load(Ordering::Relaxed) & ABORTS, Ordering::Relaxed);
+        self.look();
     }
 }
 
@@ -220,11 +190,5 @@ impl Commands {
     /// Whether the motion is to stand still.
     pub(crate) const fn standstill(&self) -> bool {
         self.hold || self.abort || self.feed == 0
-    }
-}
-
-impl Default for Control {
-    fn default() -> Self {
-        Self::new()
     }
 }

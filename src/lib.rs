@@ -1,18 +1,23 @@
-//! Glidepath turns an NC program into axis set points, in integers, with the same bits on every machine.
+//! Glidepath turns an NC program into axis set points, with the same bits on every machine.
+//!
+//! The tick calculates in integers. The planner uses IEEE + − × ÷ √ beside them; what it finds is verified in integers before it is
+//! used.
 //!
 //! ```text
-//!       thread, RTOS task or low-priority interrupt: bounded work per call   |  timer interrupt: bounded work per tick
-//!  text → nc ─commands→ path ─segments→ lookahead ─speeds→ slope ─time law→ queue → tick ─set points→ axis → board
+//!         planner: a task or the main loop, bounded work per call                   |  interrupt: bounded work per tick
+//!
+//!  text → nc ─commands→ path ─elements→ smooth → dynamics ─limits→ lookahead ─spans→ slope ─pieces→ queue → tick → axis
+//!         └───────────────────────────────── plan ────────────────────────────────────┘              ↓
+//!                                                                            operator: PLC, serial line, other core
 //! ```
 //!
-//! An application holds two halves of one [`channel::Channel`]: the [`channel::Planner`] runs where time is not
-//! critical and is called again and again; the [`tick::Interpolator`] is moved into the timer interrupt.
+//! An application holds three handles of one [`Channel`]. The [`Planner`] runs where time is not critical and is called again and
+//! again. The [`Interpolator`] is moved into the timer interrupt. The [`Operator`] gives commands, takes the functions that are due
+//! and sees the status, in any task or on another core.
 //!
 //! ```
-//! use glidepath::channel::{Channel, Progress};
-//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-//! use glidepath::quantity::Position;
-//! use glidepath::tick::State;
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+//! use glidepath::{MachineData, Position, Progress, State};
 //!
 //! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
 //! let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
@@ -21,7 +26,8 @@
 //!
 //! // On a controller a static variable: all of the memory is in it.
 //! let mut memory = Channel::<3, 120>::new();
-//! let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+//! let handles = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+//! let Handles { mut planner, mut interpolator, operator } = handles;
 //! let mut planned = false;
 //! loop {
 //!     // In the main loop or a task: until the queue is full, or everything is in it.
@@ -39,42 +45,127 @@
 //!         break;
 //!     }
 //! }
+//! // In a PLC or serial task: commands, functions that are due, acknowledgements, and what happens now.
+//! assert_eq!((operator.output(), operator.status().n), (None, 10));
 //! assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
 //! ```
+//!
+//! # Where it is decided
+//!
+//! | question | file |
+//! |---|---|
+//! | how fast a corner may be taken | `dynamics/transition.rs`; as a curve: `dynamics/polynomial.rs` |
+//! | which curve a corner gets | `smooth/contour/choice.rs` |
+//! | how fast an arc may be taken | `dynamics/permitted.rs` |
+//! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
+//! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs` |
+//! | when an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
+//! | what a tick costs | `tick.rs`; the counts: `docs/figures.md` |
+//! | what happens when the planner gets no time | `plan/reserve.rs` |
+//! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
+//! | units, LSB, range and rounding of a number | `quantity.rs` |
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | acknowledgement | The word of the operator that a function is carried out. |
+//! | action | What is due at a point of the path: a function that is put out. |
+//! | anchor | A transition where acceleration is zero. |
+//! | block | A motion as it was programmed, or a part of one, in the look-ahead. |
+//! | brief block | A block that the motion passes within a tick. |
+//! | channel | All memory of one path: a planner, an interpolator, an operator. |
+//! | committed span | A span that left the look-ahead; the interrupt has not left it yet. |
+//! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
+//! | corner | A transition where the direction changes. |
+//! | curve | The geometry of an element in the queue: a line, an arc or a polynomial. |
+//! | cut | A change of the interrupt from one row of pieces to another, at an agreed tick. |
+//! | dwell | Ticks of rest (G04). |
+//! | ease | How much less than permitted a span uses so that an anchor inside it is not needed. |
+//! | element | A curve over its own path length, with direction and curvature at both ends. |
+//! | feed hold | A standstill on the path, wanted by the operator. |
+//! | frontier | Where laws end; nothing behind it is in the queue. |
+//! | gate | A point of the path that the motion passes only after acknowledgements. |
+//! | instant | A tick of path motion, counted twice so that an odd number is never one. |
+//! | joint | Both ends of two curves that meet. |
+//! | knee | A step of direction at a transition without a curve, and the step of speed it causes. |
+//! | law | The speed of a span over time. |
+//! | level | The override that the look-ahead is planned for. |
+//! | limits | Speed, acceleration and jerk permitted along the path. |
+//! | look-ahead | The ring of blocks whose speeds may still change. |
+//! | path distance | Length along the path since the start. |
+//! | piece | A cubic of path distance over whole ticks. |
+//! | profile | A law as ramps, with times and lengths. |
+//! | programmed block | A motion block as it came from the program. |
+//! | ramp | A part of a law in which acceleration rises or falls. |
+//! | reserve | A way to a standstill that lies ready for a planner that gets no time. |
+//! | set point | The position of an axis that a tick gives. |
+//! | slope | The kind of law: STEP, TRAPEZ, SIN2 or HSC. |
+//! | slope share | What is left to the slope beside a transition. |
+//! | smoother | A stage that makes elements of programmed blocks. |
+//! | span | Blocks from one anchor to the next; they have one law. |
+//! | stage | A step of the pipeline: it takes one type and returns the next. |
+//! | tick | One cycle of the interrupt. |
+//! | transition | The point where two blocks meet. |
+//! | valley | Where a law is slowest inside, with acceleration on both sides of a slow block. |
+//! | way | A motion that leads to a standstill. |
 #![no_std]
-// Only the rings of `queue` may, and say why: `ring`, `course` and `reserve`.
+// Only the rings of `queue` may, and say why: `ring`, `course`, `reserve` and `actions`, and the cells they are made of (`word`).
 #![deny(unsafe_code)]
+
+pub use axis::Axes;
+pub use channel::{Channel, Error, Handles, Planner, Progress};
+pub use machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+pub use nc::{Library, Text};
+pub use operator::{Operator, Status};
+pub use quantity::Position;
+pub use technology::{Function, Output, Technology};
+pub use tick::{Interpolator, State};
+
+// The tower: each module uses those above it alone (`host-tests/tests/tower.rs`). Hidden are those that an application does not name.
+
+#[doc(hidden)]
+pub mod math;
 
 pub mod quantity;
 
-pub mod math;
-
 pub mod machine;
+
+pub mod technology;
 
 pub mod nc;
 
+#[doc(hidden)]
 pub mod path;
 
-pub mod smooth;
-
-pub mod dynamics;
-
-pub mod lookahead;
-
-pub mod slope;
-
+#[doc(hidden)]
 pub mod control;
 
+#[doc(hidden)]
 pub mod queue;
+
+#[doc(hidden)]
+pub mod slope;
+
+#[doc(hidden)]
+pub mod dynamics;
+
+#[doc(hidden)]
+pub mod smooth;
+
+#[doc(hidden)]
+pub mod lookahead;
+
+#[doc(hidden)]
+pub mod plan;
 
 pub mod tick;
 
 pub mod axis;
 
-pub mod technology;
+pub mod operator;
 
+#[doc(hidden)]
 pub mod digest;
-
-pub mod plan;
 
 pub mod channel;

@@ -13,7 +13,7 @@ use crate::check::{self, Limits};
 use crate::reference::profile::Ramps;
 use crate::reference::stop::Stop;
 use crate::trace::Trace;
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
@@ -281,18 +281,18 @@ pub fn run<const AXES: usize>(
 ) -> Result<Run, String> {
     let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
     let start = [Position::ZERO; AXES];
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
     let mut run = Run { trace: Trace::empty(CYCLE, AXES), ..Run::default() };
     let (mut idle, mut over) = (0, disturbance == Disturbance::None);
     for tick in 0..LONGEST {
         let mut stalled = false;
         match disturbance {
-            Disturbance::Override(factor) if tick == 0 => planner.control().set_override(factor),
-            Disturbance::Hold if tick == at => planner.control().feed_hold(),
+            Disturbance::Override(factor) if tick == 0 => operator.set_override(factor),
+            Disturbance::Hold if tick == at => operator.feed_hold(),
             Disturbance::Hold if tick > at && !over && planner.is_holding() && idle >= STANDS => {
                 run.stood = Some((tick - 1).saturating_sub(idle));
-                planner.control().resume();
+                operator.resume();
                 over = true;
             }
             Disturbance::Stall if tick >= at && !over => {

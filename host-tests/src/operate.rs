@@ -5,10 +5,10 @@ use crate::check;
 use crate::properties::{axis_limits, keeps_limits};
 use crate::reference::merge::path_tolerance;
 use crate::trace::Trace;
-use glidepath::channel::{Channel, Progress};
-use glidepath::control::Control;
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::nc::{Text, TextError};
+use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::technology::Output;
 use glidepath::tick::State;
@@ -40,13 +40,13 @@ pub enum Act {
 
 impl Act {
     /// Gives the command.
-    pub fn give(self, control: &Control) {
+    pub fn give<const AXES: usize>(self, operator: &Operator<'_, AXES>) {
         match self {
-            Self::Hold => control.feed_hold(),
-            Self::Resume => control.resume(),
-            Self::Abort => control.abort(),
-            Self::Override(feed) => control.set_override(feed),
-            Self::Reduced(on) => control.set_reduced(on),
+            Self::Hold => operator.feed_hold(),
+            Self::Resume => operator.resume(),
+            Self::Abort => operator.abort(),
+            Self::Override(feed) => operator.set_override(feed),
+            Self::Reduced(on) => operator.set_reduced(on),
             Self::Starve(_) | Self::Slow(_) | Self::Stall(_) | Self::Acknowledge(_) => {}
         }
     }
@@ -149,7 +149,8 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     let (mut late_until, mut rate, mut stalled_until) = (0, text.len(), 0);
     let (mut answer, mut due) = (None, VecDeque::new());
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) = channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
+    let Handles { mut planner, mut interpolator, operator } =
+        channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
@@ -157,13 +158,12 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         over: f64::from(over.fold(1000, u16::max)) / 1000.0,
         ..Operated::default()
     };
-    let control = planner.control();
     let mut acts = acts.iter().peekable();
     let mut held = false;
     let mut rests = 0;
     for tick in 0..LONGEST {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
-            act.give(control);
+            act.give(&operator);
             match act {
                 Act::Starve(ticks) => late_until = late_until.max(tick + ticks),
                 Act::Slow(bytes) => {
@@ -177,7 +177,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         }
         while let Some((_, function)) = due.pop_front_if(|(at, _)| *at <= tick) {
             // Behind an abort nothing waits for it.
-            let _ = control.acknowledge(function);
+            let _ = operator.acknowledge(function);
         }
         wire.closed.set(tick < late_until);
         wire.arrived.set(wire.arrived.get().saturating_add(rate));
@@ -197,7 +197,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         run.distances.push(interpolator.telemetry().distance.to_bits());
-        while let Some(output) = interpolator.event() {
+        while let Some(output) = operator.output() {
             run.outputs.push((tick, output));
             if let (true, Some(ticks)) = (output.waits, answer) {
                 due.push_back((tick + 1 + ticks, output.function));

@@ -1,5 +1,5 @@
 //! What a channel refuses of an NC text.
-use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::channel::{Channel, Error, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 
@@ -9,7 +9,7 @@ const MOST_CALLS: usize = 1_000_000;
 /// Why a text from zero on is refused, if it is.
 pub fn refusal<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Option<Error> {
     let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator): (Planner<'_, &[u8], AXES, 120>, _) =
+    let Handles { mut planner, mut interpolator, .. }: Handles<'_, &[u8], AXES, 120> =
         channel.split(machine, [Position::ZERO; AXES], text.as_bytes()).expect("machine data");
     for _ in 0..MOST_CALLS {
         match planner.poll() {

@@ -1,7 +1,7 @@
 //! Programs with rounded corners from text to set points.
 use crate::cases::machines;
 use crate::trace::Trace;
-use glidepath::channel::{Channel, PlannedBlock, Progress};
+use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::nc::NcWarningKind;
@@ -26,7 +26,7 @@ pub struct Run {
 /// Runs a text from `start`.
 pub fn run_from<const AXES: usize>(text: &str, start: [Position; AXES], machine: &MachineData<AXES>) -> Run {
     let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(machine, start, text.as_bytes()).expect("machine data");
     let mut run = Run {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
@@ -42,7 +42,7 @@ pub fn run_from<const AXES: usize>(text: &str, start: [Position; AXES], machine:
             digest.add(interpolator.set_points());
             run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         }
-        while let Some(event) = interpolator.event() {
+        while let Some(event) = operator.output() {
             run.events.push((run.trace.len() - 1, event));
         }
         run.digest = digest.value();

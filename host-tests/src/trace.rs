@@ -1,7 +1,7 @@
 //! Runs a program through the library and keeps every set point.
 use crate::cases::{Program, set_point};
 use crate::reference::geometry::Contour;
-use glidepath::channel::{Channel, PlannedBlock, Progress};
+use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -104,7 +104,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     burst: usize,
 ) -> Result<Run, String> {
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, .. } =
         channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
     let mut run = Run {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),

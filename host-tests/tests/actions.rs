@@ -1,5 +1,5 @@
 //! M and H functions with synchronisation: where they come out, where the motion waits, and what an operator does meanwhile.
-use glidepath::channel::{Channel, PlannedBlock, Progress};
+use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::machine::{MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
@@ -46,7 +46,7 @@ fn run(text: &str, case: &Case<'_>) -> Run {
 
 fn run_from(text: &str, start: [Position; 3], case: &Case<'_>) -> Run {
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(case.machine, start, text.as_bytes()).expect("machine data");
     let mut run = Run {
         trace: Trace::empty(f64::from(case.machine.channel.cycle_us) * 1e-6, 3),
@@ -57,17 +57,16 @@ fn run_from(text: &str, start: [Position; 3], case: &Case<'_>) -> Run {
         blocks: Vec::new(),
         waits: Vec::new(),
     };
-    let control = planner.control();
     let mut acts = case.acts.iter().peekable();
     let mut due: Vec<(usize, Function)> = Vec::new();
     let mut rest = 0;
     for row in 0.. {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= row) {
-            act.give(control);
+            act.give(&operator);
             rest = 0;
         }
         for (_, function) in due.extract_if(.., |(at, _)| *at <= row) {
-            if control.acknowledge(function).is_ok() {
+            if operator.acknowledge(function).is_ok() {
                 run.acknowledged.push(row);
             }
         }
@@ -90,7 +89,7 @@ fn run_from(text: &str, start: [Position; 3], case: &Case<'_>) -> Run {
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         run.distances.push(interpolator.telemetry().distance.to_bits());
         run.active.push(state == State::Active);
-        while let Some(output) = interpolator.event() {
+        while let Some(output) = operator.output() {
             run.outputs.push((row, output));
             if let (true, Some(delay)) = (output.waits, case.delay) {
                 due.push((row + 1 + delay, output.function));
@@ -472,35 +471,34 @@ fn acknowledgements_before_the_output_and_twice_are_ignored() {
     let machine = machine(1);
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let text: &[u8] = b"N10 G01 X10 F6000 M27\nN20 X20 M27\nN30 X30 M27\nM30\n";
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
-    let control = planner.control();
     let m27 = Function::M(27);
     let mut go = |ticks: usize| {
         let mut outputs = 0;
         for _ in 0..ticks {
             while !matches!(planner.poll(), Ok(Progress::Waiting | Progress::Done)) {}
             interpolator.tick();
-            while interpolator.event().is_some() {
+            while operator.output().is_some() {
                 outputs += 1;
             }
         }
         (outputs, interpolator.set_points()[0].to_num::<f64>(), planner.is_waiting())
     };
-    assert!(control.acknowledge(m27).is_err());
+    assert!(operator.acknowledge(m27).is_err());
     assert_eq!(go(50).0, 0);
     // It is in the plan, and not put out.
-    assert!(control.acknowledge(m27).is_err() && control.awaited().is_none());
+    assert!(operator.acknowledge(m27).is_err() && operator.awaited().is_none());
     assert_eq!(go(1000), (1, 10.0, true));
-    assert_eq!(control.awaited(), Some(m27));
+    assert_eq!(operator.awaited(), Some(m27));
     for other in [Function::M(26), Function::H(27), Function::Tool(27)] {
-        assert!(control.acknowledge(other).is_err());
+        assert!(operator.acknowledge(other).is_err());
     }
-    assert!(control.acknowledge(m27).is_ok());
+    assert!(operator.acknowledge(m27).is_ok());
     // Twice: not for the one that is still to come.
-    assert!(control.acknowledge(m27).is_err());
+    assert!(operator.acknowledge(m27).is_err());
     assert_eq!(go(1000), (1, 20.0, true));
-    assert!(control.acknowledge(m27).is_ok() && control.acknowledge(m27).is_err());
+    assert!(operator.acknowledge(m27).is_ok() && operator.acknowledge(m27).is_err());
     assert_eq!(go(1000), (1, 30.0, true));
 }
 
@@ -510,20 +508,19 @@ fn a_thousand_acknowledgements_are_each_waited_for() {
     let machine = machine(1);
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let text: &[u8] = b"$FOR P1 = 1, 1000, 1\nG01 X[P1/10] F6000 M27\n$ENDFOR\nM30\n";
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
-    let control = planner.control();
     let m27 = Function::M(27);
     for round in 0..1000 {
         let mut outputs = 0;
         for _ in 0..200 {
             while !matches!(planner.poll(), Ok(Progress::Waiting | Progress::Done)) {}
             interpolator.tick();
-            outputs += std::iter::from_fn(|| interpolator.event()).count();
+            outputs += std::iter::from_fn(|| operator.output()).count();
         }
         assert_eq!((outputs, planner.is_waiting()), (1, true), "round {round}");
-        assert_eq!(control.awaited(), Some(m27), "round {round}");
-        assert!(control.acknowledge(m27).is_ok() && control.acknowledge(m27).is_err(), "round {round}");
+        assert_eq!(operator.awaited(), Some(m27), "round {round}");
+        assert!(operator.acknowledge(m27).is_ok() && operator.acknowledge(m27).is_err(), "round {round}");
     }
 }
 
@@ -554,7 +551,7 @@ fn a_function_of_a_motion_that_is_refused_does_not_come_out() {
     let machine = machine(1);
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let text: &[u8] = b"N10 G01 X10 F6000\nN20 G02 X20 Y5 I3 J9 M26\nM30\n";
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
     let mut errors = 0;
     loop {
@@ -566,7 +563,7 @@ fn a_function_of_a_motion_that_is_refused_does_not_come_out() {
         }
     }
     while interpolator.tick() == State::Active {}
-    assert_eq!((errors, interpolator.event()), (1, None));
+    assert_eq!((errors, operator.output()), (1, None));
     assert_eq!(interpolator.set_points()[0], Position::from_num(10));
 }
 

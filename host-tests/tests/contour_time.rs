@@ -1,5 +1,5 @@
 //! Contour mode over time: DIST_SOFT, PTP, and DEV with HSC.
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;
@@ -112,7 +112,7 @@ fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
         assert!(run.distance(corner) < 0.2, "{corner:?}");
     }
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-    let (mut planner, _) =
+    let Handles { mut planner, .. } =
         channel.split(&machines::even(1000), [Position::ZERO; 3], text.as_bytes()).expect("machine data");
     let error = loop {
         match planner.poll() {

@@ -4,10 +4,8 @@ use std::path::Path;
 #[test]
 fn the_example_moves_to_the_end_of_its_program() {
     // <example>
-    use glidepath::channel::{Channel, Progress};
-    use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-    use glidepath::quantity::Position;
-    use glidepath::tick::State;
+    use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+    use glidepath::{MachineData, Position, Progress, State};
 
     let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
     let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
@@ -16,7 +14,8 @@ fn the_example_moves_to_the_end_of_its_program() {
 
     // On a controller a static variable: all of the memory is in it.
     let mut memory = Channel::<3, 120>::new();
-    let (mut planner, mut interpolator) = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+    let handles = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
+    let Handles { mut planner, mut interpolator, operator } = handles;
     let mut planned = false;
     loop {
         // In the main loop or a task: until the queue is full, or everything is in it.
@@ -34,6 +33,8 @@ fn the_example_moves_to_the_end_of_its_program() {
             break;
         }
     }
+    // In a PLC or serial task: commands, functions that are due, acknowledgements, and what happens now.
+    assert_eq!((operator.output(), operator.status().n), (None, 10));
     assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
     // </example>
 }

@@ -1,8 +1,6 @@
 //! Feed hold, resume and abort at any tick: inside all limits, on the path, exact at the end.
 use glidepath::machine::MachineData;
-use glidepath::quantity::{Distance, Position, Speed};
-use glidepath::queue::{Phase, Rings, Segment, Slot, clock};
-use glidepath::tick::{Interpolator, State};
+use glidepath::quantity::Position;
 use host_tests::cases::feeds::Feeds;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines};
@@ -196,59 +194,6 @@ fn an_abort_ends_a_dwell() {
             assert!(all <= tick + 405, "slope {slope}: {tick}, {all}");
         }
     }
-}
-
-/// Ticks that happen between the steps of a cut.
-#[test]
-fn a_cut_is_taken_as_a_whole_or_not_at_all() {
-    let phase = |distance: i64, ticks| Phase {
-        distance: Distance::from_bits(distance << 44),
-        speed: Speed::from_bits(1 << 58),
-        ticks,
-        ..Phase::BLANK
-    };
-    const OLD: i64 = 1000;
-    const NEW: i64 = 5000;
-    // The ticks done before each of the four steps, and behind the last one.
-    let mut outcomes = [0; 2];
-    for code in 0..7_usize.pow(4) {
-        let pauses: [usize; 4] = std::array::from_fn(|k| code / 7_usize.pow(k as u32) % 7);
-        let mut rings: Rings<1, 1> = Rings::new();
-        let (mut sender, receiver) = rings.split();
-        let mut interpolator = Interpolator::new(receiver, [Position::ZERO]);
-        assert!(sender.segments.push(&Segment::BLANK.shape, &[Position::ZERO], 0, 0));
-        let mut seen = Vec::new();
-        let mut ticks = |n: usize| {
-            for _ in 0..n {
-                if interpolator.tick() == State::Active {
-                    seen.push(interpolator.telemetry().distance.to_bits() >> 44);
-                }
-            }
-        };
-        let _ = sender.phases.push(phase(OLD, 3));
-        let _ = sender.phases.push(phase(OLD + 3, 9));
-        let at = 8;
-        let gate = sender.phases.count();
-        ticks(pauses[0]);
-        let _ = sender.phases.push(Phase::BLANK);
-        ticks(pauses[1]);
-        let _ = sender.phases.push(phase(NEW, 5));
-        ticks(pauses[2]);
-        sender.clock.publish(at * clock::TICK, gate + 1);
-        ticks(pauses[3]);
-        let late = clock::is_before(at * clock::TICK, sender.clock.now());
-        let taken = !late || sender.phases.taken().wrapping_sub(gate) as i32 > 0;
-        if !taken {
-            sender.clock.withdraw();
-            sender.phases.withdraw(gate);
-        }
-        ticks(40);
-        let expected: Vec<i64> =
-            if taken { (OLD..OLD + 8).chain(NEW..NEW + 5).collect() } else { (OLD..OLD + 12).collect() };
-        assert_eq!(seen, expected, "pauses {pauses:?}");
-        outcomes[usize::from(taken)] += 1;
-    }
-    assert!(outcomes.iter().all(|&n| n > 100), "{outcomes:?}");
 }
 
 #[test]

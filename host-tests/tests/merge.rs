@@ -1,5 +1,5 @@
 //! Blocks that go on in a straight line are one: as fast as the whole line, and nothing that belongs to a point between is lost.
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
@@ -138,7 +138,8 @@ fn events_come_at_their_points() {
     let text = b"N10 G01 X10 F5000\nN20 X20\nN30 M5\nN40 X30\nN50 X40\nN60 H7\nM30\n";
     let machine = machines::with_slope(machines::examples::<3>(1000), 3);
     let mut channel = Channel::<3, 120>::new();
-    let (mut planner, mut interpolator) = channel.split(&machine, [Position::ZERO; 3], &text[..]).unwrap();
+    let Handles { mut planner, mut interpolator, operator } =
+        channel.split(&machine, [Position::ZERO; 3], &text[..]).unwrap();
     let mut seen = Vec::new();
     let mut done = false;
     let mut before = 0.0;
@@ -154,7 +155,7 @@ fn events_come_at_their_points() {
             break;
         }
         let x = interpolator.set_points()[0].to_bits() as f64 / 2f64.powi(32);
-        while let Some(event) = interpolator.event() {
+        while let Some(event) = operator.output() {
             seen.push((event.function, before, x));
         }
         before = x;
@@ -176,7 +177,8 @@ fn the_machine_moves_before_a_long_line_is_read() {
     for slope in [0, 1, 2, 3] {
         let machine = machines::with_slope(machines::examples::<3>(1000), slope);
         let mut channel = Channel::<3, 120>::new();
-        let (mut planner, _) = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).unwrap();
+        let Handles { mut planner, .. } =
+            channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).unwrap();
         while planner.poll().unwrap() != Progress::Planned {}
         let planned = planner.planned();
         let read = planned.block + planned.blocks;

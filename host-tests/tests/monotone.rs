@@ -1,5 +1,5 @@
 //! The path distance never runs backward, and no rounding at the end of a block shows in a set point.
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
@@ -27,7 +27,7 @@ fn machine(cycle_us: u32, v: u32, a: u32, tr: [u32; 4]) -> MachineData<3> {
 /// Smallest step of the path distance and largest step of a set point in one tick, LSB.
 fn steps(machine: &MachineData<3>, program: &str) -> (i64, i64) {
     let mut channel = Box::new(Channel::<3, 120>::new());
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, .. } =
         channel.split(machine, [Position::ZERO; 3], program.as_bytes()).expect("a machine");
     let (mut done, mut last) = (false, (0i64, [0i64; 3]));
     let (mut smallest, mut largest) = (i64::MAX, 0);

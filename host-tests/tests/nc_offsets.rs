@@ -1,6 +1,6 @@
 //! Zero offsets G53…G59: machine data, calls at rest, and what programs make of them.
 mod nc_decode;
-use glidepath::channel::{Channel, MachineError, Planner, Progress, ZeroOffsetError};
+use glidepath::channel::{Channel, Handles, MachineError, Planner, Progress, ZeroOffsetError};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Command, Setup};
 use glidepath::quantity::Position;
@@ -117,7 +117,8 @@ fn an_offset_is_set_at_rest_and_not_on_the_way() {
     machine.channel.look_ahead = 30;
     let mut channel = Channel::<2, 30>::new();
     let text = b"G54 G00 X1\nG01 X2 F100\n".as_slice();
-    let (mut planner, mut interpolator) = channel.split(&machine, [Position::ZERO; 2], text).unwrap();
+    let Handles { mut planner, mut interpolator, .. } =
+        channel.split(&machine, [Position::ZERO; 2], text).unwrap();
     let mm = Position::from_num::<i32>;
     assert_eq!(planner.set_zero_offset(6, 0, mm(1)), Err(ZeroOffsetError::Range));
     assert_eq!(planner.set_zero_offset(0, 2, mm(1)), Err(ZeroOffsetError::Range));

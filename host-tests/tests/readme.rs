@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The example, word for word.
 mod example {
     // <example>
-    use glidepath::channel::{Channel, Planner, Progress};
+    use glidepath::channel::{Channel, Handles, Progress};
     use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
     use glidepath::quantity::Position;
     use glidepath::tick::State;
@@ -28,8 +28,9 @@ mod example {
     pub fn last_set_point(program: &[u8]) -> Result<[Position; 3], String> {
         let mut memory = Channel::<3, 120>::new();
         let start = [Position::ZERO; 3];
-        let halves = memory.split(&MACHINE, start, program).map_err(|e| e.to_string())?;
-        let (mut planner, mut interpolator): (Planner<'_, &[u8], 3, 120>, _) = halves;
+        let handles: Handles<'_, &[u8], 3, 120> =
+            memory.split(&MACHINE, start, program).map_err(|e| e.to_string())?;
+        let Handles { mut planner, mut interpolator, operator } = handles;
         loop {
             // In a task or the main loop:
             match planner.poll().map_err(|e| format!("line {}: {e}", e.place().line))? {
@@ -37,6 +38,10 @@ mod example {
                 // In the timer interrupt, here when the queue is full:
                 Progress::Waiting => _ = interpolator.tick(),
                 _ => {}
+            }
+            // In a PLC or serial task: functions that are due; also commands, acknowledgements and `operator.status()`.
+            while let Some(output) = operator.output() {
+                println!("N{}: {:?}", output.n, output.function);
             }
         }
         while interpolator.tick() == State::Active {}
@@ -265,7 +270,7 @@ fn a_late_planner_stops_the_set_points_and_loses_nothing() {
 /// A planner that is called so often, or until its queue is full, and not again until all is used up: how often the set points stand
 /// from one tick to the next.
 fn late_after(calls: Option<usize>) -> usize {
-    use glidepath::channel::{Channel, Planner, Progress};
+    use glidepath::channel::{Channel, Handles, Progress};
     use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
     use glidepath::quantity::Position;
     use glidepath::tick::State;
@@ -277,7 +282,7 @@ fn late_after(calls: Option<usize>) -> usize {
     let text: String =
         (1..=400).map(|i| format!("G01 X{}.{} F{}\n", i / 2, 5 * (i % 2), 6000 + i % 2)).collect();
     let mut memory = Channel::<1, 120>::new();
-    let (mut planner, mut interpolator): (Planner<'_, &[u8], 1, 120>, _) =
+    let Handles { mut planner, mut interpolator, .. }: Handles<'_, &[u8], 1, 120> =
         memory.split(&machine, [Position::ZERO], text.as_bytes()).expect("in range");
 
     let (mut set_points, mut stops, mut done) = (vec![0.0], 0, false);

@@ -3,7 +3,7 @@
 //! They lie beside the repository, in `../shared/spec/programs`, or in the folder `spec/programs` of the one that the variable
 //! GLIDEPATH_SHARED names. Where they are not, the test says so and checks nothing. Where Python with numpy is (`python3`, or what the
 //! variable PYTHON names), `tools/check_trace.py` of the same folder judges each motion again, from the decoded lines.
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
 use glidepath::nc::{Command, Decoder, DecoderMemory, MotionKind, Setup, Step};
 use glidepath::quantity::Position;
@@ -147,7 +147,7 @@ struct Run {
 fn run(text: &str, machine: &Machine) -> Result<Run, String> {
     let mut channel: Box<Channel<5, 120>> = Box::new(Channel::new());
     let start = [Position::ZERO; 5];
-    let (mut planner, mut interpolator) =
+    let Handles { mut planner, mut interpolator, operator } =
         channel.split(machine, start, text.as_bytes()).map_err(|e| e.to_string())?;
     let mut run = Run { trace: Trace::empty(0.001, 5), outputs: Vec::new() };
     let mut idle = 0;
@@ -165,10 +165,10 @@ fn run(text: &str, machine: &Machine) -> Result<Run, String> {
         }
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
-        while let Some(output) = interpolator.event() {
+        while let Some(output) = operator.output() {
             run.outputs.push((row, output.function));
             if output.waits {
-                planner.control().acknowledge(output.function).map_err(|e| format!("{e:?}"))?;
+                operator.acknowledge(output.function).map_err(|e| format!("{e:?}"))?;
             }
         }
         idle = if state == State::Idle { idle + 1 } else { 0 };

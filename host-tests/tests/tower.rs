@@ -3,32 +3,48 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is that of `src/lib.rs`.
-const TOWER: [(&str, &str); 17] = [
+const TOWER: [(&str, &str); 18] = [
     ("math", ""),
     ("quantity", "math"),
-    ("machine", "quantity"),
+    ("machine", ""),
     ("technology", "quantity"),
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),
     ("control", "technology"),
-    ("queue", "math quantity path control technology"),
+    ("queue", "math quantity technology path control"),
     ("slope", "math quantity queue"),
     ("dynamics", "math machine nc path slope"),
     ("smooth", "math quantity nc path slope dynamics"),
     ("lookahead", "math quantity nc path control queue slope dynamics"),
     ("plan", "math quantity machine technology nc path control queue slope dynamics smooth lookahead"),
-    ("tick", "quantity technology control queue"),
+    ("tick", "quantity queue"),
     ("axis", "quantity"),
+    ("operator", "quantity technology control queue tick"),
     ("digest", "quantity"),
-    ("channel", "math quantity machine technology nc path control queue slope plan tick"),
+    ("channel", "math quantity machine technology nc path queue slope plan tick operator"),
 ];
 
 /// Functions above [`FUNCTION_LINES`]: a match over names.
-const MATCHES: [&str; 0] = [];
+const MATCHES: [&str; 6] = [
+    "nc/block.rs g_word",
+    "nc/block.rs word",
+    "nc/error.rs fmt",
+    "nc/hash.rs arguments",
+    "nc/line.rs fill",
+    "nc/plain.rs plain_block",
+];
 const FUNCTION_LINES: usize = 80;
 
 /// Structs above [`STRUCT_FIELDS`]: they mirror machine data or the words of a command.
-const MIRRORS: [&str; 0] = [];
+const MIRRORS: [&str; 7] = [
+    "machine/mod.rs AxisData",
+    "machine/mod.rs ChannelData",
+    "nc/function.rs Contour",
+    "nc/function.rs Hsc",
+    "nc/interpreter.rs Interpreter",
+    "nc/line.rs LineReader",
+    "smooth/contour/parameters.rs Parameters",
+];
 const STRUCT_FIELDS: usize = 15;
 
 fn source() -> PathBuf {

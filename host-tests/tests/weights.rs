@@ -1,6 +1,6 @@
 //! G130…G134, G231…G233, G338, G339: a weighted machine is the machine with other data, block by block, and every axis
 //! stays inside what its weights of the moment permit.
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, Random, program};
@@ -356,7 +356,7 @@ fn weights_end_with_the_program() {
     let machine = machine();
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let mut ticks = |text: &str| {
-        let (mut planner, mut interpolator) =
+        let Handles { mut planner, mut interpolator, .. } =
             channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
         let mut ticks = 0;
         while !matches!(planner.poll(), Ok(Progress::Done)) {

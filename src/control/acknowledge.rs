@@ -3,8 +3,8 @@
 //! | word | written by | holds |
 //! |---|---|---|
 //! | `planned` | the planner | the ticket of the function, 0 when the place is free |
-//! | `put_out` | whoever takes functions out, the interrupt as a rule | the last ticket put out |
-//! | `answered` | whoever acknowledges | the last ticket acknowledged |
+//! | `put_out` | the operator, who takes functions out | the last ticket put out |
+//! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
 //!
 //! A function is *open* when it is planned and put out, and not acknowledged. A ticket holds function and sequence number, and
 //! words are compared as a whole. So no order of contexts can take one acknowledgement for another: neither one that comes early
@@ -12,10 +12,7 @@
 //! would need a compare-and-swap, which small cores do not have.
 //!
 //! Places are used in turn, and a place is given no ticket that its other words still hold.
-//!
-//! Two contexts that acknowledge may interrupt one another. Only if an abort and a lap of all places come between the
-//! look and the answer of one of them, an answer of the other may be lost: it is then still awaited, and can be given again.
-use crate::queue::Function;
+use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Acknowledgements open at a time, from reading the program on.
@@ -44,22 +41,10 @@ impl core::fmt::Display for Unexpected {
 
 impl core::error::Error for Unexpected {}
 
-/// A planned acknowledgement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct Ticket(u32);
-
 impl Ticket {
-    /// Nothing waits.
-    pub const NONE: Self = Self(0);
-
     /// One bit for each that can be open.
-    pub const fn bit(self) -> u32 {
+    pub(crate) const fn bit(self) -> u32 {
         if self.0 == 0 { 0 } else { 1 << (self.0 >> INDEX & (OPEN as u32 - 1)) }
-    }
-
-    pub const fn waits(self) -> bool {
-        self.0 != 0
     }
 }
 

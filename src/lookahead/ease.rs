@@ -123,9 +123,7 @@ pub(super) struct Trial {
     pub from: usize,
     pub at: usize,
     pub to: usize,
-    /// Block to look at, and its distance from the start.
-    pub next: usize,
-    pub way: i64,
+    pub cursor: Place,
     /// The last anchor with a final speed.
     pub last: usize,
     /// Both spans, then in the first one all of it.
@@ -142,6 +140,14 @@ pub(super) struct Trial {
     known: [(usize, f32, f32); KNOWN],
     /// Only anchors that are slower than they may be.
     first: bool,
+}
+
+/// A block that is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub next: usize,
+    /// Its distance from the start, LSB 2^-44 mm.
+    pub way: i64,
 }
 
 /// The search for what a law may use.
@@ -170,8 +176,7 @@ impl Trial {
         from: 0,
         at: 0,
         to: 0,
-        next: 1,
-        way: 0,
+        cursor: Place { next: 1, way: 0 },
         last: 0,
         spans: [Span::NONE; 2],
         speeds: [Speed::ZERO; 3],
@@ -207,7 +212,7 @@ impl Trial {
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
         self.law = law;
-        (self.next, self.way) = (self.from, self.fit.head);
+        (self.cursor.next, self.cursor.way) = (self.from, self.fit.head);
         self.search.worst = [None; 2];
     }
 }
@@ -283,33 +288,33 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Goes on to the next anchor that may be tried; `true` if there is none.
     fn seek(&mut self, pass: &mut Trial, dip: &mut Dip) -> bool {
         for _ in 0..WALK {
-            if pass.next >= pass.last && core::mem::take(&mut pass.first) {
-                (pass.from, pass.next) = (0, 1);
+            if pass.cursor.next >= pass.last && core::mem::take(&mut pass.first) {
+                (pass.from, pass.cursor.next) = (0, 1);
             }
-            if pass.next >= pass.last {
+            if pass.cursor.next >= pass.last {
                 return true;
             }
-            let Some(block) = self.blocks.get(pass.next) else { return true };
+            let Some(block) = self.blocks.get(pass.cursor.next) else { return true };
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open()
                 && !(pass.first
                     && block.limits.may_dip()
                     && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
-            if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.next) {
-                pass.at = pass.next;
+            if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.cursor.next) {
+                pass.at = pass.cursor.next;
                 if pass.first && block.limits.may_dip() {
                     self.look_further(pass, dip);
                     return false;
                 }
-                pass.next = pass.from;
+                pass.cursor.next = pass.from;
                 pass.spans = [Span::NONE; 2];
                 pass.step = Step::Gather;
                 return false;
             }
             if anchor {
-                pass.from = pass.next;
+                pass.from = pass.cursor.next;
             }
-            pass.next += 1;
+            pass.cursor.next += 1;
         }
         false
     }
@@ -332,7 +337,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
             if pass.first && !pass.fit.fitting {
-                (pass.from, pass.next) = (pass.at, pass.at + 1);
+                (pass.from, pass.cursor.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
             } else {
                 pass.step = Step::Dip(if pass.fit.fitting { dip::Step::Weigh } else { dip::Step::Look });
@@ -349,21 +354,21 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.counts.untried = self.counts.untried.saturating_sub(1);
         }
         pass.from = pass.at;
-        pass.next = pass.at + 1;
+        pass.cursor.next = pass.at + 1;
         pass.step = Step::Seek;
     }
 
     /// Takes in the blocks of both spans.
     fn gather(&mut self, pass: &mut Trial) {
         for _ in 0..WALK {
-            match self.blocks.get(pass.next) {
-                Some(block) if pass.next <= pass.at || !block.is(Marks::ANCHOR) => {
-                    let last = self.scope.open && pass.next + 1 == self.blocks.len();
+            match self.blocks.get(pass.cursor.next) {
+                Some(block) if pass.cursor.next <= pass.at || !block.is(Marks::ANCHOR) => {
+                    let last = self.scope.open && pass.cursor.next + 1 == self.blocks.len();
                     let share: Option<&Share> =
                         self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
                     let [first, second] = &mut pass.spans;
-                    if pass.next < pass.at { first } else { second }.add(block, share);
-                    pass.next += 1;
+                    if pass.cursor.next < pass.at { first } else { second }.add(block, share);
+                    pass.cursor.next += 1;
                 }
                 _ => return self.weigh(pass),
             }
@@ -372,7 +377,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Both spans are known, the second one ends at block `next`.
     fn weigh(&mut self, pass: &mut Trial) {
-        let to = pass.next;
+        let to = pass.cursor.next;
         pass.to = to;
         let speeds = [pass.from, pass.at, to].map(|k| self.final_speed(k));
         if to > pass.last || to - pass.from > self.depth / PART {
@@ -424,14 +429,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn compare(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let length = to_f32(pass.spans[0].length) * LSB_44;
         for _ in 0..STEPS {
-            let block = match self.blocks.get(pass.next) {
-                Some(block) if pass.next < pass.to => block,
+            let block = match self.blocks.get(pass.cursor.next) {
+                Some(block) if pass.cursor.next < pass.to => block,
                 _ => return self.compared(pass, dip),
             };
-            let start = to_f32(pass.way.max(0)) * LSB_44;
-            pass.way += block.length;
-            let end = to_f32(pass.way.min(pass.spans[0].length)) * LSB_44;
-            let cap = if pass.next > pass.from { block.cap() } else { f32::MAX };
+            let start = to_f32(pass.cursor.way.max(0)) * LSB_44;
+            pass.cursor.way += block.length;
+            let end = to_f32(pass.cursor.way.min(pass.spans[0].length)) * LSB_44;
+            let cap = if pass.cursor.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.speed(), [start, end])] {
                 if pass.law.keeps(v, places[0], places[1]) {
                     continue;
@@ -445,7 +450,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     *worst = Some(excess);
                 }
             }
-            pass.next += 1;
+            pass.cursor.next += 1;
         }
     }
 
@@ -561,7 +566,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(end) = self.blocks.get_mut(to) {
             end.v_in = end.v_reached;
         }
-        pass.next = pass.at + 1;
+        pass.cursor.next = pass.at + 1;
         pass.step = Step::Seek;
     }
 }

@@ -6,7 +6,7 @@
 //! ([`clock`]): so it does as long as only its end differs. Otherwise the old law holds, and the motion goes on from rest.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
-use crate::queue::PHASES;
+use crate::queue::{Change, PHASES};
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Before the first block of the look-ahead, a gate.
@@ -115,7 +115,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let Some(motion) = self.motion_at(at).filter(|_| self.drop_reserve()) else { return false };
         let before = self.frontier;
-        let gate = self.queue.phases.count();
         if let Some(flight) = self.flights.get_mut(k) {
             flight.span.v_out = v_out;
             flight.span.checked &= flight.span.blocks == 1;
@@ -127,18 +126,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.frontier.speed > Speed::ZERO
             && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
         {
-            let _ = self.queue.phases.push(Phase::BLANK);
+            let change = Change::begin(&mut self.queue.phases);
             self.put(rest);
             self.hand_out();
-            self.queue.clock.publish(at, gate.wrapping_add(1));
-            let is_late = clock::is_before(at, self.queue.clock.now());
-            // Late, it was taken or never will be.
-            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                self.orders.mode.cut = Some(at);
+            if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
+                self.orders.mode.cut = Some(cut);
                 return true;
             }
-            self.queue.clock.withdraw();
-            self.queue.phases.withdraw(gate);
         }
         // Everything as before.
         self.frontier = before;

@@ -5,10 +5,11 @@
 //! it goes into the queue: the motion may come there without the planner. The element may be marked as a *gate*: it is not handed on,
 //! and the motion is planned to stand still before it, until all acknowledgements demanded there have come.
 use super::Function;
-use crate::control::{Control, OPEN, Ticket};
+use crate::control::{Control, OPEN};
 use crate::machine::Synch;
 use crate::quantity::Distance;
-use crate::queue::{EVENTS, Event, Producer};
+use crate::queue::{EVENTS, Event, Scheduler};
+use crate::technology::{Action, Ticket};
 use heapless::Vec;
 
 /// A function that is not in the queue yet, or whose gate is still to come.
@@ -109,7 +110,7 @@ impl Functions {
 
     /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks before it goes into the queue,
     /// which has room for it. Whether the element is a gate.
-    pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) -> bool {
+    pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         if self.entries.is_empty() && self.last == 0 {
             return false;
         }
@@ -120,23 +121,18 @@ impl Functions {
     }
 
     /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait there.
-    pub fn at_end(
-        &mut self,
-        number: u32,
-        distance: Distance,
-        queue: &mut Producer<'_, Event, EVENTS>,
-    ) -> bool {
+    pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0
     }
 
     /// Gives functions their place, and gates to `last`.
-    fn place(&mut self, due: u32, distance: Distance, queue: &mut Producer<'_, Event, EVENTS>) {
+    fn place(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
         for entry in &mut self.entries {
             if !entry.placed && reaches(due, entry.out) {
                 entry.placed = true;
                 let Entry { n, function, ticket, .. } = *entry;
-                let _ = queue.push(Event { distance, n, function, ticket });
+                let _ = queue.push(Event { distance, n, action: Action::Out(function, ticket) });
             }
             if entry.placed && !entry.gated && reaches(due, entry.gate) {
                 entry.gated = true;

@@ -16,12 +16,11 @@ use super::clock;
 use super::descent::{Descent, Passed};
 use super::flight::Flight;
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Time,
-    Unplannable, Work,
+    Brake, Commands, Control, Distance, Instant, PIECES, Planning, Speed, Stage, Time, Unplannable, Work,
 };
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
-use crate::queue::{Event, PHASES};
+use crate::queue::{Change, Cut, PHASES, TooLate};
 use crate::smooth::Smoother;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
@@ -49,8 +48,8 @@ pub(super) struct Mode {
     pub(super) halting: bool,
     /// It is handed out.
     standing: bool,
-    /// The instant of the cut that may be pending, and the last one at which one was tried.
-    pub(super) cut: Option<u32>,
+    /// The cut that may be pending, and the last instant at which one was tried.
+    pub(super) cut: Option<Cut>,
     tried: Option<u32>,
     /// What a way down passes, until its spans know.
     pub(super) passed: Option<Passed>,
@@ -97,12 +96,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
-        if self.orders.mode.busy || word != self.orders.word { self.follow(word) } else { None }
+        let is_called = self.orders.mode.busy || word != self.orders.word || self.queue.clock.has_left();
+        if is_called { self.follow(word) } else { None }
     }
 
     #[inline(never)]
     fn follow(&mut self, word: u32) -> Option<Work> {
-        if self.reserve.is_made() || self.queue.control.has_left() {
+        if self.reserve.is_made() || self.queue.clock.has_left() {
             return Some(self.look_after());
         }
         let commands = Commands::of(word);
@@ -171,19 +171,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if motion != end || !motion.is_rest() {
             return;
         }
-        let (before, gate) = (self.frontier.end, self.queue.phases.count());
-        let _ = self.queue.phases.push(Phase::BLANK);
+        let before = self.frontier.end;
+        let change = Change::begin(&mut self.queue.phases);
         self.frontier.end = at;
         self.put_rest(Distance::from_bits(motion.distance), 1);
-        self.queue.clock.publish(at, gate.wrapping_add(1));
-        let is_late = clock::is_before(at, self.queue.clock.now());
-        // Late, it was taken or never will be.
-        if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-            self.orders.mode.cut = Some(at);
-        } else {
-            self.queue.clock.withdraw();
-            self.queue.phases.withdraw(gate);
-            self.frontier.end = before;
+        match change.commit(at, &mut self.queue.phases, self.queue.clock) {
+            Ok(cut) => self.orders.mode.cut = Some(cut),
+            Err(TooLate) => self.frontier.end = before,
         }
     }
 
@@ -200,7 +194,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
-        if self.orders.mode.cut.is_some_and(|at| clock::is_before(at, now)) {
+        if self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
             self.queue.clock.withdraw();
             self.orders.mode.cut = None;
         }
@@ -319,14 +313,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let flight = *self.flights.get(k)?;
         let before = (self.frontier, self.orders.mode);
         let behind = self.reserve.behind;
-        let gate = self.queue.phases.count();
         let drops = at != self.frontier.end;
         if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
             return None;
         }
-        if drops {
-            let _ = self.queue.phases.push(Phase::BLANK);
-        }
+        let phases = &mut self.queue.phases;
+        let change = if drops { Change::begin(phases) } else { Change::append(phases) };
         self.frontier.end = at;
         self.frontier.laid = k;
         self.orders.mode.uneven = true;
@@ -367,19 +359,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.changed(k);
             return Some(Work::Working);
         }
-        if self.frontier.end != at {
-            self.queue.clock.publish(at, gate.wrapping_add(1));
-            let is_late = clock::is_before(at, self.queue.clock.now());
-            // Late, it was taken or never will be.
-            if !is_late || self.queue.phases.taken().wrapping_sub(gate) as i32 > 0 {
-                self.changed(k);
-                self.orders.mode.cut = Some(at);
-                return Some(Work::Working);
-            }
-            self.queue.clock.withdraw();
+        // Nothing was handed out for a law that failed.
+        if self.frontier.end == at {
+            change.abandon(&mut self.queue.phases, self.queue.clock);
+        } else if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
+            self.changed(k);
+            self.orders.mode.cut = Some(cut);
+            return Some(Work::Working);
         }
         // Everything as before; again at the next tick.
-        self.queue.phases.withdraw(gate);
         (self.frontier, self.orders.mode) = before;
         self.reserve.behind = behind;
         if let Some(old) = self.flights.get_mut(k) {
@@ -647,12 +635,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // The interrupt keeps the curve it is on.
         self.queue.segments.withdraw(number);
         self.handed = self.queue.segments.end();
-        let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
-        let mut event = self.queue.events.taken();
-        while self.queue.events.recent(event).is_some_and(is_due) {
-            event = event.wrapping_add(1);
+        let is_due = |point: Distance| stands.wrapping_sub(point.to_bits()) >= 0;
+        let mut action = self.queue.actions.first_open();
+        while self.queue.actions.open(action).is_some_and(is_due) {
+            action = action.wrapping_add(1);
         }
-        self.queue.events.withdraw(event);
+        self.queue.actions.withdraw(action);
+        // A tick at hand may look at those.
+        self.queue.clock.settle();
         self.functions.clear(self.queue.control);
         (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);
         self.intake.programmed = self.intake.entered;

@@ -9,7 +9,7 @@ use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
-use crate::queue::{EVENTS, Event, Function, Layer, Producer};
+use crate::queue::{Function, Layer, Scheduler};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
 /// A motion block that has no path or no speed.
@@ -51,7 +51,7 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     segments: &'a mut Layer<'q, AXES>,
-    events: &'a mut Producer<'q, Event, EVENTS>,
+    actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
 }
 
@@ -91,7 +91,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         (due, long): (u32, bool),
         end: Option<&[Position; AXES]>,
     ) {
-        let gate = self.functions.before(due, self.segments.end(), self.events);
+        let gate = self.functions.before(due, self.segments.end(), self.actions);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
@@ -298,8 +298,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         let super::Intake { entered, held, .. } = intake;
-        let (segments, events) = (&mut queue.segments, &mut queue.events);
-        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, events, entered }, held)
+        let (segments, actions) = (&mut queue.segments, &mut queue.actions);
+        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, actions, entered }, held)
     }
 
     /// The next element of the smoother goes into the look-ahead; `false` if there is none.
@@ -307,9 +307,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn pass_smoothed(&mut self) -> bool {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         let super::Intake { entered, smoothing, .. } = intake;
-        let (segments, events) = (&mut queue.segments, &mut queue.events);
+        let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
-        let mut entrance = Entrance { ring, functions, dynamics, segments, events, entered };
+        let mut entrance = Entrance { ring, functions, dynamics, segments, actions, entered };
         smoothing.emit(|smoothed| entrance.take(smoothed))
     }
 
@@ -329,7 +329,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Ok(());
         }
         self.let_go();
-        let room = self.queue.events.room();
+        let room = self.queue.actions.room();
         let taken = self.functions.take(
             (n, function, synch),
             (self.intake.taken, in_motion),

@@ -54,7 +54,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return self.begin_pass();
         }
         if !self.intake.smoothing.holds() {
-            self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.events);
+            self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.actions);
         }
         if self.task.stood || self.flights.len() == 0 {
             return self.wait_a_while();

@@ -513,11 +513,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.report.begun = begun;
     }
 
-    /// Where the operator's commands go.
-    pub fn control(&self) -> &'a Control {
-        self.queue.control
-    }
-
     /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
@@ -538,7 +533,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn come_to_rest(&mut self) -> Work {
-        if self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.events) {
+        if self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.actions) {
             return self.stand();
         }
         let left = self.stay(self.task.rest);

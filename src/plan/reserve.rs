@@ -133,7 +133,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Where the interrupt has left the queue, or a way is being made: a piece of that.
     #[inline(never)]
     pub(super) fn look_after(&mut self) -> Work {
-        if self.queue.control.has_left() {
+        if self.queue.clock.has_left() {
             self.take_back();
             return self.go_on_late();
         }
@@ -377,8 +377,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if the interrupt has gone on
     /// with it.
     pub(super) fn drop_reserve(&mut self) -> bool {
-        self.queue.clock.release();
-        if self.queue.control.has_left() {
+        if !self.queue.clock.release() {
             return false;
         }
         self.queue.reserve.clear();
@@ -390,13 +389,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The interrupt has gone on with it: once it stands, everything behind begins there.
     fn go_on_late(&mut self) -> Work {
         let Some(way) = self.reserve.kept else {
-            self.queue.control.set_left(false);
+            self.queue.clock.let_go();
             return Work::Working;
         };
         if self.queue.clock.now() != way.end {
             return Work::Waiting;
         }
-        self.queue.clock.release();
         self.queue.clock.withdraw();
         let void = self.queue.phases.taken();
         self.queue.phases.withdraw(void);
@@ -416,7 +414,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let laid = self.frontier.laid;
         self.flights.from(laid + 1).for_each(Flight::restore);
-        self.queue.control.set_left(false);
+        self.queue.clock.let_go();
         if way.as_planned { Work::Working } else { Work::Late }
     }
 

@@ -1,119 +1,219 @@
-//! Ticks passed, and how the planner takes back time it has handed over.
+//! Time: ticks, how far the motion has come, and the words by which the planner takes back time it has handed over.
 //!
-//! Pieces are handed over well ahead. To change what is to come, the planner agrees on a tick with the interrupt, a *cut*:
-//! before that tick the interrupt leaves the pieces it has and goes on with the one the cut names. In between nothing is
-//! lost: up to that tick the old pieces hold.
+//! Two clocks run. *Ticks* count every call of the interrupt, whether the path moves or not. *Instants* count the ticks that take
+//! time of a piece: motion, dwell, the tick that shows a standstill. Pieces are handed over by instants, so a cut is one too.
+//! An instant is twice the number of such ticks since the split, modulo 2^32: even, so that an odd one is never.
 //!
-//! No order of events can mix both:
+//! Every word has one writer:
 //!
-//! 1. The planner puts a *gate* behind the old pieces, a piece of no ticks, which the interrupt does not pass, then
-//!    the new pieces. Nothing has changed for the interrupt.
-//! 2. It publishes the cut: the piece first, then the tick.
-//! 3. It reads the ticks passed. As long as that tick has not begun, the interrupt will find the cut there. If it has
-//!    begun, the interrupt either took the cut (its count of pieces is beyond the gate), or came before it was published:
-//!    then it never will, and stays before the gate, so that the planner can take gate and pieces back.
+//! | word | written by | holds |
+//! |---|---|---|
+//! | `begun` | the interrupt, first thing in a tick | ticks begun |
+//! | `now` | the interrupt, last thing in a tick that took time of a piece | the instant of the next one |
+//! | `idle` | the interrupt, last thing in any other tick | how many of those there were |
+//! | `rested` | the interrupt, in the same | `begun` in the last of them |
+//! | `left` | the interrupt | how often it has left the queue for the reserve |
+//! | `at`, `to` | the planner | the cut: its instant, and the piece that follows then |
+//! | `end`, `first` | the planner | the reserve: its instant and its first piece |
+//! | `let_go` | the planner | `left`, when the interrupt may go back to the queue |
 //!
-//! Step 3 takes for granted that a tick, once begun, ends before the planner goes on: it is an interrupt on the planner's
-//! own core.
+//! A tick is at hand while `begun` is ahead of `now` and `idle` together. A planner on the interrupt's own core never finds it so;
+//! on another core it waits for that tick to end ([`Clock::settle`]) before it decides anything: a few hundred instructions. The interrupt
+//! never waits. (Words that are loaded and stored cannot decide which of two sides came first without one of them waiting.)
 //!
-//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
-//! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
-//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own (`reserve`). Once there,
-//! the interrupt stays with them until the planner lets it go on.
-//!
-//! An instant is twice the number of ticks of motion passed since the split, modulo 2^32: even, so that an odd one is never.
-use core::sync::atomic::{AtomicU32, Ordering, fence};
+//! What the planner has written before [`Clock::settle`] is seen by every tick that ends behind it: `begun` is stored before
+//! the tick looks at the planner's words, both sides put a sequentially consistent fence between, so one sees what the other wrote.
+use super::word::{Memory, Ram, Word};
+use core::sync::atomic::Ordering;
 
 /// From one tick to the next.
 pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
-/// Shared by both ends of the queue.
-pub struct Clock {
-    /// Written by the interrupt.
-    now: AtomicU32,
-    /// The instant of the cut. This and the next are written by the planner.
-    at: AtomicU32,
-    /// The number of the piece that follows then.
-    to: AtomicU32,
-    /// The instant of the reserve, and its first piece.
-    end: AtomicU32,
-    first: AtomicU32,
+/// Shared by planner, interrupt and operator.
+pub struct Clock<M: Memory = Ram> {
+    begun: M::Word,
+    now: M::Word,
+    at: M::Word,
+    to: M::Word,
+    end: M::Word,
+    first: M::Word,
+    idle: M::Word,
+    rested: M::Word,
+    left: M::Word,
+    let_go: M::Word,
 }
 
-impl Clock {
-    pub(super) const fn new() -> Self {
-        let [now, to, first] = [const { AtomicU32::new(0) }; 3];
-        Self { now, at: AtomicU32::new(NEVER), to, end: AtomicU32::new(NEVER), first }
-    }
-
+impl<M: Memory> Clock<M> {
     /// Memory for one; all bits zero.
-    pub(super) const fn blank() -> Self {
-        let [now, at, to, end, first] = [const { AtomicU32::new(0) }; 5];
-        Self { now, at, to, end, first }
-    }
-
-    /// Ticks of motion passed. For the interrupt.
-    #[inline(always)]
-    pub fn own(&self) -> u32 {
-        self.now.load(Ordering::Relaxed)
-    }
-
-    /// The same for the planner.
-    #[inline(always)]
-    pub fn now(&self) -> u32 {
-        self.now.load(Ordering::Acquire)
-    }
-
-    /// The number of the piece to go on with, if there is a cut at `instant`. For the interrupt.
-    #[inline(always)]
-    pub fn cut(&self, instant: u32) -> Option<u32> {
-        if self.at.load(Ordering::Relaxed) != instant {
-            return None;
+    pub const fn blank() -> Self {
+        Self {
+            begun: M::Word::ZERO,
+            now: M::Word::ZERO,
+            at: M::Word::ZERO,
+            to: M::Word::ZERO,
+            end: M::Word::ZERO,
+            first: M::Word::ZERO,
+            idle: M::Word::ZERO,
+            rested: M::Word::ZERO,
+            left: M::Word::ZERO,
+            let_go: M::Word::ZERO,
         }
-        fence(Ordering::Acquire);
-        Some(self.to.load(Ordering::Relaxed))
     }
 
-    /// Whether what was planned ends at `instant`, and the motion is to stop. For the interrupt.
+    /// Nothing has happened yet. Before both sides run.
+    pub fn reset(&mut self) {
+        *self = Self::blank();
+        self.withdraw();
+        self.withdraw_reserve();
+    }
+}
+
+/// For the interrupt.
+impl<M: Memory> Clock<M> {
+    /// A tick begins: its instant, should it take time of a piece.
     #[inline(always)]
-    pub fn is_end(&self, instant: u32) -> bool {
-        self.end.load(Ordering::Relaxed) == instant
+    pub fn begin(&self) -> u32 {
+        let begun = self.begun.load(Ordering::Relaxed).wrapping_add(TICK);
+        self.begun.store(begun, Ordering::Relaxed);
+        M::fence(Ordering::SeqCst);
+        self.own()
     }
 
-    /// It does: the piece it goes on with. For the interrupt, which says so ([`crate::control::Control`]).
-    pub fn first(&self) -> u32 {
-        fence(Ordering::Acquire);
-        self.first.load(Ordering::Relaxed)
-    }
-
-    /// The reserve that begins with the piece `first` holds at `instant`. For the planner, while there is none.
-    pub fn keep(&self, instant: u32, first: u32) {
-        self.first.store(first, Ordering::Relaxed);
-        self.end.store(instant, Ordering::Release);
-    }
-
-    /// Takes the reserve back. For the planner: whether it came in time says [`crate::control::Control`].
-    pub fn release(&self) {
-        self.end.store(NEVER, Ordering::Release);
-    }
-
-    /// A tick is done. For the interrupt.
+    /// A tick ends that took time of a piece.
     #[inline(always)]
     pub fn pass(&self) {
         self.now.store(self.own().wrapping_add(TICK), Ordering::Release);
     }
 
-    /// Publishes a cut. For the planner, while there is none.
+    /// A tick ends that did not.
+    pub fn rest(&self) {
+        self.rested.store(self.begun.load(Ordering::Relaxed), Ordering::Relaxed);
+        let idle = self.idle.load(Ordering::Relaxed);
+        self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
+    }
+
+    /// The number of the tick at hand, from 0.
+    pub fn tick(&self) -> u32 {
+        self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
+    }
+
+    /// The instant of the next piece of time.
+    #[inline(always)]
+    pub fn own(&self) -> u32 {
+        self.now.load(Ordering::Relaxed)
+    }
+
+    /// The number of the piece to go on with, if there is a cut at `instant`.
+    #[inline(always)]
+    pub fn cut(&self, instant: u32) -> Option<u32> {
+        if self.at.load(Ordering::Relaxed) != instant {
+            return None;
+        }
+        M::fence(Ordering::Acquire);
+        Some(self.to.load(Ordering::Relaxed))
+    }
+
+    /// Whether what was planned ends at `instant`, and the motion is to stop.
+    #[inline(always)]
+    pub fn is_end(&self, instant: u32) -> bool {
+        self.end.load(Ordering::Relaxed) == instant
+    }
+
+    /// Leaves the queue for the reserve: its first piece.
+    pub fn leave(&self) -> u32 {
+        M::fence(Ordering::Acquire);
+        self.left.store(self.left.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
+        self.first.load(Ordering::Relaxed)
+    }
+
+    /// Whether it may go back to the queue.
+    pub fn is_let_go(&self) -> bool {
+        self.let_go.load(Ordering::Acquire) == self.left.load(Ordering::Relaxed)
+    }
+}
+
+/// For the planner.
+impl<M: Memory> Clock<M> {
+    /// The instant of the next tick that takes time of a piece.
+    #[inline(always)]
+    pub fn now(&self) -> u32 {
+        self.now.load(Ordering::Acquire)
+    }
+
+    /// Every tick that ends from here on sees what was written before; none that does not is at hand. On another core than the
+    /// interrupt's it waits for the tick at hand.
+    pub fn settle(&self) {
+        M::fence(Ordering::SeqCst);
+        let begun = self.begun.load(Ordering::Acquire);
+        M::wait(|| {
+            let now = self.now.load(Ordering::Acquire);
+            !is_before(now.wrapping_add(self.idle.load(Ordering::Acquire)), begun)
+        });
+    }
+
+    /// Publishes a cut, while there is none: at `instant` the interrupt goes on with the piece `number`.
     pub fn publish(&self, instant: u32, number: u32) {
         self.to.store(number, Ordering::Relaxed);
         self.at.store(instant, Ordering::Release);
+        self.settle();
     }
 
-    /// Takes back a cut whose instant has passed. For the planner.
+    /// Takes back a cut that the interrupt has taken, or whose instant has passed.
     pub fn withdraw(&self) {
         self.at.store(NEVER, Ordering::Relaxed);
+    }
+
+    /// The reserve that begins with the piece `first` holds at `instant`, while there is none.
+    pub fn keep(&self, instant: u32, first: u32) {
+        self.first.store(first, Ordering::Relaxed);
+        self.end.store(instant, Ordering::Release);
+    }
+
+    /// Takes the reserve back; `false`: the interrupt has gone on with it before.
+    pub fn release(&self) -> bool {
+        self.withdraw_reserve();
+        self.settle();
+        !self.has_left()
+    }
+
+    fn withdraw_reserve(&self) {
+        self.end.store(NEVER, Ordering::Release);
+    }
+
+    /// Whether the interrupt stops, or stands, without the planner.
+    #[inline(always)]
+    pub fn has_left(&self) -> bool {
+        let has_left = self.left.load(Ordering::Relaxed) != self.let_go.load(Ordering::Relaxed);
+        if has_left {
+            M::fence(Ordering::Acquire);
+        }
+        has_left
+    }
+
+    /// The interrupt, at the end of the reserve, goes on with what is in the queue, and looks at the reserve no more.
+    pub fn let_go(&self) {
+        self.withdraw_reserve();
+        self.let_go.store(self.left.load(Ordering::Acquire), Ordering::Release);
+        self.settle();
+    }
+}
+
+/// For the operator.
+impl<M: Memory> Clock<M> {
+    /// Ticks ended, in units of [`TICK`], the instant of the last one that took time of a piece, and whether that was the last one of all.
+    /// For a snapshot: see [`Self::is_at`].
+    pub fn ended(&self) -> (u32, u32, bool) {
+        let now = self.now.load(Ordering::Acquire);
+        let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
+        (ended, now.wrapping_sub(TICK), self.rested.load(Ordering::Relaxed) != ended)
+    }
+
+    /// Whether no tick has begun since so many had ended: then all that was read in between belongs together.
+    pub fn is_at(&self, ended: u32) -> bool {
+        M::fence(Ordering::Acquire);
+        self.begun.load(Ordering::Relaxed) == ended
     }
 }
 

@@ -1,20 +1,29 @@
-//! The one door between planner and interrupt: static single-producer single-consumer rings, one of curves, one of
-//! time and one of events. The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first piece
-//! of time that moves along it.
+//! The one door between planner, interrupt and operator: static memory with one writer for every word. One ring of curves, one of
+//! pieces of time, one of actions; the clock, the status and the operator's commands. The planner puts a curve in when its block goes
+//! into the look-ahead, and hands it on before the first piece of time that moves along it.
+mod actions;
 pub mod clock;
 mod course;
 mod reserve;
 mod ring;
+mod status;
+mod time;
+pub mod word;
 
+pub use crate::technology::Function;
+pub use actions::{Actions, Outlet, Scheduler};
 pub use clock::Clock;
 pub use course::{Course, Follower, Layer, MOST};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
-pub use ring::{Consumer, Producer, Ring, Slot};
+pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
+pub use status::{Display, Snapshot, Words};
+pub use time::{Change, Cut, Pieces, Timeline, TooLate};
 
-use crate::control::{Control, Ticket};
+use crate::control::Control;
 use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
+use crate::technology::Action;
 
 /// Elements handed on. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
 /// channel, beside those of the look-ahead, and that of a law in the planner.
@@ -25,7 +34,7 @@ pub const PHASES: usize = 256;
 /// Events handed over.
 pub const EVENTS: usize = 32;
 
-/// Something the application is to do at a point of the motion.
+/// Something that is due at a point of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Event {
@@ -33,24 +42,8 @@ pub struct Event {
     pub distance: Distance,
     /// Programmed N number.
     pub n: u32,
-    /// What to do.
-    pub function: Function,
-    /// Its acknowledgement, if the motion waits for one.
-    pub(crate) ticket: Ticket,
-}
-
-/// Technology functions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Function {
-    /// M function.
-    M(u16),
-    /// H function.
-    H(u16),
-    /// S: spindle speed, 1/min.
-    Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
-    /// T: tool number.
-    Tool(u32),
+    /// What is due.
+    pub action: Action,
 }
 
 /// A curve at its place on the path.
@@ -107,11 +100,6 @@ impl Slot for Phase {
     };
 }
 
-impl Slot for Event {
-    const BLANK: Self =
-        Self { distance: Distance::ZERO, n: 0, function: Function::M(0), ticket: Ticket::NONE };
-}
-
 impl Phase {
     /// What is left of it behind its first `n` ticks.
     pub fn advance(&mut self, n: u16) {
@@ -141,9 +129,15 @@ pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     segments: Course<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
     reserve: Reserve,
-    events: Ring<Event, EVENTS>,
     control: Control,
+    shared: Shared<AXES>,
+}
+
+/// What the interrupt reads and writes beside the rings, in one place: one register leads to all of it.
+struct Shared<const AXES: usize> {
     clock: Clock,
+    status: Words<AXES>,
+    actions: Actions,
 }
 
 /// The planner's end.
@@ -151,11 +145,11 @@ pub struct Sender<'a, const AXES: usize> {
     /// Curves.
     pub segments: Layer<'a, AXES>,
     /// Pieces of time.
-    pub phases: Producer<'a, Phase, PHASES>,
-    /// Those of the way to a standstill: see [`Clock`].
+    pub phases: Pieces<'a>,
+    /// Those of the way to a standstill: see [`Timeline`].
     pub reserve: Keeper<'a>,
-    /// Events.
-    pub events: Producer<'a, Event, EVENTS>,
+    /// Actions.
+    pub actions: Scheduler<'a>,
     /// Commands of the operator.
     pub control: &'a Control,
     /// Ticks passed, and the cut.
@@ -167,15 +161,66 @@ pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
     pub segments: Follower<'a, AXES>,
     /// Pieces of time.
-    pub phases: Consumer<'a, Phase, PHASES>,
-    /// Those of the way to a standstill: see [`Clock`].
-    pub reserve: Taker<'a>,
-    /// Events.
-    pub events: Consumer<'a, Event, EVENTS>,
-    /// Commands of the operator.
+    pub time: Timeline<'a>,
+    shared: &'a Shared<AXES>,
+}
+
+impl<const AXES: usize> Receiver<'_, AXES> {
+    /// A tick begins: its path distance, which is shown, or `None` if there is no piece.
+    #[inline(always)]
+    pub fn begin(&mut self) -> Option<i64> {
+        let Shared { clock, status, .. } = self.shared;
+        let (instant, distance) = self.time.begin(clock)?;
+        status.show_distance(instant, distance);
+        Some(distance)
+    }
+
+    /// The curve that a path distance is on, and how far along; its place in the program is shown.
+    #[inline(always)]
+    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
+        let (segment, along) = self.segments.follow(distance)?;
+        self.shared.status.show_curve(segment.n, segment.block);
+        Some((segment, along))
+    }
+
+    /// Shows set points.
+    #[inline(always)]
+    pub fn show(&self, set_points: &[Position; AXES]) {
+        self.shared.status.show_points(set_points);
+    }
+
+    /// A tick ends that had a piece: actions reached by it become due.
+    #[inline(always)]
+    pub fn pass(&mut self) {
+        let Shared { clock, status, actions } = self.shared;
+        if actions.is_armed() {
+            actions.reach(status.distance(clock.own()), clock.tick());
+        }
+        clock.pass();
+    }
+
+    /// A tick ends that had none: actions put in for the point where the path stands become due.
+    pub fn rest(&mut self) {
+        let Shared { clock, actions, .. } = self.shared;
+        actions.reach(self.distance(), clock.tick());
+        clock.rest();
+    }
+
+    /// Path distance of the last tick that had a piece, LSB 2^-44 mm.
+    pub fn distance(&self) -> i64 {
+        let Shared { clock, status, .. } = self.shared;
+        status.distance(clock.own().wrapping_sub(clock::TICK))
+    }
+}
+
+/// The operator's end.
+pub struct Panel<'a, const AXES: usize> {
+    /// Commands.
     pub control: &'a Control,
-    /// Ticks passed, and the cut.
-    pub clock: &'a Clock,
+    /// Actions that are due.
+    pub actions: Outlet<'a>,
+    /// What the interrupt shows.
+    pub status: Display<'a, AXES>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
@@ -184,32 +229,36 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         Self {
             segments: Course::new(),
             phases: Ring::new(),
-            reserve: Reserve::new(),
-            events: Ring::new(),
+            reserve: Reserve::blank(),
             control: Control::blank(),
-            clock: Clock::blank(),
+            shared: Shared { clock: Clock::blank(), status: Words::blank(), actions: Actions::blank() },
         }
     }
 
-    /// Both ends of every ring, emptied.
-    pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>) {
-        let (to_segments, segments) = self.segments.split();
-        let (to_phases, phases) = self.phases.split();
-        let (to_reserve, reserve) = self.reserve.split();
-        let (to_events, events) = self.events.split();
-        self.control = Control::new();
-        self.clock = Clock::new();
-        let (control, clock) = (&self.control, &self.clock);
+    /// The ends of every ring, emptied.
+    pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>, Panel<'_, AXES>) {
+        let Self { segments, phases, reserve, control, shared } = self;
+        shared.clock.reset();
+        shared.actions.reset();
+        (*control, shared.status) = (Control::new(), Words::blank());
+        let (control, shared) = (&*control, &*shared);
+        let Shared { clock, status, actions } = shared;
+        let (to_segments, segments) = segments.split();
+        let (to_phases, phases) = phases.split();
+        let (to_reserve, reserve) = reserve.split();
+        let (to_actions, outlet) = actions.ends();
+        let display = Display::new(status, clock, to_phases.gauge());
         (
             Sender {
                 segments: to_segments,
                 phases: to_phases,
                 reserve: to_reserve,
-                events: to_events,
+                actions: to_actions,
                 control,
                 clock,
             },
-            Receiver { segments, phases, reserve, events, control, clock },
+            Receiver { segments, time: Timeline::new(phases, reserve), shared },
+            Panel { control, actions: outlet, status: display },
         )
     }
 }

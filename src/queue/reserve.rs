@@ -3,24 +3,24 @@
 //! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of no ticks. The interrupt
 //! reads only the way in force, and only once it has left the queue for it; from then on until it is let go nothing is written.
 #![allow(unsafe_code)]
-use super::{Phase, Slot};
-use core::cell::UnsafeCell;
+use super::Phase;
+use super::word::{Memory, Place, Ram, Replay};
 
 /// Pieces of both ways together, a power of two.
 pub const STOP_PIECES: usize = 128;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
 /// Static memory of the ways.
-pub struct Reserve {
-    pieces: [UnsafeCell<Phase>; STOP_PIECES],
+pub struct Reserve<M: Memory = Ram> {
+    pieces: [M::Place<Phase>; STOP_PIECES],
 }
 
 // SAFETY: the interrupt reads pieces in force, the planner writes others; the clock says which are in force, with release and acquire.
-unsafe impl Sync for Reserve {}
+unsafe impl<M: Memory> Sync for Reserve<M> {}
 
 /// Writes ways.
-pub struct Keeper<'a> {
-    reserve: &'a Reserve,
+pub struct Keeper<'a, M: Memory = Ram> {
+    reserve: &'a Reserve<M>,
     /// The way in force: its first piece and how many there are.
     first: u32,
     count: u32,
@@ -30,36 +30,42 @@ pub struct Keeper<'a> {
 }
 
 /// Goes along the way in force.
-pub struct Taker<'a> {
-    reserve: &'a Reserve,
+pub struct Taker<'a, M: Memory = Ram> {
+    reserve: &'a Reserve<M>,
     next: u32,
 }
 
-impl Reserve {
-    /// No way.
-    pub const fn new() -> Self {
+impl<M: Memory> Reserve<M> {
+    /// No way; all bits zero.
+    pub const fn blank() -> Self {
         const { assert!(STOP_PIECES.is_power_of_two()) };
-        Self { pieces: [const { UnsafeCell::new(Phase::BLANK) }; STOP_PIECES] }
+        Self { pieces: [const { M::Place::BLANK }; STOP_PIECES] }
     }
 
     /// Both ends.
-    pub fn split(&mut self) -> (Keeper<'_>, Taker<'_>) {
+    pub fn split(&mut self) -> (Keeper<'_, M>, Taker<'_, M>) {
         (Keeper { reserve: self, first: 0, count: 0, start: 0, written: 0 }, Taker { reserve: self, next: 0 })
     }
 
-    fn piece(&self, number: u32) -> *mut Phase {
+    fn piece(&self, number: u32) -> &M::Place<Phase> {
         // The mask is below the length: the optimiser removes the check.
-        self.pieces[(number & MASK) as usize].get()
+        &self.pieces[(number & MASK) as usize]
     }
 }
 
-impl Default for Reserve {
-    fn default() -> Self {
-        Self::new()
+impl<M: Replay> Clone for Keeper<'_, M> {
+    fn clone(&self) -> Self {
+        Self { ..*self }
     }
 }
 
-impl Keeper<'_> {
+impl<M: Replay> Clone for Taker<'_, M> {
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
+}
+
+impl<M: Memory> Keeper<'_, M> {
     /// Begins a new way. Not while the interrupt is on the one in force.
     pub const fn begin(&mut self) {
         self.start = self.first.wrapping_add(self.count);
@@ -73,7 +79,7 @@ impl Keeper<'_> {
         }
         let number = self.start.wrapping_add(self.written);
         // SAFETY: outside of the way in force: the interrupt does not look at it.
-        unsafe { *self.reserve.piece(number) = piece };
+        unsafe { self.reserve.piece(number).write(|place| *place = piece) };
         self.written += 1;
         true
     }
@@ -90,7 +96,12 @@ impl Keeper<'_> {
     }
 }
 
-impl Taker<'_> {
+impl<M: Memory> Taker<'_, M> {
+    /// The number of the next piece.
+    pub const fn next(&self) -> u32 {
+        self.next
+    }
+
     /// At the first piece of the way in force.
     pub const fn begin(&mut self, first: u32) {
         self.next = first;
@@ -99,12 +110,15 @@ impl Taker<'_> {
     /// Its next piece into `piece`; `false` at its end.
     pub fn take_into(&mut self, piece: &mut Phase) -> bool {
         // SAFETY: of the way in force, up to the piece that ends it; the planner leaves it alone.
-        let next = unsafe { &*self.reserve.piece(self.next) };
-        if next.ticks == 0 {
-            return false;
-        }
-        *piece = *next;
-        self.next = self.next.wrapping_add(1);
-        true
+        let is_piece = unsafe {
+            self.reserve.piece(self.next).read(|next| {
+                if next.ticks > 0 {
+                    *piece = *next;
+                }
+                next.ticks > 0
+            })
+        };
+        self.next = self.next.wrapping_add(u32::from(is_piece));
+        is_piece
     }
 }

@@ -7,8 +7,8 @@
 //!
 //! The modules with `unsafe` code are this one, the ring of curves ([`super::course`]) and the ways to a standstill ([`super::reserve`]).
 #![allow(unsafe_code)]
-use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicU32, Ordering};
+use super::word::{Memory, Place, Ram, Replay, Word};
+use core::sync::atomic::Ordering;
 
 /// What a ring can hold.
 pub trait Slot: Copy {
@@ -16,55 +16,78 @@ pub trait Slot: Copy {
     const BLANK: Self;
 }
 
-/// `N` slots, a power of two.
-pub struct Ring<T: Slot, const N: usize> {
-    slots: [UnsafeCell<T>; N],
+/// `N` slots, a power of two. The counters are in front: near ones take fewer instructions.
+#[repr(C)]
+pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
     /// Items taken out since the split.
-    taken: AtomicU32,
+    taken: M::Word,
     /// Items put in since the split.
-    put: AtomicU32,
+    put: M::Word,
+    slots: [M::Place<T>; N],
 }
 
 // SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own it, and
 // read only by the one consumer, while it does; the counters pass ownership with release and acquire.
-unsafe impl<T: Slot + Send, const N: usize> Sync for Ring<T, N> {}
+unsafe impl<T: Slot + Send, const N: usize, M: Memory> Sync for Ring<T, N, M> {}
 
 /// Puts items in.
-pub struct Producer<'a, T: Slot, const N: usize> {
-    ring: &'a Ring<T, N>,
+pub struct Producer<'a, T: Slot, const N: usize, M: Memory = Ram> {
+    ring: &'a Ring<T, N, M>,
 }
 
 /// Takes items out.
-pub struct Consumer<'a, T: Slot, const N: usize> {
-    ring: &'a Ring<T, N>,
+pub struct Consumer<'a, T: Slot, const N: usize, M: Memory = Ram> {
+    ring: &'a Ring<T, N, M>,
+}
+
+/// Says how full the ring is.
+pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
+    ring: &'a Ring<T, N, M>,
+}
+
+impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
+    /// Items in the ring, from any context: both counters as they are read, one after the other.
+    pub fn len(&self) -> u32 {
+        let taken = self.ring.taken.load(Ordering::Relaxed);
+        let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);
+        // Pieces taken back in between.
+        if (len as i32) < 0 { 0 } else { len.min(N as u32) }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 impl<T: Slot, const N: usize> Ring<T, N> {
+    /// An empty ring.
+    pub const fn new() -> Self {
+        Self::blank()
+    }
+}
+
+impl<T: Slot, const N: usize, M: Memory> Ring<T, N, M> {
     const MASK: u32 = {
         assert!(N.is_power_of_two() && N <= 1 << 16, "the number of slots is a power of two");
         N as u32 - 1
     };
 
-    /// An empty ring.
-    pub const fn new() -> Self {
-        Self {
-            slots: [const { UnsafeCell::new(T::BLANK) }; N],
-            taken: AtomicU32::new(0),
-            put: AtomicU32::new(0),
-        }
+    /// An empty ring in any memory; all bits zero.
+    pub const fn blank() -> Self {
+        Self { taken: M::Word::ZERO, put: M::Word::ZERO, slots: [const { M::Place::BLANK }; N] }
     }
 
     /// Both ends of the ring, emptied. There is one of each: they borrow it exclusively.
-    pub fn split(&mut self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
-        *self.taken.get_mut() = 0;
-        *self.put.get_mut() = 0;
+    pub fn split(&mut self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
+        (self.taken, self.put) = (M::Word::ZERO, M::Word::ZERO);
         (Producer { ring: self }, Consumer { ring: self })
     }
 
     #[inline(always)]
-    fn slot(&self, count: u32) -> *mut T {
+    fn slot(&self, count: u32) -> &M::Place<T> {
         // The mask is below N: the optimiser removes the check.
-        self.slots[(count & Self::MASK) as usize].get()
+        &self.slots[(count & Self::MASK) as usize]
     }
 }
 
@@ -74,7 +97,12 @@ impl<T: Slot, const N: usize> Default for Ring<T, N> {
     }
 }
 
-impl<T: Slot, const N: usize> Producer<'_, T, N> {
+impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
+    /// A look at the ring for others.
+    pub const fn gauge(&self) -> Gauge<'a, T, N, M> {
+        Gauge { ring: self.ring }
+    }
+
     /// How many items there is room for.
     #[inline(always)]
     pub fn room(&self) -> u32 {
@@ -116,7 +144,7 @@ impl<T: Slot, const N: usize> Producer<'_, T, N> {
         }
         let put = self.ring.put.load(Ordering::Relaxed);
         // SAFETY: not full, so the slot is the producer's, of which there is one; it is handed over below.
-        fill(unsafe { &mut *self.ring.slot(put) });
+        unsafe { self.ring.slot(put).write(fill) };
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
         true
     }
@@ -137,12 +165,13 @@ impl<T: Slot, const N: usize> Producer<'_, T, N> {
             return None;
         }
         // SAFETY: only this producer writes slots, and needs `&mut self` for that; the consumer reads too.
-        Some(unsafe { &*self.ring.slot(number) })
+        Some(unsafe { &*self.ring.slot(number).get() })
     }
 
     /// Takes back the items from the one with this number on.
     ///
-    /// The caller knows that the consumer neither looks at them nor can reach them before they are put in anew.
+    /// The caller knows that the consumer cannot reach them, and lets a tick at hand end that may look at them
+    /// ([`super::Clock::settle`]) before it puts others in their place.
     pub fn withdraw(&mut self, number: u32) {
         if self.count().wrapping_sub(number) <= N as u32 {
             self.ring.put.store(number, Ordering::Release);
@@ -150,7 +179,13 @@ impl<T: Slot, const N: usize> Producer<'_, T, N> {
     }
 }
 
-impl<T: Slot, const N: usize> Consumer<'_, T, N> {
+impl<T: Slot, const N: usize, M: Replay> Clone for Consumer<'_, T, N, M> {
+    fn clone(&self) -> Self {
+        Self { ring: self.ring }
+    }
+}
+
+impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
     /// Items in the ring.
     #[inline(always)]
     pub fn len(&self) -> u32 {
@@ -171,7 +206,7 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
             return None;
         }
         // SAFETY: not empty, so the slot is the consumer's until `advance`, which needs `&mut self`.
-        Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)) })
+        Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)).get() })
     }
 
     /// The counter moves on; the caller knows that there is an item.
@@ -197,13 +232,19 @@ impl<T: Slot, const N: usize> Consumer<'_, T, N> {
             return false;
         }
         // SAFETY: not empty, so the slot is the consumer's until the counter moves on.
-        let oldest = unsafe { &*self.ring.slot(number) };
-        if !fit(oldest) {
-            return false;
+        let is_fit = unsafe {
+            self.ring.slot(number).read(|oldest| {
+                let is_fit = fit(oldest);
+                if is_fit {
+                    *item = *oldest;
+                }
+                is_fit
+            })
+        };
+        if is_fit {
+            self.ring.taken.store(number.wrapping_add(1), Ordering::Release);
         }
-        *item = *oldest;
-        self.ring.taken.store(number.wrapping_add(1), Ordering::Release);
-        true
+        is_fit
     }
 
     /// Gives all items before the one with this number back; the producer has put that one in.

@@ -1,7 +1,7 @@
 //! Acknowledgement of functions without an event: `--ack`.
 use crate::decimal::parse;
 use crate::events::ticks;
-use glidepath::control::Control;
+use glidepath::operator::Operator;
 use glidepath::queue::Function;
 use std::collections::VecDeque;
 
@@ -61,10 +61,10 @@ impl Automatic {
     }
 
     /// The next function acknowledged before `tick`.
-    pub fn due(&mut self, tick: u64, control: &Control) -> Option<Function> {
+    pub fn due<const AXES: usize>(&mut self, tick: u64, operator: &Operator<'_, AXES>) -> Option<Function> {
         while let Some((_, function)) = self.pending.pop_front_if(|(at, _)| *at <= tick) {
             // An abort may have forgotten it.
-            if control.acknowledge(function).is_ok() {
+            if operator.acknowledge(function).is_ok() {
                 return Some(function);
             }
         }

@@ -17,7 +17,8 @@
 use crate::decimal::{parse as decimal, push_scaled};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::statistics::Outcome;
-use glidepath::control::{Commands, Control, MAX_OVERRIDE};
+use glidepath::control::{Commands, MAX_OVERRIDE};
+use glidepath::operator::Operator;
 use glidepath::queue::Function;
 use std::path::Path;
 
@@ -57,14 +58,14 @@ pub enum What {
 
 impl What {
     /// Gives the command to a channel; what is late is not one. `false`: it is an acknowledgement that nothing waits for.
-    pub fn give(self, control: &Control) -> bool {
+    pub fn give<const AXES: usize>(self, operator: &Operator<'_, AXES>) -> bool {
         match self {
-            Self::Acknowledge(function) => return control.acknowledge(function).is_ok(),
-            Self::Override(feed) => control.set_override(feed),
-            Self::FeedHold => control.feed_hold(),
-            Self::Resume => control.resume(),
-            Self::Abort => control.abort(),
-            Self::Reduced(on) => control.set_reduced(on),
+            Self::Acknowledge(function) => return operator.acknowledge(function).is_ok(),
+            Self::Override(feed) => operator.set_override(feed),
+            Self::FeedHold => operator.feed_hold(),
+            Self::Resume => operator.resume(),
+            Self::Abort => operator.abort(),
+            Self::Reduced(on) => operator.set_reduced(on),
             Self::Starve(_) | Self::Stall(_) => {}
         }
         true
@@ -172,10 +173,14 @@ impl<'a> Schedule<'a> {
         Self { events, cycle_us, next: 0, starved_until: 0, stalled_until: 0 }
     }
 
-    /// The next event that acts at `tick`; commands are given to `control`. `false`: nothing waits for it.
-    pub fn due(&mut self, tick: u64, control: &Control) -> Option<(usize, What, bool)> {
+    /// The next event that acts at `tick`; commands are given to `operator`. `false`: nothing waits for it.
+    pub fn due<const AXES: usize>(
+        &mut self,
+        tick: u64,
+        operator: &Operator<'_, AXES>,
+    ) -> Option<(usize, What, bool)> {
         let event = self.events.get(self.next).filter(|event| event.tick(self.cycle_us) <= tick)?;
-        let taken = event.what.give(control);
+        let taken = event.what.give(operator);
         match event.what {
             What::Starve(ns) => {
                 self.starved_until = self.starved_until.max(tick + ticks(ns, self.cycle_us));
@@ -422,6 +427,9 @@ pub fn function_name(function: Function) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glidepath::channel::Channel;
+    use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+    use glidepath::quantity::Position;
 
     fn read(text: &str) -> Result<Vec<Event>, Vec<(usize, usize)>> {
         let source = Source { name: "events".into(), text: text.as_bytes().to_vec() };
@@ -449,13 +457,25 @@ mod tests {
         assert_eq!(events[1].column, 7);
     }
 
+    fn operator(channel: &mut Channel<1, 10>) -> Operator<'_, 1> {
+        let name = AxisName::new("X").expect("a letter");
+        let channel_data = ChannelData { look_ahead: 10, ..ChannelData::new() };
+        let machine = MachineData { axes: [AxisData::new(name, AxisKind::Linear)], channel: channel_data };
+        match channel.split(&machine, [Position::ZERO], &b"M30"[..]) {
+            Ok(handles) => handles.operator,
+            Err(error) => panic!("{error}"),
+        }
+    }
+
     #[test]
     fn a_standstill_is_known_to_last() {
         let lasts = |text: &str, tick: u64| {
             let events = read(text).unwrap_or_default();
-            let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
-            while schedule.due(tick, &control).is_some() {}
-            let commands = control.commands();
+            let mut schedule = Schedule::new(&events, 1000);
+            let mut channel = Box::new(Channel::<1, 10>::new());
+            let operator = operator(&mut channel);
+            while schedule.due(tick, &operator).is_some() {}
+            let commands = operator.commands();
             (!schedule.goes_on(&commands), schedule.cause(&commands).map(|event| event.line))
         };
         assert_eq!(lasts("1 feedhold\n2 override 50", 1000), (true, Some(1)));
@@ -470,10 +490,12 @@ mod tests {
     #[test]
     fn what_is_late_comes_back() {
         let events = read("0.01 stall 0.0021\n0.012 stall 0.004\n0.02 starve 0.001").unwrap_or_default();
-        let (control, mut schedule) = (Control::new(), Schedule::new(&events, 1000));
+        let mut schedule = Schedule::new(&events, 1000);
+        let mut channel = Box::new(Channel::<1, 10>::new());
+        let operator = operator(&mut channel);
         let (mut stalled, mut starved) = (Vec::new(), Vec::new());
         for tick in 0..30 {
-            while schedule.due(tick, &control).is_some() {}
+            while schedule.due(tick, &operator).is_some() {}
             stalled.extend(schedule.is_stalled(tick).then_some(tick));
             starved.extend(schedule.is_starved(tick).then_some(tick));
         }

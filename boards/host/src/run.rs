@@ -10,10 +10,11 @@ use crate::plot::Picture;
 use crate::program::{self, Program};
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
-use glidepath::channel::{Channel, Planner, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
-use glidepath::tick::{Interpolator, State, Telemetry};
+use glidepath::tick::{State, Telemetry};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::Cell;
 use std::io::{self, Write};
@@ -60,7 +61,7 @@ fn simulate_axes<const AXES: usize>(
     let late = Cell::new(false);
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
-    let (planner, interpolator) = channel
+    let handles = channel
         .split(&data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
@@ -81,7 +82,7 @@ fn simulate_axes<const AXES: usize>(
     let bar = Bar::new(program.motions);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
     let rules = Rules { schedule, automatic, patience, late: &late };
-    drive(planner, interpolator, recorder, rules, bar).map_err(|stop| match stop {
+    drive(handles, recorder, rules, bar).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::Starved => vec![Diagnostic::error(
@@ -154,22 +155,21 @@ struct Rules<'a> {
 /// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set points stay where they
 /// are, tick by tick.
 fn drive<const AXES: usize>(
-    mut planner: Planner<'_, Delayed<'_>, AXES, BLOCKS>,
-    mut interpolator: Interpolator<'_, AXES>,
+    handles: Handles<'_, Delayed<'_>, AXES, BLOCKS>,
     mut recorder: Recorder,
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
     let Rules { mut schedule, mut automatic, patience, late: text_is_late } = rules;
-    let control = planner.control();
+    let Handles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
     loop {
         let tick = recorder.statistics.ticks;
-        while let Some((index, what, taken)) = schedule.due(tick, control) {
+        while let Some((index, what, taken)) = schedule.due(tick, &operator) {
             recorder.statistics.happens(index, what, taken);
         }
-        while let Some(function) = automatic.due(tick, control) {
+        while let Some(function) = automatic.due(tick, &operator) {
             recorder.statistics.acknowledged(function);
         }
         let (starved, stalled) = (schedule.is_starved(tick), schedule.is_stalled(tick));
@@ -207,7 +207,7 @@ fn drive<const AXES: usize>(
                 Progress::Done => done = true,
             }
         }
-        let commands = control.commands();
+        let commands = operator.commands();
         let held = commands.hold || commands.feed == 0;
         let waiting = planner.is_waiting();
         let state = interpolator.tick();
@@ -222,7 +222,7 @@ fn drive<const AXES: usize>(
                     return Err(Stop::Starved);
                 }
                 // Functions before the first motion.
-                put_out(&mut interpolator, &mut recorder, &mut automatic, &schedule);
+                put_out(&operator, &mut recorder, &mut automatic, &schedule);
                 continue;
             }
             (telemetry.speed, telemetry.accel) = (Speed::ZERO, Accel::ZERO);
@@ -234,10 +234,10 @@ fn drive<const AXES: usize>(
             _ => Pause::None,
         };
         recorder.tick(&telemetry, interpolator.set_points(), pause).map_err(Stop::Unwritable)?;
-        put_out(&mut interpolator, &mut recorder, &mut automatic, &schedule);
+        put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
             && state == State::Idle
-            && let Some(function) = control.awaited()
+            && let Some(function) = operator.awaited()
             && !automatic.answers(function)
             && !schedule.answers(function)
         {
@@ -258,12 +258,12 @@ fn drive<const AXES: usize>(
 
 /// The functions that are due, to the statistics and to whoever acknowledges.
 fn put_out<const AXES: usize>(
-    interpolator: &mut Interpolator<'_, AXES>,
+    operator: &Operator<'_, AXES>,
     recorder: &mut Recorder,
     automatic: &mut Automatic,
     schedule: &Schedule<'_>,
 ) {
-    while let Some(output) = interpolator.event() {
+    while let Some(output) = operator.output() {
         recorder.statistics.output(output);
         if output.waits && !schedule.acknowledges(output.function) {
             automatic.answer(output.function, recorder.statistics.ticks);

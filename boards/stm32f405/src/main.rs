@@ -15,7 +15,8 @@ mod spi;
 
 use cortex_m::asm::wfi;
 use cortex_m_rt::entry;
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 #[cfg(not(any(feature = "rtt", feature = "qemu")))]
 use panic_never as _;
@@ -46,15 +47,17 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
     clock::start(&board.RCC, &board.FLASH);
     let Some(axes) = output::axes(board.SPI1, board.DMA2, board.GPIOA, &board.RCC) else { return };
     message::info!("{} bytes of program, cycle {} us", TEXT.len(), machine::MACHINE.channel.cycle_us);
-    let (mut planner, interpolator) = match channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT) {
-        Ok(halves) => halves,
+    let handles = match channel.split(&machine::MACHINE, [Position::ZERO; AXES], TEXT) {
+        Ok(handles) => handles,
         Err(_error) => {
             message::error!("machine data refused: {}", defmt::Debug2Format(&_error));
             return;
         }
     };
+    let Handles { mut planner, interpolator, operator } = handles;
     motion::start(interpolator, axes, board.TIM2, &board.RCC, machine::MACHINE.channel.cycle_us);
     loop {
+        acknowledge(&operator);
         match planner.poll() {
             Ok(Progress::Waiting) => wfi(),
             Ok(Progress::Done) => break,
@@ -70,6 +73,15 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
             Err(_error) => message::error!("program refused: {}", defmt::Debug2Format(&_error)),
         }
     }
-    motion::wait_for_standstill();
+    motion::wait_for_standstill(|| acknowledge(&operator));
     message::info!("at rest after {} ticks", motion::report().ticks);
+}
+
+/// Nothing here carries out M, H, S and T: what is to be acknowledged is so at once.
+fn acknowledge(operator: &Operator<'_, AXES>) {
+    while let Some(output) = operator.output() {
+        if output.waits {
+            let _ = operator.acknowledge(output.function);
+        }
+    }
 }

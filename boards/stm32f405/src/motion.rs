@@ -6,9 +6,7 @@ use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use critical_section::Mutex;
 use glidepath::axis::Axes;
-use glidepath::control::Control;
 use glidepath::digest::Digest;
-use glidepath::technology::{Output as Function, Technology};
 use glidepath::tick::{Interpolator, State};
 use stm32f4::stm32f405::{Interrupt, RCC, TIM2, interrupt};
 
@@ -43,17 +41,6 @@ struct Motion {
     timer: TIM2,
 }
 
-/// Nothing here carries out M, H, S and T: what is to be acknowledged is so at once.
-struct Nothing<'a>(&'a Control);
-
-impl Technology for Nothing<'_> {
-    fn output(&mut self, function: &Function) {
-        if function.waits {
-            let _ = self.0.acknowledge(function.function);
-        }
-    }
-}
-
 static MAILBOX: Mutex<Cell<Option<Motion>>> = Mutex::new(Cell::new(None));
 static REPORT: Mutex<Cell<Report>> =
     Mutex::new(Cell::new(Report { ticks: 0, starved: 0, missed: 0, longest: 0, digest: Digest::new() }));
@@ -71,11 +58,12 @@ pub fn start(interpolator: Interpolator<'static, AXES>, axes: Output, timer: TIM
     unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::TIM2) };
 }
 
-/// Sleeps until a tick finds nothing to do. Call it when everything is planned.
-pub fn wait_for_standstill() {
+/// Sleeps until a tick finds nothing to do, and does `each` behind every interrupt. Call it when everything is planned.
+pub fn wait_for_standstill(each: impl Fn()) {
     MOVING.store(true, Relaxed);
     while MOVING.load(Relaxed) {
         cortex_m::asm::wfi();
+        each();
     }
 }
 
@@ -97,14 +85,12 @@ fn TIM2() {
     // The set points of the cycle before: their moment does not depend on how long the next ones take.
     motion.axes.write(motion.interpolator.set_points());
     let state = motion.interpolator.tick();
-    let control = motion.interpolator.control();
-    motion.interpolator.deliver(&mut Nothing(control));
     let took = motion.timer.cnt().read().bits().wrapping_sub(begin);
     let late = motion.timer.sr().read().uif().bit_is_set();
     critical_section::with(|cs| {
         let mut report = REPORT.borrow(cs).get();
         match state {
-            State::Active => {
+            State::Active | State::Settling => {
                 report.ticks = report.ticks.wrapping_add(1);
                 report.starved = report.starved.wrapping_add(core::mem::take(IDLE));
                 if cfg!(feature = "qemu") {

@@ -1,5 +1,5 @@
 //! The loop that runs a case. Target and host share it, so that nothing but the arithmetic can differ.
-use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
+use glidepath::channel::{Channel, Error, Handles, MachineError, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -64,10 +64,10 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     text: &'static [u8],
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
-    // By reference: the stack holds the planner's half once.
-    let mut halves = channel.split(machine, [Position::ZERO; AXES], text);
-    let (planner, interpolator) = match &mut halves {
-        Ok((planner, interpolator)) => (planner, interpolator),
+    // By reference: the stack holds the planner's handle once.
+    let mut handles = channel.split(machine, [Position::ZERO; AXES], text);
+    let Handles { planner, interpolator, .. } = match &mut handles {
+        Ok(handles) => handles,
         Err(error) => return Err(Failure::Machine(*error)),
     };
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
@@ -93,7 +93,7 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
         let state = tick(interpolator);
         let cost = watch.now().wrapping_sub(before);
         match state {
-            State::Active => {
+            State::Active | State::Settling => {
                 outcome.ticks += 1;
                 outcome.digest.add(interpolator.set_points());
                 watch.ticked(cost, interpolator.set_points());

@@ -8,7 +8,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::digest::Digest;
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
@@ -83,13 +83,14 @@ fn motion(
     period_us: u32,
     report: &mut Report,
 ) -> bool {
-    let (mut planner, interpolator) = match channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
-        Ok(halves) => halves,
-        Err(error) => {
-            let _ = writeln!(report, "failed {error:?}");
-            return false;
-        }
-    };
+    let Handles { mut planner, interpolator, .. } =
+        match channel.split(&AXES_3, [Position::ZERO; 3], case.text) {
+            Ok(handles) => handles,
+            Err(error) => {
+                let _ = writeln!(report, "failed {error:?}");
+                return false;
+            }
+        };
     let motion = Motion { interpolator, digest: Digest::new(), moved: false, ticks: 0, starved: 0 };
     critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(motion)));
     for counter in [&MISSED, &PREEMPTED] {

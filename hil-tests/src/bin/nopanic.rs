@@ -6,7 +6,8 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use glidepath::axis::Axes;
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{AXES_3, BLOCKS, CASES_3};
@@ -18,6 +19,7 @@ use static_cell::ConstStaticCell;
 
 static CHANNEL: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Channel::new());
 static TO_INTERRUPT: Mutex<Cell<Option<Interpolator<'static, 3>>>> = Mutex::new(Cell::new(None));
+static STATUS: AtomicU32 = AtomicU32::new(0);
 static OUTPUT: Output = Output([const { AtomicU32::new(0) }; 3]);
 static FAILED: AtomicU32 = AtomicU32::new(0);
 
@@ -43,15 +45,35 @@ fn SysTick() {
     }
 }
 
+/// A task that carries out functions, and now and then gives every command there is.
+fn operate(operator: &Operator<'static, 3>) {
+    while let Some(output) = operator.output() {
+        if output.waits && operator.awaited().is_some() {
+            let _ = operator.acknowledge(output.function);
+        }
+    }
+    let status = operator.status();
+    match core::hint::black_box(status.ticks) {
+        0x1000_0000 => operator.set_override(status.queued),
+        0x1000_0001 => operator.feed_hold(),
+        0x1000_0002 => operator.resume(),
+        0x1000_0003 => operator.set_reduced(!operator.commands().reduced),
+        0x1000_0004 => operator.abort(),
+        _ => STATUS.store(status.n, Relaxed),
+    }
+}
+
 #[entry]
 fn main() -> ! {
     // What the compiler cannot know, as with a program loaded later.
     let case = core::hint::black_box(0);
     if let (Some(channel), Some(case)) = (CHANNEL.try_take(), CASES_3.get(case))
-        && let Ok((mut planner, interpolator)) = channel.split(&AXES_3, [Position::ZERO; 3], case.text)
+        && let Ok(handles) = channel.split(&AXES_3, [Position::ZERO; 3], case.text)
     {
+        let Handles { mut planner, interpolator, operator } = handles;
         critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(interpolator)));
         loop {
+            operate(&operator);
             match planner.poll() {
                 Ok(Progress::Waiting) => cortex_m::asm::wfi(),
                 Ok(Progress::Done) => break,

@@ -205,7 +205,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if tried {
             return self.pass_anchor(pass);
         }
-        (pass.from, pass.next) = (pass.at, pass.at + 1);
+        (pass.from, pass.cursor.next) = (pass.at, pass.at + 1);
         pass.step = ease::Step::Seek;
     }
 
@@ -256,29 +256,31 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             return self.leave_anchor(pass, dip, true);
         }
         *dip = Dip { edges, ..Dip::NONE };
-        pass.next = a;
+        pass.cursor.next = a;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
 
     fn take_in(&mut self, pass: &mut Trial, dip: &mut Dip) {
         let [_, b, c, d] = dip.edges;
         for _ in 0..WALK {
-            if pass.next >= d {
+            if pass.cursor.next >= d {
                 let known = dip.shift.moved > 0;
                 pass.step = ease::Step::Dip(if known { Step::Weigh } else { Step::Measure });
                 return;
             }
-            let Some(block) = self.blocks.get(pass.next) else { return self.leave_anchor(pass, dip, true) };
+            let Some(block) = self.blocks.get(pass.cursor.next) else {
+                return self.leave_anchor(pass, dip, true);
+            };
             let [first, middle, last] = &mut dip.spans;
-            let span = if pass.next < b {
+            let span = if pass.cursor.next < b {
                 first
-            } else if pass.next < c {
+            } else if pass.cursor.next < c {
                 middle
             } else {
                 last
             };
             span.add(block, None);
-            pass.next += 1;
+            pass.cursor.next += 1;
         }
     }
 
@@ -605,7 +607,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             end.v_in = end.v_reached;
         }
         pass.last += cuts;
-        (pass.from, pass.next) = (at, at + 1);
+        (pass.from, pass.cursor.next) = (at, at + 1);
         (pass.fit.fitting, pass.fit.head) = (false, 0);
         *dip = Dip::NONE;
         pass.step = ease::Step::Seek;

@@ -28,7 +28,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         let shift = Shift { on: true, was: at, ..Shift::NONE };
         *dip = Dip { edges: [from, at, at, to], shift, ..Dip::NONE };
-        pass.next = from;
+        pass.cursor.next = from;
         pass.step = ease::Step::Dip(Step::TakeIn);
     }
 
@@ -36,7 +36,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
         *dip = Dip::NONE;
-        pass.next = pass.from;
+        pass.cursor.next = pass.from;
         pass.spans = [Span::NONE; 2];
         pass.step = ease::Step::Gather;
     }
@@ -95,7 +95,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 let b = if early { b - 1 } else { b + 1 };
                 dip.edges = [a, b, b, d];
                 dip.spans = [Span::NONE; 3];
-                pass.next = a;
+                pass.cursor.next = a;
                 pass.step = ease::Step::Dip(Step::TakeIn);
                 return Some(());
             }

@@ -1,0 +1,182 @@
+//! The third handle: what it shows while the motion runs, seen from another thread.
+use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::operator::{Operator, Status};
+use glidepath::quantity::Position;
+use glidepath::queue::Function;
+use glidepath::tick::{Interpolator, State};
+use host_tests::cases::machines;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+const PROGRAM: &[u8] =
+    b"$FOR P1 = 1, 20, 1\nN10 G01 X20 Y5 F300\nN20 G02 X30 Y15 I0 J10\nN30 G01 Y30 Z3\nN40 G04 0.01\n\
+    N50 G01 X0 Y0 Z0\n$ENDFOR\nM30\n";
+
+/// Reads of the status.
+const READS: usize = 10_000_000;
+
+const fn is_send<T: Send>() {}
+
+/// Each handle may go to a thread, a task or a core of its own.
+const _: () = {
+    is_send::<Operator<'static, 3>>();
+    is_send::<Interpolator<'static, 3>>();
+    is_send::<Handles<'static, &'static [u8], 3, 120>>();
+};
+
+/// What a tick gave, as the operator has to see it.
+#[derive(Clone, PartialEq, Debug)]
+struct Row {
+    set_points: [Position; 3],
+    distance: i64,
+    n: u32,
+    block: u32,
+    state: State,
+}
+
+impl Row {
+    fn of(status: &Status<3>) -> Self {
+        let Status { set_points, distance, n, block, state, .. } = *status;
+        Self { set_points, distance: distance.to_bits(), n, block, state }
+    }
+}
+
+/// Runs the program, with a few ticks of rest at first, `each` behind every tick.
+fn run(mut each: impl FnMut(&Interpolator<'_, 3>, &Operator<'_, 3>, State)) {
+    let machine = machines::even(1000);
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let handles = channel.split(&machine, [Position::ZERO; 3], PROGRAM).expect("machine data");
+    let Handles { mut planner, mut interpolator, operator } = handles;
+    for _ in 0..5 {
+        let state = interpolator.tick();
+        each(&interpolator, &operator, state);
+    }
+    loop {
+        let mut done = false;
+        while !done {
+            match planner.poll().expect("a program") {
+                Progress::Done => done = true,
+                Progress::Waiting => break,
+                _ => {}
+            }
+        }
+        let state = interpolator.tick();
+        each(&interpolator, &operator, state);
+        if done && state == State::Idle {
+            return;
+        }
+    }
+}
+
+#[test]
+fn the_status_is_what_the_last_tick_did() {
+    let mut ticks = 0;
+    let mut before = 0;
+    run(|interpolator, operator, state| {
+        ticks += 1;
+        let (status, telemetry) = (operator.status(), interpolator.telemetry());
+        assert_eq!((status.ticks, status.state), (ticks, state));
+        assert_eq!(&status.set_points, interpolator.set_points());
+        assert_eq!((status.n, status.block), (telemetry.n, telemetry.block));
+        assert_eq!(status.distance, telemetry.distance);
+        let step = telemetry.distance.to_bits().wrapping_sub(before);
+        let mean = if state == State::Active { step << 14 } else { 0 };
+        assert_eq!(status.speed.to_bits(), mean);
+        // The mean over a tick is near the speed at its end: 2000 mm/s² at 1 ms.
+        if state == State::Active {
+            let off = status.speed.0.to_num::<f64>() - telemetry.speed.0.to_num::<f64>();
+            assert!(off.abs() < 0.003, "{off}");
+        }
+        assert!(status.queued <= 256);
+        before = telemetry.distance.to_bits();
+    });
+    assert!(ticks > 10_000, "{ticks}");
+}
+
+#[test]
+fn another_thread_never_sees_a_mixture() {
+    // What each tick gives is the same in every run.
+    let mut rows = Vec::new();
+    run(|interpolator, _, state| {
+        let telemetry = interpolator.telemetry();
+        let row = Row {
+            set_points: *interpolator.set_points(),
+            distance: telemetry.distance.to_bits(),
+            n: telemetry.n,
+            block: telemetry.block,
+            state,
+        };
+        rows.push(row);
+    });
+    let at_rest = Row { set_points: [Position::ZERO; 3], distance: 0, n: 0, block: 0, state: State::Idle };
+    let machine = machines::even(1000);
+    let (is_over, seen) = (AtomicBool::new(false), AtomicUsize::new(0));
+    let mut changes = 0;
+    while seen.load(Ordering::Relaxed) < READS {
+        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+        let handles = channel.split(&machine, [Position::ZERO; 3], PROGRAM).expect("machine data");
+        let Handles { mut planner, mut interpolator, operator } = handles;
+        is_over.store(false, Ordering::Relaxed);
+        std::thread::scope(|scope| {
+            let reader = scope.spawn(|| {
+                let (operator, mut last, mut changes) = (operator, 0, 0);
+                while !is_over.load(Ordering::Relaxed) {
+                    for _ in 0..100 {
+                        let status = operator.status();
+                        let row = (status.ticks as usize).checked_sub(1).map_or(&at_rest, |row| &rows[row]);
+                        assert_eq!(Row::of(&status), *row, "tick {}", status.ticks);
+                        assert!(last <= status.ticks, "backward");
+                        changes += usize::from(last != status.ticks);
+                        last = status.ticks;
+                    }
+                    seen.fetch_add(100, Ordering::Relaxed);
+                }
+                changes
+            });
+            for _ in 0..5 {
+                interpolator.tick();
+            }
+            let mut done = false;
+            for _ in 5..rows.len() {
+                while !done {
+                    match planner.poll().expect("a program") {
+                        Progress::Done => done = true,
+                        Progress::Waiting => break,
+                        _ => {}
+                    }
+                }
+                interpolator.tick();
+            }
+            is_over.store(true, Ordering::Relaxed);
+            changes += reader.join().expect("no mixture");
+        });
+    }
+    println!("{changes} of {} reads saw a new tick", seen.load(Ordering::Relaxed));
+    assert!(changes > 1000, "{changes} of {} reads saw a new tick", seen.load(Ordering::Relaxed));
+}
+
+#[test]
+fn a_tick_counts_whether_the_path_moves_or_not() {
+    let machine = machines::even(1000);
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let text: &[u8] = b"N10 G01 X1 F6000 M5\nN20 X2\nM30\n";
+    let handles = channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
+    let Handles { mut planner, mut interpolator, operator } = handles;
+    assert_eq!((operator.status().ticks, operator.status().state), (0, State::Idle));
+    for tick in 1..=100 {
+        assert_eq!(interpolator.tick(), State::Idle);
+        assert_eq!((operator.status().ticks, operator.status().state), (tick, State::Idle));
+    }
+    while !matches!(planner.poll().expect("a program"), Progress::Waiting | Progress::Done) {}
+    let mut tick = 100;
+    while interpolator.tick() == State::Active {
+        // An operator that is late sees the tick at which the point was reached all the same.
+        tick += 1;
+    }
+    let output = operator.output().expect("M5");
+    let at = output.tick;
+    assert!(output.function == Function::M(5) && output.n == 10);
+    assert!(101 < at && at + 1 < tick, "{at} of {tick}");
+    assert_eq!((operator.output(), operator.status().ticks), (None, tick + 1));
+    let status = operator.status();
+    assert_eq!((status.state, status.speed.to_bits(), status.queued), (State::Idle, 0, 0));
+}

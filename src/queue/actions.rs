@@ -1,0 +1,190 @@
+//! What is due at points of the path, on its way from the planner through the interrupt to the operator.
+//!
+//! An action has one place from the planner to the operator. Three counters say whose it is, each with one writer: the planner
+//! counts those *put in*, the interrupt those that have become *due*, the operator those *taken*. When the path reaches
+//! the point of an action the interrupt writes the number of the tick beside it and counts on: nothing is copied, whether the operator comes
+//! at once or late.
+#![allow(unsafe_code)]
+use super::{EVENTS, Event};
+use crate::quantity::{Distance, Position};
+use crate::technology::{Action, Function, Ticket};
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+const MASK: u32 = EVENTS as u32 - 1;
+
+/// Static memory of the actions.
+pub struct Actions {
+    put: AtomicU32,
+    due: AtomicU32,
+    taken: AtomicU32,
+    places: [UnsafeCell<Record>; EVENTS],
+}
+
+/// An event as it is kept: nested enums would take a quarter more.
+#[derive(Clone, Copy)]
+struct Record {
+    distance: Distance,
+    value: i64,
+    n: u32,
+    kind: u16,
+    ticket: Ticket,
+    /// The tick at which it became due. The interrupt writes it, and the planner reads other fields meanwhile.
+    tick: u32,
+}
+
+impl Record {
+    const BLANK: Self =
+        Self { distance: Distance::ZERO, value: 0, n: 0, kind: 0, ticket: Ticket::NONE, tick: 0 };
+
+    fn new(event: &Event) -> Self {
+        let Event { distance, n, action: Action::Out(function, ticket) } = *event;
+        let (kind, value) = match function {
+            Function::M(code) => (0, code.into()),
+            Function::H(code) => (1, code.into()),
+            Function::Spindle(speed) => (2, speed.to_bits()),
+            Function::Tool(tool) => (3, tool.into()),
+        };
+        Self { distance, value, n, kind, ticket, tick: 0 }
+    }
+
+    fn event(self) -> Event {
+        let Self { distance, value, n, kind, ticket, .. } = self;
+        let function = match kind {
+            0 => Function::M(value as u16),
+            1 => Function::H(value as u16),
+            2 => Function::Spindle(Position::from_bits(value)),
+            _ => Function::Tool(value as u32),
+        };
+        Event { distance, n, action: Action::Out(function, ticket) }
+    }
+}
+
+// SAFETY: a place is written only by the one planner, while `put - taken` says that nobody else owns it, and read only by the one
+// interrupt and the one operator, while it does; the counters pass it on with release and acquire.
+unsafe impl Sync for Actions {}
+
+/// The planner's end: puts actions in, in the order of their points.
+pub struct Scheduler<'a>(&'a Actions);
+
+/// The operator's: takes them.
+pub struct Outlet<'a>(&'a Actions);
+
+impl Actions {
+    /// None; all bits zero.
+    pub const fn blank() -> Self {
+        const { assert!(EVENTS.is_power_of_two()) };
+        let [put, due, taken] = [const { AtomicU32::new(0) }; 3];
+        Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; EVENTS] }
+    }
+
+    /// Forgets all of them. Before the three sides run.
+    pub(super) fn reset(&mut self) {
+        for counter in [&mut self.put, &mut self.due, &mut self.taken] {
+            *counter.get_mut() = 0;
+        }
+    }
+
+    /// The ends of planner and operator; the interrupt's is that of [`super::Shared`]. The caller makes one of each.
+    pub(super) const fn ends(&self) -> (Scheduler<'_>, Outlet<'_>) {
+        (Scheduler(self), Outlet(self))
+    }
+
+    fn record(&self, number: u32) -> *mut Record {
+        // The mask is below the length: the optimiser removes the check.
+        self.places[(number & MASK) as usize].get()
+    }
+}
+
+impl Scheduler<'_> {
+    /// How many actions there is room for.
+    pub fn room(&self) -> u32 {
+        let put = self.0.put.load(Ordering::Relaxed);
+        (EVENTS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
+    }
+
+    /// Puts an action in, at or behind the point of the last one.
+    ///
+    /// # Errors
+    /// The action back if there is no room.
+    pub fn push(&mut self, event: Event) -> Result<(), Event> {
+        if self.room() == 0 {
+            return Err(event);
+        }
+        let put = self.0.put.load(Ordering::Relaxed);
+        // SAFETY: the operator has given the place back, and of planners there is one; it is handed over below.
+        unsafe { *self.0.record(put) = Record::new(&event) };
+        self.0.put.store(put.wrapping_add(1), Ordering::Release);
+        Ok(())
+    }
+
+    /// The number of the first one that is not due yet.
+    pub fn first_open(&self) -> u32 {
+        self.0.due.load(Ordering::Acquire)
+    }
+
+    /// The path distance of the action with this number, if it is put in and not due yet; it may become so meanwhile.
+    pub fn open(&self, number: u32) -> Option<Distance> {
+        let put = self.0.put.load(Ordering::Relaxed);
+        let open = put.wrapping_sub(self.first_open());
+        if put.wrapping_sub(number).wrapping_sub(1) >= open {
+            return None;
+        }
+        // SAFETY: only this end writes places, and needs `&mut self` for that; the others read too.
+        Some(unsafe { (*self.0.record(number)).distance })
+    }
+
+    /// Takes back the actions from the one with this number on, none of which is due or will be. Before others are put in
+    /// their place a tick at hand that may look at them has to end ([`super::Clock::settle`]).
+    pub fn withdraw(&mut self, number: u32) {
+        if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= EVENTS as u32 {
+            self.0.put.store(number, Ordering::Release);
+        }
+    }
+}
+
+/// For the interrupt alone, of which there is one.
+impl Actions {
+    /// Whether there is one that is not due yet. Runs in the tick.
+    #[inline(always)]
+    pub(super) fn is_armed(&self) -> bool {
+        self.put.load(Ordering::Relaxed) != self.due.load(Ordering::Relaxed)
+    }
+
+    /// Those whose point is at `distance` or before it become due, in the tick with this number. Runs in the tick: about a dozen
+    /// instructions for each, at most as many as there is room for.
+    #[inline(never)]
+    pub(super) fn reach(&self, distance: i64, tick: u32) {
+        let mut due = self.due.load(Ordering::Relaxed);
+        let put = self.put.load(Ordering::Acquire);
+        for _ in 0..EVENTS {
+            if due == put {
+                return;
+            }
+            let record = self.record(due);
+            // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
+            let point = unsafe { (*record).distance };
+            if distance.wrapping_sub(point.to_bits()) < 0 {
+                return;
+            }
+            // SAFETY: the same; of the record the planner reads the distance only.
+            unsafe { (*record).tick = tick };
+            due = due.wrapping_add(1);
+            self.due.store(due, Ordering::Release);
+        }
+    }
+}
+
+impl Outlet<'_> {
+    /// The oldest action that is due, with the number of its tick. The caller is the only one that takes.
+    pub fn take(&self) -> Option<(Event, u32)> {
+        let taken = self.0.taken.load(Ordering::Relaxed);
+        if self.0.due.load(Ordering::Acquire) == taken {
+            return None;
+        }
+        // SAFETY: due and not taken, so it is the operator's until the counter moves on.
+        let record = unsafe { *self.0.record(taken) };
+        self.0.taken.store(taken.wrapping_add(1), Ordering::Release);
+        Some((record.event(), record.tick))
+    }
+}

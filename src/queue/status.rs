@@ -1,0 +1,165 @@
+//! A snapshot of the motion that the interrupt writes in every tick and any other context reads, consistent, without a lock.
+//!
+//! The interrupt writes words one by one: those of a snapshot belong together if no tick has begun while they were read. So the
+//! clock says it ([`Clock::ended`], [`Clock::is_at`]): the reader reads again until that is so. It never holds up the interrupt.
+//! A word is never torn, and there is nothing but words.
+//!
+//! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of this tick and the one
+//! before, are the speed.
+use super::clock::TICK;
+use super::word::{Memory, Ram, Word};
+use super::{Clock, Gauge, PHASES, Phase};
+use crate::quantity::{Distance, Position};
+use core::sync::atomic::Ordering;
+
+/// What the last tick did, for the reader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Snapshot<const AXES: usize> {
+    /// Ticks ended, modulo 2^31.
+    pub ticks: u32,
+    /// The last one took time of a piece.
+    pub moved: bool,
+    /// Set points after it.
+    pub set_points: [Position; AXES],
+    /// Path distance.
+    pub distance: Distance,
+    /// How far the path came in the last tick that took time of a piece.
+    pub step: Distance,
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks since program start, from 0.
+    pub block: u32,
+    /// Pieces of time in the queue.
+    pub queued: u16,
+}
+
+impl<const AXES: usize> Snapshot<AXES> {
+    const BLANK: Self = Self {
+        ticks: 0,
+        moved: false,
+        set_points: [Position::ZERO; AXES],
+        distance: Distance::ZERO,
+        step: Distance::ZERO,
+        n: 0,
+        block: 0,
+        queued: 0,
+    };
+}
+
+/// A number of 64 bits in two words.
+struct Long<W>([W; 2]);
+
+impl<W: Word> Long<W> {
+    const fn zero() -> Self {
+        Self([const { W::ZERO }; 2])
+    }
+
+    #[inline(always)]
+    fn set(&self, value: i64) {
+        let Self([lower, upper]) = self;
+        lower.store(value as u32, Ordering::Relaxed);
+        upper.store((value >> 32) as u32, Ordering::Relaxed);
+    }
+
+    #[inline(always)]
+    fn get(&self) -> i64 {
+        let Self([lower, upper]) = self;
+        let [lower, upper] = [lower, upper].map(|word| word.load(Ordering::Relaxed));
+        (u64::from(upper) << 32 | u64::from(lower)) as i64
+    }
+}
+
+/// The words of the snapshot. Written by the interrupt.
+pub struct Words<const AXES: usize, M: Memory = Ram> {
+    /// Of the last two ticks that took time of a piece, in turn.
+    distances: [Long<M::Word>; 2],
+    n: M::Word,
+    block: M::Word,
+    set_points: [Long<M::Word>; AXES],
+}
+
+/// The reader's end.
+pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
+    words: &'a Words<AXES, M>,
+    clock: &'a Clock<M>,
+    pieces: Gauge<'a, Phase, PHASES, M>,
+}
+
+impl<const AXES: usize, M: Memory> Words<AXES, M> {
+    /// All bits zero.
+    pub const fn blank() -> Self {
+        Self {
+            distances: [const { Long::zero() }; 2],
+            n: M::Word::ZERO,
+            block: M::Word::ZERO,
+            set_points: [const { Long::zero() }; AXES],
+        }
+    }
+
+    /// For the interrupt: path distance at `instant`.
+    #[inline(always)]
+    pub fn show_distance(&self, instant: u32, distance: i64) {
+        let [even, odd] = &self.distances;
+        let words = if instant & TICK == 0 { even } else { odd };
+        words.set(distance);
+    }
+
+    /// For the interrupt: what it has shown last.
+    pub fn distance(&self, instant: u32) -> i64 {
+        let [even, odd] = &self.distances;
+        if instant & TICK == 0 { even.get() } else { odd.get() }
+    }
+
+    /// For the interrupt: the curve.
+    #[inline(always)]
+    pub fn show_curve(&self, n: u32, block: u32) {
+        self.n.store(n, Ordering::Relaxed);
+        self.block.store(block, Ordering::Relaxed);
+    }
+
+    /// For the interrupt: set points.
+    #[inline(always)]
+    pub fn show_points(&self, set_points: &[Position; AXES]) {
+        for (words, point) in self.set_points.iter().zip(set_points) {
+            words.set(point.to_bits());
+        }
+    }
+}
+
+impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
+    /// Of what the interrupt shows.
+    pub const fn new(
+        words: &'a Words<AXES, M>,
+        clock: &'a Clock<M>,
+        pieces: Gauge<'a, Phase, PHASES, M>,
+    ) -> Self {
+        Self { words, clock, pieces }
+    }
+
+    /// What the last tick did. Looks again while a tick comes in between.
+    pub fn read(&self) -> Snapshot<AXES> {
+        let mut snapshot = Snapshot::BLANK;
+        M::wait(|| {
+            let ended = self.look(&mut snapshot);
+            self.clock.is_at(ended)
+        });
+        snapshot
+    }
+
+    /// One look at all words; ticks ended before.
+    fn look(&self, snapshot: &mut Snapshot<AXES>) -> u32 {
+        let (ended, last, moved) = self.clock.ended();
+        let Words { distances: [even, odd], n, block, set_points } = self.words;
+        let [even, odd] = [even, odd].map(Long::get);
+        let (distance, before) = if last & TICK == 0 { (even, odd) } else { (odd, even) };
+        (snapshot.ticks, snapshot.moved) = (ended / TICK, moved);
+        for (point, words) in snapshot.set_points.iter_mut().zip(set_points) {
+            *point = Position::from_bits(words.get());
+        }
+        snapshot.distance = Distance::from_bits(distance);
+        snapshot.step = Distance::from_bits(distance.wrapping_sub(before));
+        (snapshot.n, snapshot.block) = (n.load(Ordering::Relaxed), block.load(Ordering::Relaxed));
+        snapshot.queued = self.pieces.len() as u16;
+        ended
+    }
+}

@@ -1,0 +1,177 @@
+//! How the interrupt goes from one piece of time to the next, and how the planner changes what it has handed over.
+//!
+//! Pieces are handed over well ahead. To change what is to come, the planner agrees on an instant with the interrupt, a *cut*:
+//! before the tick of that instant the interrupt leaves the pieces it has and goes on with the one the cut names. Up to that
+//! instant the old pieces hold.
+//!
+//! No order of events can mix both:
+//!
+//! 1. The planner puts a *gate* behind the old pieces, a piece of no ticks, which the interrupt does not pass, then
+//!    the new pieces ([`Change::begin`]). Nothing has changed for the interrupt.
+//! 2. It publishes the cut: the piece first, then the instant. It waits for the tick at hand, if there is one
+//!    ([`Clock::settle`]): from there on every tick sees the cut.
+//! 3. It reads the instant of the next tick. If that is not behind the cut, the interrupt will take it. If it is, the
+//!    interrupt says: by its count of pieces taken, beyond the gate, it acknowledges that it has taken the cut. Without that
+//!    it never will, and stays before the gate; the planner takes gate and pieces back ([`Change::commit`]).
+//!
+//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
+//! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
+//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own ([`super::reserve`]). Once there,
+//! the interrupt stays with them until the planner lets it go on.
+//!
+//! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
+use super::word::{Memory, Ram, Replay};
+use super::{Clock, Consumer, PHASES, Phase, Producer, Slot, Taker};
+
+/// The planner's end of the ring.
+pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
+
+/// Gate and new pieces that are being put in for a cut. [`Self::commit`] or [`Self::abandon`] ends it.
+#[derive(Debug)]
+#[must_use]
+pub struct Change {
+    /// The number of the first piece put in.
+    first: u32,
+    has_gate: bool,
+}
+
+/// The interrupt leaves the pieces it has at this instant, or has done so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut(pub u32);
+
+/// The interrupt has passed the instant of the cut on the pieces it had; all is as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooLate;
+
+impl Change {
+    /// Puts the gate in; what is put in from here on counts from the cut. There is room.
+    pub fn begin<M: Memory>(pieces: &mut Pieces<'_, M>) -> Self {
+        let first = pieces.count();
+        let _ = pieces.push(Phase::BLANK);
+        Self { first, has_gate: true }
+    }
+
+    /// The same behind all that was put in: there is nothing to leave out, and no cut.
+    pub fn append<M: Memory>(pieces: &Pieces<'_, M>) -> Self {
+        Self { first: pieces.count(), has_gate: false }
+    }
+
+    /// Whether pieces are left out.
+    pub const fn has_gate(&self) -> bool {
+        self.has_gate
+    }
+
+    /// The cut at `at`, the instant at which the new pieces begin. There is no other cut.
+    ///
+    /// # Errors
+    /// [`TooLate`]: gate and new pieces are taken back.
+    pub fn commit<M: Memory>(
+        self,
+        at: u32,
+        pieces: &mut Pieces<'_, M>,
+        clock: &Clock<M>,
+    ) -> Result<Cut, TooLate> {
+        clock.publish(at, self.first.wrapping_add(1));
+        let is_ahead = !super::clock::is_before(at, clock.now());
+        if is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0 {
+            return Ok(Cut(at));
+        }
+        clock.withdraw();
+        self.abandon(pieces, clock);
+        Err(TooLate)
+    }
+
+    /// Takes gate and new pieces back.
+    pub fn abandon<M: Memory>(self, pieces: &mut Pieces<'_, M>, clock: &Clock<M>) {
+        pieces.withdraw(self.first);
+        // A tick at hand may look at the gate.
+        clock.settle();
+    }
+}
+
+/// The interrupt's end: the piece of time at hand, and what comes behind it.
+pub struct Timeline<'a, M: Memory = Ram> {
+    phase: Phase,
+    pieces: Consumer<'a, Phase, PHASES, M>,
+    reserve: Taker<'a, M>,
+    /// Ticks of the piece evaluated.
+    done: u16,
+    /// It stops, or stands, without the planner.
+    stops: bool,
+}
+
+impl<M: Replay> Clone for Timeline<'_, M> {
+    fn clone(&self) -> Self {
+        let Self { phase, pieces, reserve, done, stops } = self;
+        let (pieces, reserve) = (pieces.clone(), reserve.clone());
+        Self { phase: *phase, pieces, reserve, done: *done, stops: *stops }
+    }
+}
+
+impl<M: Replay> Timeline<'_, M> {
+    /// All that it remembers from one tick to the next.
+    pub const fn key(&self) -> (Phase, u16, bool, u32) {
+        (self.phase, self.done, self.stops, self.reserve.next())
+    }
+}
+
+impl<'a, M: Memory> Timeline<'a, M> {
+    /// Nothing is at hand.
+    pub const fn new(pieces: Consumer<'a, Phase, PHASES, M>, reserve: Taker<'a, M>) -> Self {
+        Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false }
+    }
+
+    /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece. [`Clock::pass`] or [`Clock::rest`]
+    /// ends it.
+    #[inline(always)]
+    pub fn begin(&mut self, clock: &Clock<M>) -> Option<(u32, i64)> {
+        let instant = clock.begin();
+        if let Some(number) = clock.cut(instant) {
+            // On its way to a standstill it has left them for good.
+            if !self.stops {
+                self.pieces.jump(number);
+                self.done = u16::MAX;
+            }
+        }
+        if self.done >= self.phase.ticks {
+            if clock.is_end(instant) {
+                self.leave(clock);
+            }
+            let more = if self.stops { self.stop(clock) } else { self.take() };
+            if !more {
+                return None;
+            }
+            self.done = 0;
+        }
+        let distance = self.phase.at(self.done);
+        self.done += 1;
+        Some((instant, distance))
+    }
+
+    #[inline(always)]
+    fn take(&mut self) -> bool {
+        self.pieces.pop_into(&mut self.phase, |phase| phase.ticks > 0)
+    }
+
+    /// Goes on with the way to a standstill.
+    #[inline(never)]
+    fn leave(&mut self, clock: &Clock<M>) {
+        self.reserve.begin(clock.leave());
+        self.stops = true;
+    }
+
+    /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
+    #[inline(never)]
+    fn stop(&mut self, clock: &Clock<M>) -> bool {
+        if !clock.is_let_go() {
+            return self.reserve.take_into(&mut self.phase);
+        }
+        self.stops = false;
+        self.take()
+    }
+
+    /// The piece at hand, and the tick of it evaluated last.
+    pub fn at_hand(&self) -> (&Phase, u16) {
+        (&self.phase, self.done.saturating_sub(1))
+    }
+}
