@@ -47,17 +47,21 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         check::<AXES, BLOCKS>(machine)?;
         let Self { rings, decoder, planning } = self;
         let (sender, receiver, panel) = rings.split();
-        let planner = Planner {
-            decoder: Decoder::new(decoder, Setup::new(machine, start), text),
-            planning: Planning::new(planning, machine, start, sender),
-            cycle_us: machine.channel.cycle_us,
-            ptp: machine.channel.ptp,
-            source: Source::Open,
-            held: None,
-            released: 0,
-        };
         let (interpolator, operator) = (Interpolator::new(receiver, start), Operator::new(panel));
-        Ok(Handles { planner, interpolator, operator })
+        // Last, so that it is made where it stays: it is large.
+        Ok(Handles {
+            planner: Planner {
+                decoder: Decoder::new(decoder, Setup::new(machine, start), text),
+                planning: Planning::new(planning, machine, start, sender),
+                cycle_us: machine.channel.cycle_us,
+                ptp: machine.channel.ptp,
+                source: Source::Open,
+                held: None,
+                released: 0,
+            },
+            interpolator,
+            operator,
+        })
     }
 
     /// A decoder alone, in the memory of this channel: to look through `text` before it is run.

@@ -16,6 +16,7 @@ use super::{SEGMENTS, Segment, Slot};
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
+use core::hint::assert_unchecked;
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
@@ -475,9 +476,13 @@ impl<const AXES: usize> Follower<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: in its ring; and as its start is not out of reach, the planner has put the curve in, and leaves it alone until it is
-        // given back.
-        Some((unsafe { &*(*self.slot.at).0.get() }, along))
+        // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach, the planner has put the curve
+        // in, and leaves it alone until it is given back.
+        let segment = unsafe {
+            assert_unchecked(!self.slot.at.is_null());
+            &*(*self.slot.at).0.get()
+        };
+        Some((segment, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.

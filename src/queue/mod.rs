@@ -134,6 +134,7 @@ pub struct Rings<const AXES: usize, const BLOCKS: usize> {
 }
 
 /// What the interrupt reads and writes beside the rings, in one place: one register leads to all of it.
+#[repr(C)]
 struct Shared<const AXES: usize> {
     clock: Clock,
     status: Words<AXES>,

@@ -127,17 +127,11 @@ impl<'a, M: Memory> Timeline<'a, M> {
     pub fn begin(&mut self, clock: &Clock<M>) -> Option<(u32, i64)> {
         let instant = clock.begin();
         if let Some(number) = clock.cut(instant) {
-            // On its way to a standstill it has left them for good.
-            if !self.stops {
-                self.pieces.jump(number);
-                self.done = u16::MAX;
-            }
+            self.change_over(number);
         }
         if self.done >= self.phase.ticks {
-            if clock.is_end(instant) {
-                self.leave(clock);
-            }
-            let more = if self.stops { self.stop(clock) } else { self.take() };
+            let leaves = clock.is_end(instant);
+            let more = if leaves || self.stops { self.stop(clock, leaves) } else { self.take() };
             if !more {
                 return None;
             }
@@ -153,16 +147,25 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.pieces.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 
-    /// Goes on with the way to a standstill.
+    /// Leaves the pieces it has; on its way to a standstill it has left them for good.
+    #[cold]
     #[inline(never)]
-    fn leave(&mut self, clock: &Clock<M>) {
-        self.reserve.begin(clock.leave());
-        self.stops = true;
+    fn change_over(&mut self, number: u32) {
+        if !self.stops {
+            self.pieces.jump(number);
+            self.done = u16::MAX;
+        }
     }
 
-    /// The next piece of the way to a standstill; behind it, when the planner has seen it, of what it has put into the queue since.
+    /// The next piece of the way to a standstill, which may begin here; behind it, when the planner has seen it, of what it has put
+    /// into the queue since.
+    #[cold]
     #[inline(never)]
-    fn stop(&mut self, clock: &Clock<M>) -> bool {
+    fn stop(&mut self, clock: &Clock<M>, begins: bool) -> bool {
+        if begins {
+            self.reserve.begin(clock.leave());
+            self.stops = true;
+        }
         if !clock.is_let_go() {
             return self.reserve.take_into(&mut self.phase);
         }
