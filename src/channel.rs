@@ -1,13 +1,17 @@
 //! Planner and interpolator: wiring only, all that an application holds.
 //!
 //! The front page of the crate shows how they are used.
+mod rest;
+
+pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
+
 use crate::control::Control;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
-use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
+use crate::machine::{AxisKind, AxisName, Beyond, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, NcError, NcWarning,
+    Command, ContourMethod, Decoder, DecoderMemory, DwellTime, Head, Kinematics, Motion, NcError, NcWarning,
     NcWarningKind, Place, Setup, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
@@ -54,6 +58,8 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
             source: Source::Open,
             held: None,
             released: 0,
+            lost: false,
+            failed: false,
         };
         Ok((planner, Interpolator::new(receiver, start)))
     }
@@ -184,7 +190,7 @@ pub enum Progress {
 /// The time law of one motion block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlannedBlock {
-    /// Its first motion block, counted from 0 since program start.
+    /// Its first motion block, counted from 0 since the split.
     pub block: u32,
     /// How many begin in it.
     pub blocks: u32,
@@ -215,6 +221,8 @@ pub enum Error {
     NotEnabled(Place, &'static str),
     /// A motion block without path or speed.
     Motion(Place, MotionError),
+    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its software limit.
+    SoftwareLimit(Place, AxisName, Beyond),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
     /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
@@ -231,6 +239,7 @@ impl Error {
             Self::NotAvailable(place, _)
             | Self::NotEnabled(place, _)
             | Self::Motion(place, _)
+            | Self::SoftwareLimit(place, ..)
             | Self::PathAcceleration(place) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
@@ -248,6 +257,11 @@ impl core::fmt::Display for Error {
             Self::Motion(_, MotionError::Released) => {
                 f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
             }
+            Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
+            Self::SoftwareLimit(_, axis, beyond) => {
+                f.write_str("axis ")?;
+                software_limit(f, axis.as_str(), beyond)
+            }
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
             ),
@@ -264,29 +278,18 @@ impl core::fmt::Display for Error {
     }
 }
 
+/// Where an axis would come to, and its limit.
+fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
+    let at = Position::from_bits;
+    let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
+    let (position, limit) = (at(beyond.position), at(beyond.limit));
+    write!(
+        f,
+        "{axis} would come to {position:.6}, its {sign} software limit is {limit:.6} (P-AXIS-00{id}, machine coordinates)"
+    )
+}
+
 impl core::error::Error for Error {}
-
-/// Why a zero offset was not set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ZeroOffsetError {
-    /// Axes move or will move by blocks that are read already.
-    NotAtRest,
-    /// There are the sets 0…5 and the axes of the machine, and offsets to ±100 000 mm or degrees.
-    Range,
-}
-
-impl core::fmt::Display for ZeroOffsetError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::NotAtRest => "a zero offset is set at rest, when all blocks read are executed",
-            Self::Range => {
-                "no such zero offset; expected set 0…5, an axis of the machine, at most 100 000 mm or degrees"
-            }
-        })
-    }
-}
-
-impl core::error::Error for ZeroOffsetError {}
 
 /// Where the program stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -323,17 +326,23 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     held: Option<Held>,
     /// Axes given away by #PUT AX, bit i for axis i.
     released: u32,
+    /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
+    lost: bool,
+    /// A plan has failed.
+    failed: bool,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
     /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or [`Progress::Planned`].
     ///
     /// # Errors
-    /// The program is refused; what was planned before stays valid and comes to a standstill. Further calls go on
-    /// with planning that rest and end in [`Progress::Done`].
+    /// A line is refused; what was planned before stays valid and comes to a standstill. Further calls go on
+    /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`] behind the line,
+    /// [`Self::load`] with another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
-        // After an abort there is nothing to hold.
+        // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
+            self.forget_abort();
             return Ok(Progress::Done);
         }
         match self.planning.work() {
@@ -344,12 +353,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Hungry | Work::Starved) => {}
             Ok(Work::Late) => return Ok(Progress::Late),
             Ok(Work::Aborted) => {
-                self.source = Source::Ended;
-                self.held = None;
+                self.lose();
                 return Ok(Progress::Working);
             }
+            Ok(Work::Refused) => return Err(self.refuse_curve()),
             Err(error) => {
-                self.source = Source::Ended;
+                self.lose();
+                self.failed = true;
+                self.planning.drop_ahead();
                 return Err(match error {
                     Unplannable::Broken => Error::Unplannable,
                     Unplannable::TooSlow => Error::ReducedTooSlow,
@@ -372,24 +383,6 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// Where the operator's commands go.
     pub fn control(&self) -> &'a Control {
         self.planning.control()
-    }
-
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
-    /// the next line of the program on, also where that zero offset is in force; nothing moves.
-    ///
-    /// # Errors
-    /// The axes do not stand with all blocks executed that were read: before the first call of [`Self::poll`] they do, at the end of
-    /// the program, and where the program text is late. Or there is no such zero offset.
-    pub fn set_zero_offset(
-        &mut self,
-        set: usize,
-        axis: usize,
-        offset: Position,
-    ) -> Result<(), ZeroOffsetError> {
-        if self.held.is_some() || !self.decoder.is_between_lines() || !self.planning.is_at_rest() {
-            return Err(ZeroOffsetError::NotAtRest);
-        }
-        if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
     /// Whether the motion stands still in a feed hold.
@@ -440,9 +433,49 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Err(error) => Err(Error::Nc(error.clone())),
         };
         if result.is_err() {
-            self.end();
+            self.refuse();
         }
         result
+    }
+
+    /// The line at hand is refused: a standstill behind what was taken in before.
+    #[cold]
+    fn refuse(&mut self) {
+        self.decoder.refuse();
+        self.held = None;
+        self.end();
+    }
+
+    /// The curve of a corner is refused for a software limit.
+    #[cold]
+    #[inline(never)]
+    fn refuse_curve(&mut self) -> Error {
+        self.refuse();
+        match self.planning.take_refused() {
+            Some((place, beyond)) => self.error(place, MotionError::Beyond(beyond)),
+            None => Error::Unplannable,
+        }
+    }
+
+    /// Why a motion is refused.
+    #[cold]
+    fn error(&self, place: Place, error: MotionError) -> Error {
+        match error {
+            MotionError::Beyond(beyond) => {
+                let name = self.decoder.setup().names.get(beyond.axis).copied();
+                Error::SoftwareLimit(place, name.unwrap_or_default(), beyond)
+            }
+            _ => Error::Motion(place, error),
+        }
+    }
+
+    /// What was read ahead of where the axes will stand is forgotten.
+    #[cold]
+    fn lose(&mut self) {
+        self.source = Source::Ended;
+        self.held = None;
+        self.lost = true;
+        self.decoder.refuse();
     }
 
     /// Stands still after what was taken in, for the one tick that shows it.
@@ -456,12 +489,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         match command {
             Command::Motion(motion) => {
                 if self.planning.moves(motion, self.released) {
+                    self.planning.drop_motion();
                     return Err(Error::Motion(motion.place, MotionError::Released));
                 }
-                self.planning.take(motion).map_err(|e| {
-                    let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
-                    Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
-                })?;
+                self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
                 if let Some(kind) = self.planning.remark() {
                     return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
                 }
@@ -491,7 +522,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
                 self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
             }
-            Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),
+            Command::Weight(head, weight) => {
+                self.look_ahead(head)?;
+                self.planning.dynamics().weigh(weight);
+            }
             Command::VectorLimit(head, limit) => {
                 let others = [
                     (limit.radial_acc, "#VECTOR LIMIT RADIAL_ACC"),
@@ -522,12 +556,32 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 if contour.method == Some(ContourMethod::DistMaster) && !self.planning.has_master() {
                     return Err(Error::NotEnabled(command.place(), MASTER_NEEDS));
                 }
+                self.look_ahead(head)?;
                 self.planning.contour(contour, head.in_motion);
             }
             Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
+    }
+
+    fn error_of(&self, motion: &Motion<AXES>, error: MotionError) -> Error {
+        let of_centre = matches!(error, MotionError::Path(path) if path.concerns_centre());
+        self.error(if of_centre { motion.centre } else { motion.place }, error)
+    }
+
+    /// A command that changes what is in force, in a line with a motion: if that is refused, the command must not be carried out.
+    #[inline(never)]
+    fn look_ahead(&self, head: &Head) -> Result<(), Error> {
+        match self.decoder.motion() {
+            Some(motion) if head.in_motion => {
+                if self.planning.moves(motion, self.released) {
+                    return Err(Error::Motion(motion.place, MotionError::Released));
+                }
+                self.planning.look_at(motion).map_err(|e| self.error_of(motion, e))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn output(&mut self, held: Held) -> Progress {

@@ -9,12 +9,14 @@ mod intake;
 mod late;
 mod pace;
 mod reserve;
+mod stand;
 
 use crate::channel::PlannedBlock;
 use crate::control::{Commands, Control};
 use crate::lookahead::{Dynamics, Lookahead, LookaheadMemory, Pace, max, min};
-use crate::machine::MachineData;
+use crate::machine::{Beyond, MachineData, Travel};
 use crate::math::float::to_f32;
+use crate::nc::Place;
 use crate::path::Measure;
 use crate::path::contour::Contouring;
 use crate::quantity::{Distance, Position, Speed, Time};
@@ -60,6 +62,8 @@ pub enum Work {
     Late,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
     Aborted,
+    /// The curve of a corner leads beyond a software limit. The motion ends before it: [`Planning::refused`].
+    Refused,
 }
 
 /// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
@@ -145,6 +149,11 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Those whose time law has begun.
     begun: u32,
     planned: Planned,
+    /// Software limits, and what was refused for them.
+    travel: Travel<AXES>,
+    refused: Option<(Place, Beyond)>,
+    /// The instant at which the queue ends, if nothing has moved since the axes came to stand there.
+    shifted: Option<u32>,
     queue: Sender<'a, AXES>,
 }
 
@@ -212,6 +221,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             taken: 0,
             begun: 0,
             planned: Planned::default(),
+            travel: Travel::new(machine),
+            refused: None,
+            shifted: None,
             queue,
         }
     }
@@ -221,14 +233,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn rest(&mut self, ticks: u64) {
         self.flush = true;
         self.rest = ticks;
-    }
-
-    /// Whether the axes stand and all that was taken in is executed.
-    pub fn is_at_rest(&self) -> bool {
-        let taken_in = !self.lookahead.ring.is_empty() || !self.held.is_none() || !self.contouring.is_empty();
-        let handed_out = self.laid == self.flights.len() && self.emitter.is_done();
-        let passed = !clock::is_before(self.queue.clock.now(), self.end);
-        !taken_in && handed_out && passed && self.speed == Speed::ZERO && self.rest == 0 && self.owed == 0
     }
 
     /// Goes on.
@@ -339,7 +343,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.follow_level();
         }
         if !self.contouring.is_empty() && self.round_off() {
-            return Work::Working;
+            return if self.refused.is_some() { Work::Refused } else { Work::Working };
         }
         if self.flush && self.contouring.holds() {
             self.contouring.release(false);

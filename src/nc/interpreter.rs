@@ -5,7 +5,7 @@ use super::cursor::Cursor;
 use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
-use super::modal::Modal;
+use super::modal::{Before, Modal};
 use super::number::Number;
 use super::plain::Letters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
@@ -61,6 +61,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub flow: Flow,
     pub calculator: Calculator,
     pub modal: Modal<AXES>,
+    /// For a line that is refused.
+    pub before: Before<AXES>,
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
@@ -95,6 +97,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             flow: Flow::new(),
             calculator: Calculator::new(),
             modal: Modal::new(setup.default_index),
+            before: Before::Alike,
             letters: Letters::new(setup.names.iter().map(|name| &name.0)),
             position: setup.start,
             n: 0,
@@ -107,6 +110,75 @@ impl<const AXES: usize> Interpreter<AXES> {
             warnings: Deque::new(),
             quiet: 0,
             setup,
+        }
+    }
+
+    /// Another program begins. What is in force stays in force if `keeps` says so.
+    pub fn restart(&mut self, keeps: bool) {
+        self.phase = Phase::Start;
+        self.flow.clear();
+        if !keeps {
+            self.calculator.parameters.clear();
+            self.modal = Modal::new(self.setup.default_index);
+        }
+        self.before = Before::Alike;
+        self.n = 0;
+        self.drop_line();
+    }
+
+    /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was assigned to them.
+    pub fn refuse(&mut self) {
+        match core::mem::replace(&mut self.before, Before::Alike) {
+            Before::Alike => {}
+            Before::Feed(mode, feed) => (self.modal.mode, self.modal.feed) = (mode, feed),
+            Before::All(modal) => self.modal = modal,
+        }
+        self.drop_line();
+    }
+
+    /// Nothing more comes of the line at hand.
+    fn drop_line(&mut self) {
+        self.queue.clear();
+        self.warnings.clear();
+        (self.waiting, self.motion, self.single) = (None, None, None);
+        self.calculator.reset();
+        self.moves = false;
+        self.quiet = 0;
+    }
+
+    /// Behind a refusal at an earlier place, or at the end of the running program: where it goes on, if not with the next line.
+    pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
+        match (kind, self.flow.passing) {
+            (NcErrorKind::NoLabel, _) => {
+                self.flow.passing = None;
+                Some(self.flow.behind)
+            }
+            (NcErrorKind::Unclosed { .. }, passing) => {
+                self.flow.leave_blocks();
+                let next = match passing {
+                    Some(Passing::End(ending)) => self.end_by_word(ending),
+                    _ => self.finish_program(),
+                };
+                if let Next::At(mark) = next { Some(mark) } else { None }
+            }
+            (NcErrorKind::NoMainProgram, _) => {
+                self.phase = Phase::Ended;
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// A jump that was decided on is refused.
+    pub fn stay(&mut self, mark: Mark) {
+        if core::mem::take(&mut self.flow.left) {
+            // Nothing is open any more.
+        } else if matches!(self.flow.passing, Some(Passing::Label(_))) {
+            self.flow.passing = None;
+        } else if self.flow.innermost().is_some_and(|open| open.body == mark) {
+            self.flow.blocks.pop();
+        } else if self.flow.program == mark {
+            self.flow.leave_call();
         }
     }
 
@@ -136,6 +208,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             && self.plain_block(line).is_some()
         {
             return Ok(Next::Motion);
+        }
+        if !goes_on {
+            self.before = Before::Alike;
+            self.flow.left = false;
         }
         let mut c = Cursor::new(line.bytes());
         if self.waiting.is_some() {
@@ -218,7 +294,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Back to the caller, or the end of everything (M17, M29, end of the text).
     pub fn finish_program(&mut self) -> Next {
         match self.flow.leave_call() {
-            Some(back) => Next::At(back),
+            Some(back) => {
+                self.flow.left = true;
+                Next::At(back)
+            }
             None => {
                 self.phase = Phase::Ended;
                 Next::Line

@@ -184,6 +184,10 @@ pub(super) struct LineReader<T> {
     broken: bool,
     /// The last byte kept is followed by nothing but blanks so far.
     in_words: bool,
+    /// The line at hand is refused, though it is not complete.
+    refused: bool,
+    /// What is left of such a line is passed over.
+    skips: bool,
 }
 
 impl<T: Text> LineReader<T> {
@@ -207,7 +211,33 @@ impl<T: Text> LineReader<T> {
             gap: 0,
             broken: false,
             in_words: false,
+            refused: false,
+            skips: false,
         }
+    }
+
+    /// Goes on with another text, from its start; the one before.
+    pub fn replace(&mut self, text: T) -> T {
+        self.seek(Mark::start_of(0));
+        core::mem::replace(&mut self.text, text)
+    }
+
+    /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
+    pub fn next_program(&mut self, mark: Mark) {
+        let goes_on = !self.fresh && mark == self.next_start();
+        let offset = self.text.next_program(mark.offset);
+        self.seek(Mark { offset, ..mark });
+        self.skips = goes_on && offset == mark.offset;
+    }
+
+    /// Behind a refusal: goes on with the next line.
+    pub fn go_on(&mut self) {
+        self.skips |= core::mem::take(&mut self.refused);
+    }
+
+    /// Whether the line at the mark can be read again.
+    pub fn holds(&self, mark: Mark) -> bool {
+        self.text.holds(mark.file, mark.offset)
     }
 
     /// Goes on reading at the start of a line.
@@ -219,6 +249,8 @@ impl<T: Text> LineReader<T> {
         self.line = mark.line;
         self.line_offset = mark.offset;
         self.fresh = true;
+        self.refused = false;
+        self.skips = false;
     }
 
     /// Start of the logical line last read.
@@ -239,7 +271,58 @@ impl<T: Text> LineReader<T> {
 
     /// Reads on until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
+        if self.skips {
+            return self.skip();
+        }
+        let fill = self.read(line);
+        if let Err(error) = &fill {
+            // What could not be read may be readable the next time.
+            self.refused = error.kind != NcErrorKind::Unreadable;
+            self.continued = false;
+        }
+        fill
+    }
+
+    /// Passes over what is left of a line, at most a slice.
+    #[cold]
+    #[inline(never)]
+    fn skip(&mut self) -> Result<Fill, NcError> {
+        self.text.pass(self.file, self.offset);
+        for _ in 0..SLICE {
+            let byte = match self.next_byte() {
+                Ok(byte) => byte,
+                Err(error) => return self.missing(error),
+            };
+            let Some(byte) = byte else {
+                (self.fresh, self.skips) = (true, false);
+                break;
+            };
+            let here = self.here();
+            self.offset = self.offset.wrapping_add(1);
+            if !matches!(byte, b'\n' | b'\r') {
+                self.continued &= self.dropped(byte, here);
+                continue;
+            }
+            if byte == b'\r'
+                && let Err(error) = self.step_over_line_feed()
+            {
+                self.offset = here.offset;
+                return self.missing(error);
+            }
+            self.line = self.line.wrapping_add(1);
+            self.line_offset = self.offset;
+            (self.comment, self.remark) = (0, false);
+            if !core::mem::take(&mut self.continued) {
+                (self.fresh, self.skips) = (true, false);
+                break;
+            }
+        }
+        Ok(Fill::Partial)
+    }
+
+    fn read(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.fresh {
+            self.text.pass(self.file, self.offset);
             line.clear();
             self.start = self.next_start();
             self.fresh = false;
@@ -464,6 +547,7 @@ impl<T: Text> LineReader<T> {
     fn missing(&self, error: TextError) -> Result<Fill, NcError> {
         match error {
             TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
+            TextError::Forgotten => Err(refusal(self.here(), NcErrorKind::BehindWindow)),
             TextError::NotYet => Ok(Fill::Late),
         }
     }

@@ -17,6 +17,7 @@
 //! The third kind of curve is a polynomial of the fifth degree for every axis, see [`mod@poly`].
 mod arc;
 pub mod contour;
+mod extent;
 mod line;
 pub mod measure;
 mod merge;

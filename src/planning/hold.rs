@@ -622,7 +622,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Where it stands is all that is left. The interrupt has nothing to do.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands = self.motion_at(self.end).map_or(self.handed.to_bits(), |motion| motion.distance);
         if let Some(segment) = self.queue.segments.recent(number) {

@@ -3,9 +3,9 @@ use super::Planning;
 use super::functions::Functions;
 use super::held::Held;
 use crate::lookahead::{Dynamics, Permitted, Ring, SLOWEST};
-use crate::machine::Synch;
+use crate::machine::{Beyond, Synch};
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
 use crate::path::contour::{Block, Data, Form, Outgoing};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
@@ -23,11 +23,19 @@ pub enum MotionError {
     TooSlow,
     /// It moves an axis that was given away.
     Released,
+    /// It leads beyond a software limit.
+    Beyond(Beyond),
 }
 
 impl From<PathError> for MotionError {
     fn from(error: PathError) -> Self {
         Self::Path(error)
+    }
+}
+
+impl From<Beyond> for MotionError {
+    fn from(error: Beyond) -> Self {
+        Self::Beyond(error)
     }
 }
 
@@ -103,7 +111,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let result = self.take_motion(motion);
         if result.is_err() {
-            self.functions.drop_unsettled(self.queue.control);
+            self.drop_motion();
         }
         result
     }
@@ -116,6 +124,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let (from, to) = (&self.programmed, &motion.target);
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
+                self.travel.line(from, to)?;
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.contouring.is_idle() {
@@ -154,16 +163,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         feed: Option<f32>,
         (plane, clockwise, by): (Plane, bool, ArcBy),
     ) -> Result<(), MotionError> {
-        let (from, to) = (&self.programmed, &motion.target);
-        let centre = match by {
-            ArcBy::Centre(centre) => centre,
-            ArcBy::Radius(radius) => {
-                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
-            }
-        };
+        let centre = self.centre(motion, (plane, clockwise, by))?;
         // By reference: an element is large.
-        let arc = path::arc(from, to, centre, plane, clockwise, &self.measure);
+        let arc = path::arc(&self.programmed, &motion.target, centre, plane, clockwise, &self.measure);
         let element = arc.as_ref().map_err(|error| MotionError::Path(*error))?;
+        if self.travel.is_limited() {
+            self.stays(motion, element, &centre)?;
+        }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(&limits, element.shape.length)?;
@@ -175,6 +181,63 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         self.advance(motion);
         Ok(())
+    }
+
+    /// The centre of an arc.
+    #[inline(always)]
+    fn centre(
+        &self,
+        motion: &Motion<AXES>,
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> Result<[Position; 2], PathError> {
+        match by {
+            ArcBy::Centre(centre) => Ok(centre),
+            ArcBy::Radius(radius) => {
+                let (from, to) = (&self.programmed, &motion.target);
+                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)
+            }
+        }
+    }
+
+    /// All of an arc stays inside the software limits.
+    #[inline(never)]
+    fn stays(
+        &self,
+        motion: &Motion<AXES>,
+        element: &Element<AXES>,
+        centre: &[Position; 2],
+    ) -> Result<(), Beyond> {
+        let (from, to) = (&self.programmed, &motion.target);
+        self.travel.curve(from, |axis| element.arc_range(axis, from, to, centre))
+    }
+
+    /// So does the curve of a corner.
+    #[inline(never)]
+    fn stays_bent(&self, element: &Element<AXES>) -> Result<(), Beyond> {
+        let from = &self.entered;
+        self.travel.curve(from, |axis| element.bent_range(axis, from, self.travel.of(axis, from)))
+    }
+
+    /// Whether a motion has a path that it may take. For a line in which other commands come before its motion.
+    ///
+    /// # Errors
+    /// Why it has none.
+    #[inline(never)]
+    pub fn look_at(&self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let (from, to) = (&self.programmed, &motion.target);
+        if let MotionKind::Arc { plane, clockwise, by } = motion.kind {
+            let centre = self.centre(motion, (plane, clockwise, by))?;
+            let element = &path::arc(from, to, centre, plane, clockwise, &self.measure)?;
+            return Ok(self.stays(motion, element, &centre)?);
+        }
+        self.travel.line(from, to)?;
+        path::straight(from, to, &self.measure)?;
+        Ok(())
+    }
+
+    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put out.
+    pub fn drop_motion(&mut self) {
+        self.functions.drop_unsettled(self.queue.control);
     }
 
     /// An exact stop at the end of the block taken in last.
@@ -283,12 +346,34 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn push_outgoing(&mut self, outgoing: &Outgoing<AXES>) {
         let Outgoing { element, data, curving, due } = outgoing;
+        if self.travel.is_limited()
+            && curving.is_some()
+            && let Err(beyond) = self.stays_bent(element)
+        {
+            return self.drop_curve(data.place, beyond);
+        }
         let limits = match (&element.bounds, curving) {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = *data;
         self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
+    }
+
+    /// The curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is forgotten.
+    #[cold]
+    #[inline(never)]
+    fn drop_curve(&mut self, place: Place, beyond: Beyond) {
+        self.refused = Some((place, beyond));
+        self.forget_ahead();
+    }
+
+    /// Forgets what was taken in and is not in the look-ahead.
+    pub(super) fn forget_ahead(&mut self) {
+        self.contouring.clear();
+        self.held.clear();
+        self.functions.drop_unplaced(self.queue.control);
+        self.programmed = self.entered;
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

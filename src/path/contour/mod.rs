@@ -392,6 +392,13 @@ impl<const AXES: usize> Contouring<AXES> {
         self.once = false;
     }
 
+    /// Off, with the parameters of program start. Only when it holds nothing.
+    pub fn restart(&mut self) {
+        self.clear();
+        (self.on, self.remark) = (false, None);
+        self.parameters = Parameters::new(self.parameters.of_channel);
+    }
+
     /// Whether the end of the last block is to be rounded.
     pub fn rounds(&self) -> bool {
         self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())

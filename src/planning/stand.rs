@@ -1,0 +1,63 @@
+//! At rest: where the axes stand, what a new program begins with, another position for the same place.
+use super::{Beyond, PIECES, Phase, Place, Planning, RESERVE, Slot, Speed, clock};
+use crate::path::Shape;
+use crate::quantity::Position;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Whether the axes stand and all that was taken in is executed.
+    pub fn is_at_rest(&self) -> bool {
+        let taken_in = !self.lookahead.ring.is_empty() || !self.held.is_none() || !self.contouring.is_empty();
+        let handed_out = self.laid == self.flights.len() && self.emitter.is_done();
+        let passed = !clock::is_before(self.queue.clock.now(), self.end) || self.shifted == Some(self.end);
+        let rests = self.speed == Speed::ZERO && self.rest == 0 && self.owed == 0;
+        !taken_in && handed_out && passed && rests && !self.queue.control.has_left()
+    }
+
+    /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
+    pub fn position(&self) -> &[Position; AXES] {
+        &self.programmed
+    }
+
+    /// Where a curve was refused for a software limit, once.
+    pub fn take_refused(&mut self) -> Option<(Place, Beyond)> {
+        self.refused.take()
+    }
+
+    /// Weights, path limits, slope and contour mode as at program start. Only at rest.
+    pub fn restart(&mut self) {
+        self.dynamics.restart();
+        self.contouring.restart();
+    }
+
+    /// Behind a plan that failed: what was taken in is forgotten.
+    pub fn drop_ahead(&mut self) {
+        self.forget_ahead();
+        (self.flush, self.rest) = (false, 0);
+    }
+
+    /// Behind a plan that failed, at rest: goes on from where the axes stand.
+    pub fn recover(&mut self) {
+        self.forget();
+    }
+
+    /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings it to the interrupt, whose
+    /// set point is the new one from its next tick on. Only at rest. `false`, and nothing has changed, if there is no room.
+    #[must_use]
+    pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
+        if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + RESERVE {
+            return false;
+        }
+        for stands in [&mut self.entered, &mut self.programmed] {
+            if let Some(slot) = stands.get_mut(axis) {
+                *slot = position;
+            }
+        }
+        // It belongs to the last block.
+        let block = self.taken.wrapping_sub(1);
+        let _ = self.queue.segments.push(&Shape::BLANK, &self.entered, 0, block);
+        self.queue.segments.hand_on(1);
+        self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });
+        self.shifted = Some(self.end);
+        true
+    }
+}
