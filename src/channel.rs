@@ -343,7 +343,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
             self.forget_abort();
-            return Ok(Progress::Done);
+            return Ok(self.done());
         }
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
@@ -376,8 +376,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 self.source = Source::Ended;
                 Ok(Progress::Working)
             }
-            Source::Ended => Ok(Progress::Done),
+            Source::Ended => Ok(self.done()),
         }
+    }
+
+    /// There is nothing left to do.
+    fn done(&mut self) -> Progress {
+        if self.failed {
+            self.settle();
+        }
+        Progress::Done
     }
 
     /// Where the operator's commands go.

@@ -199,7 +199,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     }
 
     /// Whether the axes are at rest; if they are, the planner knows where.
-    fn settle(&mut self) -> bool {
+    pub(super) fn settle(&mut self) -> bool {
         let at_rest = self.is_at_rest();
         if at_rest && core::mem::take(&mut self.failed) {
             self.planning.recover();

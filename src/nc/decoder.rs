@@ -5,6 +5,7 @@ use super::cursor::Cursor;
 use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader, Mark};
+use super::modal::Before;
 use super::*;
 use core::mem::MaybeUninit;
 
@@ -220,7 +221,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Reads a slice of text and interprets the line when it is complete.
     fn work(&mut self) -> Result<Work, NcError> {
         let goes_on = self.interpreter.calculator.begin();
-        let fill = if goes_on { Fill::Line } else { self.fill()? };
+        let fill = if goes_on { Ok(Fill::Line) } else { self.fill() };
+        if !matches!(fill, Ok(Fill::Line)) {
+            // What follows is no refusal of the line before.
+            self.interpreter.before = Before::Alike;
+        }
+        let fill = fill?;
         let next = match fill {
             Fill::Partial => return Ok(Work::Line),
             Fill::Late => return Ok(Work::Late),

@@ -224,10 +224,10 @@ impl<T: Text> LineReader<T> {
 
     /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
     pub fn next_program(&mut self, mark: Mark) {
-        let goes_on = !self.fresh && mark == self.next_start();
-        let offset = self.text.next_program(mark.offset);
-        self.seek(Mark { offset, ..mark });
-        self.skips = goes_on && offset == mark.offset;
+        let begins = self.text.next_program();
+        let goes_on = !self.fresh && mark == self.next_start() && begins.is_none();
+        self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
+        self.skips = goes_on;
     }
 
     /// Behind a refusal: goes on with the next line.
@@ -287,8 +287,8 @@ impl<T: Text> LineReader<T> {
     #[cold]
     #[inline(never)]
     fn skip(&mut self) -> Result<Fill, NcError> {
-        self.text.pass(self.file, self.offset);
         for _ in 0..SLICE {
+            self.text.pass(self.file, self.offset);
             let byte = match self.next_byte() {
                 Ok(byte) => byte,
                 Err(error) => return self.missing(error),

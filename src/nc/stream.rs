@@ -49,6 +49,8 @@ pub struct Feeder<'a, const N: usize> {
 /// The end of a [`Window`] that the decoder reads.
 pub struct Stream<'a, const N: usize> {
     window: &'a Window<N>,
+    /// Where the program at hand was said to begin.
+    start: u32,
 }
 
 /// Whether the offset `a` is before `b`; they are less than 2^31 apart.
@@ -77,7 +79,7 @@ impl<const N: usize> Window<N> {
             *word.get_mut() = 0;
         }
         *self.ended.get_mut() = false;
-        (Feeder { window: self }, Stream { window: self })
+        (Feeder { window: self }, Stream { window: self, start: 0 })
     }
 
     /// The place of the byte at `offset`.
@@ -165,10 +167,12 @@ impl<const N: usize> Text for Stream<'_, N> {
         !is_before(offset, self.window.kept.load(Ordering::Relaxed))
     }
 
-    fn next_program(&mut self, offset: u32) -> u32 {
+    fn next_program(&mut self) -> Option<u32> {
         let start = self.window.start.load(Ordering::Acquire);
-        let offset = if is_before(offset, start) { start } else { offset };
-        self.pass(0, offset);
-        offset
+        if core::mem::replace(&mut self.start, start) == start {
+            return None;
+        }
+        self.pass(0, start);
+        Some(start)
     }
 }

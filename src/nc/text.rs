@@ -32,9 +32,9 @@ pub trait Text {
         true
     }
 
-    /// Where the program begins that follows in the main file, if the one before was read up to `offset`.
-    fn next_program(&mut self, offset: u32) -> u32 {
-        offset
+    /// Where the next program begins in the main file, if that is not behind the last line read.
+    fn next_program(&mut self) -> Option<u32> {
+        None
     }
 }
 

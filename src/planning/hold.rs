@@ -192,7 +192,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
-        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.rest == 0
+        let left = self.queue.control.has_left();
+        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.rest == 0 && !left
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -633,9 +634,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.begun = segment.block.wrapping_add(1);
             }
         }
-        // The interrupt keeps the curve it is on.
+        // The interrupt keeps the curve it is on, somewhere in it. Behind it comes the point where it stands.
         self.queue.segments.withdraw(number);
         self.handed = self.queue.segments.end();
+        self.stay_here(self.begun.wrapping_sub(1));
         let is_due = |event: &Event| stands.wrapping_sub(event.distance.to_bits()) >= 0;
         let mut event = self.queue.events.taken();
         while self.queue.events.recent(event).is_some_and(is_due) {

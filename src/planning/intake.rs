@@ -364,7 +364,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[cold]
     #[inline(never)]
     fn drop_curve(&mut self, place: Place, beyond: Beyond) {
-        self.refused = Some((place, beyond));
+        self.refused = Some((self.contouring.place().unwrap_or(place), beyond));
         self.forget_ahead();
     }
 

@@ -40,6 +40,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.forget();
     }
 
+    /// The point where the axes stand, as a curve without length: what comes next begins on it. There is room.
+    pub(super) fn stay_here(&mut self, block: u32) {
+        let _ = self.queue.segments.push(&Shape::BLANK, &self.entered, 0, block);
+        self.queue.segments.hand_on(1);
+    }
+
     /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings it to the interrupt, whose
     /// set point is the new one from its next tick on. Only at rest. `false`, and nothing has changed, if there is no room.
     #[must_use]
@@ -53,9 +59,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         // It belongs to the last block.
-        let block = self.taken.wrapping_sub(1);
-        let _ = self.queue.segments.push(&Shape::BLANK, &self.entered, 0, block);
-        self.queue.segments.hand_on(1);
+        self.stay_here(self.taken.wrapping_sub(1));
         self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });
         self.shifted = Some(self.end);
         true

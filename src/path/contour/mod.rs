@@ -404,6 +404,11 @@ impl<const AXES: usize> Contouring<AXES> {
         self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())
     }
 
+    /// Where the block held back stands in the text: the one behind the corner that is handed on.
+    pub fn place(&self) -> Option<Place> {
+        self.held.as_ref().map(|held| held.block.data.place)
+    }
+
     /// Whether a block is held back.
     pub fn holds(&self) -> bool {
         self.held.is_some()
