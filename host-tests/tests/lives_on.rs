@@ -14,8 +14,12 @@ fn machine() -> MachineData<3> {
         axis.versch[0] = 50_000;
         axis
     };
-    let channel =
-        ChannelData { slope_profile: 1, look_ahead: BLOCKS as u32, corr_v_trans_jerk: true, ..ChannelData::new() };
+    let channel = ChannelData {
+        slope_profile: 1,
+        look_ahead: BLOCKS as u32,
+        corr_v_trans_jerk: true,
+        ..ChannelData::new()
+    };
     MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel }
 }
 
@@ -38,7 +42,12 @@ impl<'a, T: Text> Bench<'a, T> {
         Self::at(memory, machine, [Position::ZERO; 3], text)
     }
 
-    fn at(memory: &'a mut Channel<3, BLOCKS>, machine: &MachineData<3>, start: [Position; 3], text: T) -> Self {
+    fn at(
+        memory: &'a mut Channel<3, BLOCKS>,
+        machine: &MachineData<3>,
+        start: [Position; 3],
+        text: T,
+    ) -> Self {
         let (planner, interpolator) = memory.split(machine, start, text).unwrap();
         Self { planner, interpolator, jump: 0.0, ticks: 0, before_tick: Box::new(|| {}) }
     }
@@ -135,7 +144,9 @@ fn single_lines_keep_what_is_in_force() {
     let mut memory = Channel::new();
     let mut bench = Bench::new(&mut memory, &machine(), b"G54 G01 X1 F1000\n".as_slice());
     bench.run();
-    for (line, end) in [("G91", 6.0), ("X1", 7.0), ("P1=3", 7.0), ("X=P1", 10.0), ("G90 X1", 6.0), ("G53 X1", 1.0)] {
+    for (line, end) in
+        [("G91", 6.0), ("X1", 7.0), ("P1=3", 7.0), ("X=P1", 10.0), ("G90 X1", 6.0), ("G53 X1", 1.0)]
+    {
         bench.planner.continue_with(line.as_bytes()).unwrap();
         assert_eq!(bench.run(), [], "{line}");
         assert_eq!(bench.at_mm()[0], end, "{line}");
@@ -186,9 +197,28 @@ fn around(bad: &str, behind: &str) -> (Error, [f64; 3], [f64; 3]) {
 #[test]
 fn a_refused_line_costs_that_line() {
     let lines = [
-        "X20 Q7", "G91 X20 Z", "G00 G54 Y9 X99999 Y8", "G04", "X1e9", "\u{1}X20", "X20 \u{e4}", "G02 X20",
-        "$IF 1 $GOTO N7", "LL nowhere", "#NONSENSE", "G91 G02 X5 Y0 R1", "G70 F5 G133 50 X999999", "X20 M30 Q7", "G00 G18 \u{1}",
-        "G92 X7 X8", "$FOR P1 = 1, 2, 1 x", "$WHILE 1 x", "D1 G91 X3", "$IF 1 x", "\\ X9", "L nofile",
+        "X20 Q7",
+        "G91 X20 Z",
+        "G00 G54 Y9 X99999 Y8",
+        "G04",
+        "X1e9",
+        "\u{1}X20",
+        "X20 \u{e4}",
+        "G02 X20",
+        "$IF 1 $GOTO N7",
+        "LL nowhere",
+        "#NONSENSE",
+        "G91 G02 X5 Y0 R1",
+        "G70 F5 G133 50 X999999",
+        "X20 M30 Q7",
+        "G00 G18 \u{1}",
+        "G92 X7 X8",
+        "$FOR P1 = 1, 2, 1 x",
+        "$WHILE 1 x",
+        "D1 G91 X3",
+        "$IF 1 x",
+        "\\ X9",
+        "L nofile",
     ];
     for line in lines {
         let (error, stands, end) = around(line, "X12 Y6");
@@ -422,13 +452,19 @@ fn a_loop_in_a_stream_needs_its_window() {
         let run = |text: &str| streamed(&mut Channel::new(), text, bytes);
         let (errors, end, _) = run(fits);
         assert_eq!((errors, end), (vec![], [5.0, 10.0, 1.0]));
-        for (text, line, end, word) in
-            [(&long, 7, [1.0, 0.0, 1.0], "N7"), (&calls, 10, [3.0, 0.0, 1.0], "LL"), (&label, 5, [2.0, 0.0, 0.0], "$GOTO")]
-        {
+        for (text, line, end, word) in [
+            (&long, 7, [1.0, 0.0, 1.0], "N7"),
+            (&calls, 10, [3.0, 0.0, 1.0], "LL"),
+            (&label, 5, [2.0, 0.0, 0.0], "$GOTO"),
+        ] {
             let (errors, at, _) = run(text);
             assert_eq!(errors.len(), 1, "{errors:?}");
             assert_eq!(errors[0].place().line, line, "{}", errors[0]);
-            assert!(errors[0].to_string().contains("behind the window") && errors[0].to_string().contains(word), "{}", errors[0]);
+            assert!(
+                errors[0].to_string().contains("behind the window") && errors[0].to_string().contains(word),
+                "{}",
+                errors[0]
+            );
             assert_eq!(at, end, "{bytes}: {text}");
         }
     }
@@ -461,4 +497,48 @@ fn what_is_left_of_an_aborted_program_is_passed_over() {
     bench.planner.load_next().unwrap();
     assert_eq!(bench.run(), []);
     assert_eq!(bench.interpolator.set_points()[0], mm(stands) + mm(1.0));
+}
+
+/// The session that the target repeats bit for bit, and the judge of this test: what each of its parts leads to.
+struct Steps(Vec<[i64; 3]>);
+
+impl hil_cases::Watch<3> for Steps {
+    fn polled(&mut self, _: u32, _: &Result<Progress, Error>) {}
+
+    fn ticked(&mut self, _: u32, set_points: &[Position; 3]) {
+        self.0.push(set_points.map(Position::to_bits));
+    }
+}
+
+/// Program, M30, next program, refused line, next line, abort, set position, next program, feed hold: one channel, one power-up.
+#[test]
+fn one_channel_from_power_up_to_power_off() {
+    let mut memory = Box::new(Channel::<3, { hil_cases::BLOCKS }>::new());
+    let mut steps = Steps(Vec::new());
+    let outcome = hil_cases::session(&mut memory, &hil_cases::AXES_3, None, &mut steps).unwrap();
+    assert_eq!(steps.0.len(), outcome.ticks as usize);
+    let at = |k: usize| steps.0[k].map(|bits| Position::from_bits(bits).to_num::<f64>());
+    assert_eq!(*steps.0.last().unwrap(), [0, mm(30.0).to_bits(), mm(-1.0).to_bits()]);
+    // Nothing jumps but the two axes whose position was set, each once, at rest.
+    let jumps: Vec<_> = (1..steps.0.len())
+        .flat_map(|k| (0..3).map(move |axis| (k, axis)))
+        .filter(|&(k, axis)| (at(k)[axis] - at(k - 1)[axis]).abs() > 1.0)
+        .collect();
+    assert_eq!(jumps.iter().map(|(_, axis)| *axis).collect::<Vec<_>>(), [0, 2], "{jumps:?}");
+    let (shift, rest) = (jumps[0].0, jumps[1].0);
+    assert_eq!(shift, rest);
+    assert_eq!((at(shift)[0], at(shift)[2], at(shift)[1]), (12.5, -3.0, at(shift - 1)[1]));
+    // A line gives the same bits, with the same memory behind it and with a new one.
+    for fresh in [false, true] {
+        if fresh {
+            memory = Box::new(Channel::new());
+        }
+        let mut window = Window::new();
+        let mut over = Steps(Vec::new());
+        let streamed =
+            hil_cases::session(&mut memory, &hil_cases::AXES_3, Some(&mut window), &mut over).unwrap();
+        let first = over.0.iter().zip(&steps.0).position(|(a, b)| a != b);
+        assert_eq!(first, None);
+        assert_eq!(streamed, outcome);
+    }
 }

@@ -142,7 +142,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
 
     /// Goes on behind a refused line, from where the axes stand and with everything in force that was in force before that line.
     /// What the line would have done before the word refused, in the order of execution (an M00 behind a motion), stays done.
-    /// Where the curve of a corner was refused for a software limit, the axes stand where it would have begun.
+    /// Where the curve of a corner was refused for a software limit, the axes stand inside the limits, before its part that leads beyond.
     ///
     /// # Errors
     /// Not at rest, or there is no such line: nothing has changed.
@@ -153,6 +153,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if !self.settle() {
             return Err(GoOnError::NotAtRest);
         }
+        self.planning.begin();
         self.decoder.go_on(*self.planning.position());
         self.source = Source::Open;
         Ok(())
@@ -222,6 +223,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             self.released = 0;
         }
         self.forget_abort();
+        self.planning.begin();
         self.source = Source::Open;
         self.lost = false;
     }

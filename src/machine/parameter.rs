@@ -1,5 +1,5 @@
 //! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
-use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER};
+use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
 /// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
 pub struct Parameter<Target> {
@@ -101,8 +101,8 @@ const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisD
         id,
         name,
         unit: "0.1 µm or 0.0001°",
-        min_milli: i32::MIN as i64 * 1000,
-        max_milli: i32::MAX as i64 * 1000,
+        min_milli: NO_LIMIT as i64 * -1000,
+        max_milli: NO_LIMIT as i64 * 1000,
         decimals: false,
         words: &[],
         set: |_, _| {},
@@ -300,7 +300,7 @@ pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
             id: "P-AXIS-00177",
             name: "kenngr.swe_neg",
             value: i64::from(axis.swe_neg),
-            min: i64::from(i32::MIN),
+            min: -i64::from(NO_LIMIT),
             max: i64::from(axis.swe_pos) - 1,
             because: "kenngr.swe_pos",
         });

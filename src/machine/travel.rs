@@ -2,7 +2,7 @@
 //!
 //! As ISG has it, they are positions of the machine, without offsets, and an axis may go up to them. They are checked before a block
 //! is planned, along all of its path. An axis that stands beyond a limit may come back, and go no further.
-use super::{MachineData, NO_SWE_NEG, NO_SWE_POS};
+use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;
 
@@ -48,18 +48,11 @@ const ROUNDING: i64 = 1 << 12;
 impl<const AXES: usize> Travel<AXES> {
     /// Those of the machine data.
     pub fn new(machine: &MachineData<AXES>) -> Self {
-        let limited = |(value, none): (i32, i32), other| {
-            if value == none { other } else { of_tenths(value) }
-        };
-        Self {
-            limits: machine.axes.map(|axis| {
-                [
-                    limited((axis.swe_neg, NO_SWE_NEG), Position::MIN),
-                    limited((axis.swe_pos, NO_SWE_POS), Position::MAX),
-                ]
-            }),
-            is_limited: machine.axes.iter().any(|a| a.swe_neg != NO_SWE_NEG || a.swe_pos != NO_SWE_POS),
-        }
+        let limit = |tenths: i32, none| if tenths.abs() >= NO_LIMIT { none } else { of_tenths(tenths) };
+        let limits =
+            machine.axes.map(|axis| [limit(axis.swe_neg, Position::MIN), limit(axis.swe_pos, Position::MAX)]);
+        let is_limited = limits.iter().any(|limits| *limits != [Position::MIN, Position::MAX]);
+        Self { limits, is_limited }
     }
 
     /// Whether there is a limit at all.

@@ -360,7 +360,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
     }
 
-    /// The curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is forgotten.
+    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is
+    /// forgotten.
     #[cold]
     #[inline(never)]
     fn drop_curve(&mut self, place: Place, beyond: Beyond) {

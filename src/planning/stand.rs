@@ -23,6 +23,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.refused.take()
     }
 
+    /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs no other one.
+    pub fn begin(&mut self) {
+        self.stood |= self.flights.len() > 0;
+    }
+
     /// Weights, path limits, slope and contour mode as at program start. Only at rest.
     pub fn restart(&mut self) {
         self.dynamics.restart();
