@@ -531,7 +531,7 @@ fn one_channel_from_power_up_to_power_off() {
     // A line gives the same bits, with the same memory behind it and with a new one.
     for fresh in [false, true] {
         if fresh {
-            memory = Box::new(Channel::new());
+            *memory = Channel::new();
         }
         let mut window = Window::new();
         let mut over = Steps(Vec::new());

@@ -2,6 +2,8 @@
 //!
 //! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is worth a
 //! warning, because what was meant to follow it in the line is gone.
+mod skip;
+
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use heapless::{String, Vec};
 
@@ -216,30 +218,6 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// Goes on with another text, from its start; the one before.
-    pub fn replace(&mut self, text: T) -> T {
-        self.seek(Mark::start_of(0));
-        core::mem::replace(&mut self.text, text)
-    }
-
-    /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
-    pub fn next_program(&mut self, mark: Mark) {
-        let begins = self.text.next_program();
-        let goes_on = !self.fresh && mark == self.next_start() && begins.is_none();
-        self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
-        self.skips = goes_on;
-    }
-
-    /// Behind a refusal: goes on with the next line.
-    pub fn go_on(&mut self) {
-        self.skips |= core::mem::take(&mut self.refused);
-    }
-
-    /// Whether the line at the mark can be read again.
-    pub fn holds(&self, mark: Mark) -> bool {
-        self.text.holds(mark.file, mark.offset)
-    }
-
     /// Goes on reading at the start of a line.
     pub fn seek(&mut self, mark: Mark) {
         self.used = 0;
@@ -281,43 +259,6 @@ impl<T: Text> LineReader<T> {
             self.continued = false;
         }
         fill
-    }
-
-    /// Passes over what is left of a line, at most a slice.
-    #[cold]
-    #[inline(never)]
-    fn skip(&mut self) -> Result<Fill, NcError> {
-        for _ in 0..SLICE {
-            self.text.pass(self.file, self.offset);
-            let byte = match self.next_byte() {
-                Ok(byte) => byte,
-                Err(error) => return self.missing(error),
-            };
-            let Some(byte) = byte else {
-                (self.fresh, self.skips) = (true, false);
-                break;
-            };
-            let here = self.here();
-            self.offset = self.offset.wrapping_add(1);
-            if !matches!(byte, b'\n' | b'\r') {
-                self.continued &= self.dropped(byte, here);
-                continue;
-            }
-            if byte == b'\r'
-                && let Err(error) = self.step_over_line_feed()
-            {
-                self.offset = here.offset;
-                return self.missing(error);
-            }
-            self.line = self.line.wrapping_add(1);
-            self.line_offset = self.offset;
-            (self.comment, self.remark) = (0, false);
-            if !core::mem::take(&mut self.continued) {
-                (self.fresh, self.skips) = (true, false);
-                break;
-            }
-        }
-        Ok(Fill::Partial)
     }
 
     fn read(&mut self, line: &mut Line) -> Result<Fill, NcError> {

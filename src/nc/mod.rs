@@ -31,6 +31,7 @@ mod number;
 mod parameter;
 mod plain;
 mod real;
+mod restart;
 mod smoothing;
 mod stream;
 mod text;
