@@ -315,6 +315,25 @@ impl Held {
 }
 
 /// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
+///
+/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand and everything that was
+/// read is executed: before the first program, at the end of one, behind a refused line, after an abort, and where a stream has
+/// no text. What follows begins where the axes stand, to the last bit.
+///
+/// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
+/// |---|---|---|
+/// | [`Self::load`] | another one, from its start | as at program start |
+/// | [`Self::load_next`] | the same, behind the program that has ended | as at program start |
+/// | [`Self::continue_with`] | another one, from its start | as they are: single lines (MDI) |
+/// | [`Self::go_on`] | the same, behind the refused line | as before the refused line |
+///
+/// Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what P-ZERO-00002 says; the
+/// slope of P-CHAN-00071; no weights and no limits along the path; all axes with the channel. RS274/NGC resets much the same at M02
+/// and M30, and nothing from one line of MDI to the next. Zero offsets, positions, override and reduced speed belong to the
+/// machine: no program resets them.
+///
+/// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put in force does not belong
+/// to where the axes stand: then [`Self::continue_with`] begins as a program does.
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,

@@ -1,23 +1,6 @@
 //! At rest: the next program, single lines, another position for the same place, zero offsets.
 //!
-//! One channel lives from power-up to power-off. It is *at rest* when the axes stand and everything that was read is executed: before
-//! the first program, at the end of one, behind a refused line, after an abort, and where a stream has no text. What follows
-//! begins where the axes stand, to the last bit.
-//!
-//! | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
-//! |---|---|---|
-//! | [`Planner::load`] | another one, from its start | as at program start |
-//! | [`Planner::load_next`] | the same, behind the program that has ended | as at program start |
-//! | [`Planner::continue_with`] | another one, from its start | as they are: single lines (MDI) |
-//! | [`Planner::go_on`] | the same, behind the refused line | as before the refused line |
-//!
-//! Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what P-ZERO-00002 says; the
-//! slope of P-CHAN-00071; no weights and no limits along the path; all axes with the channel. RS274/NGC resets much the same at M02
-//! and M30, and leaves it alone from one line of MDI to the next. Zero offsets, positions, override and reduced speed belong to the
-//! machine: no program resets them.
-//!
-//! An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put in force does not belong to
-//! where the axes stand: then [`Planner::continue_with`] begins as a program does.
+//! What is kept and what begins anew stands with [`Planner`].
 use super::{Planner, Source};
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;

@@ -72,6 +72,7 @@ impl<const AXES: usize> Element<AXES> {
     ) -> [Option<Position>; 2] {
         let ends = |x: Option<&Position>| [x.copied(); 2];
         let (Some(start), Some(bounds)) = (from.get(axis), &self.bounds) else { return ends(from.get(axis)) };
+        let Curve::Poly { power, down } = &self.shape.curve else { return ends(Some(start)) };
         let length = to_f32(self.shape.length.to_bits()) * LSB_44;
         let of = |all: &[f32; AXES]| all.get(axis).copied().unwrap_or(0.0);
         let position = |mm: f32| Position::from_bits((mm * ONE_32) as i64);
@@ -91,7 +92,7 @@ impl<const AXES: usize> Element<AXES> {
             } else {
                 self.shape.length.to_bits() / i64::from(POINTS) * i64::from(k)
             };
-            self.shape.at(along, from, &mut at);
+            self.shape.bent(self.shape.w(along), (power, down), from, &mut at);
             let x = at.get(axis).copied().unwrap_or(*start);
             range = [range[0].min(x), range[1].max(x)];
         }
