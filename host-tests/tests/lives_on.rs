@@ -1,7 +1,7 @@
 //! One channel from power-up to power-off: the next program, single lines, refused lines, aborts, positions.
 use glidepath::channel::{Channel, Error, GoOnError, Planner, PositionError, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use glidepath::nc::{Stream, Text, Window};
+use glidepath::nc::{Stream, Text, TextError, Window};
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
 use glidepath::tick::{Interpolator, State};
@@ -541,4 +541,43 @@ fn one_channel_from_power_up_to_power_off() {
         assert_eq!(first, None);
         assert_eq!(streamed, outcome);
     }
+}
+
+#[test]
+fn a_window_is_fed_from_another_thread() {
+    let text: Vec<u8> =
+        (0..200_000_u32).map(|k| b'0' + (k.wrapping_mul(2_654_435_761) >> 28) as u8).collect();
+    let mut window = Window::<64>::new();
+    let (mut feeder, mut stream) = window.split();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let (mut rest, mut size) = (text.as_slice(), 1);
+            while !rest.is_empty() {
+                let sent = feeder.push(&rest[..rest.len().min(size)]);
+                assert!(sent <= size);
+                rest = &rest[sent..];
+                size = size % 70 + 1;
+                if sent == 0 {
+                    std::thread::yield_now();
+                }
+            }
+            feeder.end();
+        });
+        let (mut read, mut buffer) = (Vec::new(), [0; 24]);
+        loop {
+            stream.pass(0, read.len() as u32);
+            match stream.read(0, read.len() as u32, &mut buffer) {
+                Ok(0) => break,
+                Ok(count) => read.extend_from_slice(&buffer[..count]),
+                Err(TextError::NotYet) => std::thread::yield_now(),
+                Err(error) => panic!("{error:?}"),
+            }
+        }
+        assert!(read == text);
+    });
+    // What lies half a window behind is kept, and nothing before it.
+    let last = text.len() as u32;
+    assert!(stream.holds(0, last - 32) && !stream.holds(0, last - 33));
+    assert_eq!(stream.read(0, last - 33, &mut [0]), Err(TextError::Forgotten));
+    assert_eq!(stream.read(1, 0, &mut [0]), Err(TextError::Failed), "there are no other files");
 }

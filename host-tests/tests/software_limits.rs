@@ -188,13 +188,19 @@ fn curves_in_corners_stay_inside() {
     assert!(stopped.stands[0] >= 75.0 && stopped.stands[0] < 100.0, "{:?}", stopped.stands);
     // Wider limits let it pass: it is the curve that leaves them.
     let mut wide = machine();
-    wide.axes[0].swe_pos = 2_000_000;
+    (wide.axes[0].swe_pos, wide.axes[1].swe_neg) = (2_000_000, -1_000_000);
     let passed = run_from(&wide, [0.0; 4], text);
     assert!(passed.error.is_none(), "{:?}", passed.error);
     assert!(passed.high[0] > 100.0, "{:?}", passed.high);
+    // With unequal distances a curve swings out.
+    let text = "#CONTOUR MODE [DIST PRE_DIST=10 POST_DIST=3]\nG261\nG01 X100 F6000\nY60\nX0\nM30";
+    let passed = run_from(&wide, [0.0; 4], text);
+    assert!(passed.error.is_none() && (100.1..101.0).contains(&passed.high[0]), "{:?}", passed.high);
+    let Some(Error::SoftwareLimit(_, _, beyond)) = run(text).error else { panic!("not refused") };
+    let most = Position::from_bits(beyond.position).to_num::<f64>();
+    assert!((100.0..passed.high[0] + 1e-3).contains(&most), "{most} {}", passed.high[0]);
     // Inside the corner nothing is refused, up to the limits.
-    for method in
-        ["DEV PATH_DEV=2", "DIST PRE_DIST=10 POST_DIST=3", "DIST_SOFT PATH_DIST=9", "PTP PATH_DEV=1"]
+    for method in ["DEV PATH_DEV=2", "DIST PRE_DIST=9 POST_DIST=9", "DIST_SOFT PATH_DIST=9", "PTP PATH_DEV=1"]
     {
         let text = format!(
             "#CONTOUR MODE [{method}]\nG261\nG01 X100 F6000\nY100\nX-10\nY-10\nX0 Y0\nG02 X20 Y20 I20\nG01 X30\nM30"

@@ -221,12 +221,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Reads a slice of text and interprets the line when it is complete.
     fn work(&mut self) -> Result<Work, NcError> {
         let goes_on = self.interpreter.calculator.begin();
-        let fill = if goes_on { Ok(Fill::Line) } else { self.fill() };
-        if !matches!(fill, Ok(Fill::Line)) {
-            // What follows is no refusal of the line before.
-            self.interpreter.before = Before::Alike;
-        }
-        let fill = fill?;
+        let fill = if goes_on { Fill::Line } else { self.fill()? };
         let next = match fill {
             Fill::Partial => return Ok(Work::Line),
             Fill::Late => return Ok(Work::Late),
@@ -269,12 +264,15 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             let span = Cursor::new(self.line.bytes()).rest_of_word();
             return Err(self.error(Refusal::Here(Fault { span, kind: NcErrorKind::BehindWindow })));
         }
+        self.interpreter.flow.left = false;
         self.reader.seek(mark);
         Ok(())
     }
 
     /// Reads a slice of text.
     fn fill(&mut self) -> Result<Fill, NcError> {
+        // The line before is done with.
+        self.interpreter.before = Before::Alike;
         let from = self.reader.next_start().offset;
         let fill = self.reader.fill(self.line)?;
         let bytes = self.reader.next_start().offset.wrapping_sub(from);

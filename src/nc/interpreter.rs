@@ -140,10 +140,6 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             return Ok(Next::Motion);
         }
-        if !goes_on {
-            self.before = Before::Alike;
-            self.flow.left = false;
-        }
         let mut c = Cursor::new(line.bytes());
         if self.waiting.is_some() {
             return Ok(self.words(&mut c, line)?);

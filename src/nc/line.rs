@@ -252,16 +252,6 @@ impl<T: Text> LineReader<T> {
         if self.skips {
             return self.skip();
         }
-        let fill = self.read(line);
-        if let Err(error) = &fill {
-            // What could not be read may be readable the next time.
-            self.refused = error.kind != NcErrorKind::Unreadable;
-            self.continued = false;
-        }
-        fill
-    }
-
-    fn read(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.fresh {
             self.text.pass(self.file, self.offset);
             line.clear();
@@ -336,19 +326,21 @@ impl<T: Text> LineReader<T> {
                 }
             }
             if byte < b' ' && byte != b'\t' || byte == 0x7f {
-                return Err(refusal(here, NcErrorKind::ControlByte(byte)));
+                return Err(self.refuse(here, NcErrorKind::ControlByte(byte)));
             }
             if self.dropped(byte, here) {
                 self.gap = self.gap.saturating_add(1);
                 self.in_words &= self.comment == 0 && !self.remark && !self.continued;
             } else if byte >= 0x80 {
-                return Err(refusal(here, NcErrorKind::ForeignByte(byte)));
+                return Err(self.refuse(here, NcErrorKind::ForeignByte(byte)));
             } else if self.continued {
-                let mut error = refusal(here, NcErrorKind::Expected("the end of the line after \\"));
+                let mut error = self.refuse(here, NcErrorKind::Expected("the end of the line after \\"));
                 let _ = error.found.push(char::from(byte));
                 return Err(error);
             } else {
-                keep(line, byte, here, self.gap, self.broken)?;
+                if let Err(kind) = keep(line, byte, here, self.gap, self.broken) {
+                    return Err(self.refuse(here, kind));
+                }
                 self.gap = 0;
                 self.broken = false;
                 self.in_words = true;
@@ -484,11 +476,18 @@ impl<T: Text> LineReader<T> {
         Ok(true)
     }
 
+    /// The line at hand is refused before it is complete: what is left of it is passed over when the program goes on.
+    #[cold]
+    fn refuse(&mut self, place: Place, kind: NcErrorKind) -> NcError {
+        (self.refused, self.continued) = (true, false);
+        refusal(place, kind)
+    }
+
     /// There is no text to go on with: the program is refused, or goes on later from the same byte.
-    fn missing(&self, error: TextError) -> Result<Fill, NcError> {
+    fn missing(&mut self, error: TextError) -> Result<Fill, NcError> {
         match error {
             TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
-            TextError::Forgotten => Err(refusal(self.here(), NcErrorKind::BehindWindow)),
+            TextError::Forgotten => Err(self.refuse(self.here(), NcErrorKind::BehindWindow)),
             TextError::NotYet => Ok(Fill::Late),
         }
     }
@@ -513,23 +512,23 @@ impl<T: Text> LineReader<T> {
 }
 
 /// Adds a byte after a gap; anchors keep its place where the gap is not written out.
-fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcError> {
-    let long = || refusal(here, NcErrorKind::LineTooLong);
+fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcErrorKind> {
+    let long = Err(NcErrorKind::LineTooLong);
     if line.len == 0 || broken || gap > GAP {
         if line.len > 0 && !line.push(b' ') {
-            return Err(long());
+            return long;
         }
         if !line.anchor(&here) {
-            return Err(refusal(here, NcErrorKind::TooManyContinuations));
+            return Err(NcErrorKind::TooManyContinuations);
         }
     } else {
         for _ in 0..gap {
             if !line.push(b' ') {
-                return Err(long());
+                return long;
             }
         }
     }
-    if line.push(byte) { Ok(()) } else { Err(long()) }
+    if line.push(byte) { Ok(()) } else { long }
 }
 
 /// A refusal of what is not in the line yet.

@@ -5,15 +5,20 @@ use crate::math::angle::atan2_turns;
 use crate::math::float::to_f32;
 use crate::math::wide::Halves;
 use crate::quantity::Position;
+use heapless::Vec;
 
 /// A quarter of a revolution, LSB 2^-64.
 const QUARTER: u64 = 1 << 62;
 
-/// Points of a polynomial that are looked at.
-const POINTS: u32 = 64;
+/// How often a polynomial is halved, and how many halvings there are in all.
+const DEPTH: u32 = 8;
+const SPLITS: u32 = 16;
 
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
-const ONE_32: f32 = (1u64 << 32) as f32;
+/// A nanometre: rounding of a curve's end and of its direction there is less.
+const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
+
+const LSB_32: f64 = 1.0 / (1u64 << 32) as f64;
+const ONE_32: f64 = (1u64 << 32) as f64;
 
 impl<const AXES: usize> Element<AXES> {
     /// The least and the greatest coordinate of an axis on an arc from `from` to `to` about `centre`. Where the radius changes from start to
@@ -62,40 +67,90 @@ impl<const AXES: usize> Element<AXES> {
         range.map(Some)
     }
 
-    /// The least and the greatest coordinate of an axis on a polynomial that begins at `from`: neither is passed, and both are reached up to a
-    /// 2^15th of what its curvature bends it by. Where it is well inside `limits`, these may be wider.
+    /// How far an axis comes on a polynomial that begins at `from`, below and above: a coordinate beyond `limits`, if it comes there, else
+    /// its start. An extreme between the ends counts as beyond where it comes nearer than a 2^18th of what the curvature bends it by.
     pub fn bent_range(
         &self,
         axis: usize,
         from: &[Position; AXES],
         limits: [Position; 2],
     ) -> [Option<Position>; 2] {
-        let ends = |x: Option<&Position>| [x.copied(); 2];
-        let (Some(start), Some(bounds)) = (from.get(axis), &self.bounds) else { return ends(from.get(axis)) };
-        let Curve::Poly { power, down } = &self.shape.curve else { return ends(Some(start)) };
-        let length = to_f32(self.shape.length.to_bits()) * LSB_44;
-        let of = |all: &[f32; AXES]| all.get(axis).copied().unwrap_or(0.0);
-        let position = |mm: f32| Position::from_bits((mm * ONE_32) as i64);
-        let way = position(of(&bounds.slope) * length);
-        let near = [start.saturating_sub(way), start.saturating_add(way)];
-        if near[0] >= limits[0] && near[1] <= limits[1] {
-            return near.map(Some);
+        let start = from.get(axis).copied();
+        let (Some(x), Some(bounds)) = (start, &self.bounds) else { return [start; 2] };
+        // No further than its steepest direction leads: that is enough for most.
+        let slope = bounds.slope.get(axis).copied().unwrap_or(0.0);
+        let way = to_f32(self.shape.length.to_bits()) * (1.0 / 4096.0) * slope;
+        let way = Position::from_bits(way as i64);
+        if x.saturating_sub(way) >= limits[0] && x.saturating_add(way) <= limits[1] {
+            return [start; 2];
         }
-        // Between two points a curve leaves their chord by an eighth of its curvature times the square of their distance.
-        let step = length * (1.0 / POINTS as f32);
-        let more = position(of(&bounds.bend) * step * step * 0.125);
-        let mut at = *from;
-        let mut range = [*start; 2];
-        for k in 1..=POINTS {
-            let along = if k == POINTS {
-                self.shape.length.to_bits()
-            } else {
-                self.shape.length.to_bits() / i64::from(POINTS) * i64::from(k)
-            };
-            self.shape.bent(self.shape.w(along), (power, down), from, &mut at);
-            let x = at.get(axis).copied().unwrap_or(*start);
-            range = [range[0].min(x), range[1].max(x)];
-        }
-        [Some(range[0].saturating_sub(more)), Some(range[1].saturating_add(more))]
+        let Some(offsets) = self.bernstein(axis) else { return [start; 2] };
+        let room = limits.map(|limit| (limit.saturating_sub(x).to_bits()) as f64 * LSB_32);
+        let at = |offset: f64| Some(x.saturating_add(Position::from_bits((offset * ONE_32) as i64)));
+        let low = above(&offsets.map(|offset| -offset), -room[0]).map_or(start, |offset| at(-offset));
+        [low, above(&offsets, room[1]).map_or(start, at)]
     }
+
+    /// Bernstein coefficients of an axis of a polynomial, from its start, mm.
+    fn bernstein(&self, axis: usize) -> Option<[f64; 6]> {
+        let Curve::Poly { power, down } = &self.shape.curve else { return None };
+        let (power, down, gain) = (power.get(axis)?, *down.get(axis)?, *self.shape.gain.get(axis)?);
+        // τ at the end, and the units of both parts: see `poly`.
+        let end = self.shape.end_w() as f64 * (1.0 / (1u64 << 62) as f64);
+        let unit = f64::from_bits((1023 - 12 - u64::from(down)) << 52);
+        let a1 = gain as f64 * (1.0 / (1u64 << 44) as f64) * end;
+        let mut factor = unit * end;
+        let [a2, a3, a4, a5] = power.map(|c| {
+            factor *= end;
+            f64::from(c) * factor
+        });
+        Some([
+            0.0,
+            0.2 * a1,
+            0.4 * a1 + 0.1 * a2,
+            0.6 * a1 + 0.3 * a2 + 0.1 * a3,
+            0.8 * a1 + 0.6 * a2 + 0.4 * a3 + 0.2 * a4,
+            a1 + a2 + a3 + a4 + a5,
+        ])
+    }
+}
+
+/// Where a polynomial is above `most`, if it is anywhere: it lies in the hull of its Bernstein coefficients. Where that reaches further, the
+/// halves are looked at, down to a 256th.
+fn above(whole: &[f64; 6], most: f64) -> Option<f64> {
+    let most = most + NEAR;
+    let mut open: Vec<([f64; 6], u32), { DEPTH as usize + 2 }> = Vec::new();
+    open.push((*whole, 0)).ok()?;
+    let mut left = SPLITS;
+    while let Some((b, depth)) = open.pop() {
+        let top = b.iter().fold(b[0], |top, x| if *x > top { *x } else { top });
+        if top <= most {
+            continue;
+        }
+        let ends = if b[0] > b[5] { b[0] } else { b[5] };
+        if ends > most {
+            return Some(ends);
+        }
+        if depth == DEPTH || left == 0 {
+            return Some(top);
+        }
+        left -= 1;
+        for half in halves(&b) {
+            open.push((half, depth + 1)).ok()?;
+        }
+    }
+    None
+}
+
+/// Both halves of a polynomial (de Casteljau).
+fn halves(b: &[f64; 6]) -> [[f64; 6]; 2] {
+    let (mut row, mut first, mut last) = (*b, *b, *b);
+    for k in 1..6 {
+        for i in 0..6 - k {
+            row[i] = 0.5 * (row[i] + row[i + 1]);
+        }
+        first[k] = row[0];
+        last[5 - k] = row[5 - k];
+    }
+    [first, last]
 }
