@@ -289,15 +289,6 @@ fn an_abort_leaves_the_axes_where_they_stand_and_the_next_program_begins_there()
         let expected = mm(stands[0]) + mm(1.0);
         assert_eq!(bench.interpolator.set_points()[0], expected, "{ticks}");
         assert_eq!(bench.at_mm()[1..], [stands[1], 1.0]);
-        // What does not move shows where they stand.
-        let stands = bench.at_mm();
-        bench.planner.control().abort();
-        bench.run();
-        bench.planner.load(b"G04 0.01\nM5\nM30\n".as_slice()).unwrap();
-        assert_eq!(bench.run(), []);
-        assert_eq!(bench.at_mm(), stands);
-        assert!(bench.interpolator.event().is_some_and(|output| output.function == Function::M(5)));
-        bench.agrees();
         // An abort at rest has nothing to end.
         bench.planner.control().abort();
         bench.run();
@@ -307,6 +298,28 @@ fn an_abort_leaves_the_axes_where_they_stand_and_the_next_program_begins_there()
         assert!(bench.jump < 0.3, "{}", bench.jump);
     }
 }
+
+/// In the middle of a curve: a dwell and a function show the point itself.
+#[test]
+fn what_does_not_move_stays_where_an_abort_left_the_axes() {
+    for text in ["G01 X50 Y20 F6000\nM30\n", "G02 X50 I25 F6000\nM30\n"] {
+        let mut memory = Channel::new();
+        let mut bench = Bench::new(&mut memory, &machine(), text.as_bytes());
+        bench.run_until(400);
+        bench.planner.control().abort();
+        bench.run();
+        let stands = *bench.interpolator.set_points();
+        assert!(stands[0] > mm(0.1) && stands[0] < mm(49.0));
+        bench.planner.load(b"G04 0.01\nM5\nM30\n".as_slice()).unwrap();
+        assert_eq!(bench.run(), []);
+        assert_eq!(*bench.interpolator.set_points(), stands);
+        assert!(bench.interpolator.event().is_some_and(|output| output.function == Function::M(5)));
+        bench.agrees();
+        assert!(bench.jump < 0.3, "{}", bench.jump);
+    }
+}
+
+fn is_send<T: Send>(_: &T) {}
 
 #[test]
 fn a_position_is_set_at_rest_and_nothing_moves() {
@@ -549,6 +562,7 @@ fn a_window_is_fed_from_another_thread() {
         (0..200_000_u32).map(|k| b'0' + (k.wrapping_mul(2_654_435_761) >> 28) as u8).collect();
     let mut window = Window::<64>::new();
     let (mut feeder, mut stream) = window.split();
+    is_send(&feeder);
     std::thread::scope(|scope| {
         scope.spawn(|| {
             let (mut rest, mut size) = (text.as_slice(), 1);

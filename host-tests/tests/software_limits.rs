@@ -299,6 +299,42 @@ fn a_refused_motion_leaves_no_trace_and_the_next_line_goes_on() {
     assert_eq!(ends[..2], [-1.0, 10.0], "absolute and at feed, as before the line");
 }
 
+/// A plain line, which the decoder takes in one pass: G00 or the feed of the refused one would show in the time.
+#[test]
+fn a_refused_plain_line_changes_nothing_in_force() {
+    let ticks = |bad: &str| {
+        let mut memory = Channel::<4, BLOCKS>::new();
+        let text = format!("G01 X5 F600\nG04 0.01\n{bad}\nY20\n");
+        let (mut planner, mut interpolator) =
+            memory.split(&machine(), [Position::ZERO; 4], text.as_bytes()).unwrap();
+        let (mut ticks, mut refusals) = (0, 0);
+        for _ in 0..100_000 {
+            let mut done = false;
+            while !done {
+                match planner.poll() {
+                    Ok(Progress::Waiting) => break,
+                    Ok(Progress::Done) => done = true,
+                    Ok(_) => {}
+                    Err(_) => refusals += 1,
+                }
+            }
+            let idle = interpolator.tick() == State::Idle;
+            ticks += i32::from(!idle);
+            if idle && done && planner.go_on().is_err() {
+                break;
+            }
+        }
+        assert_eq!(interpolator.set_points()[1], Position::from_num(20));
+        // The standstill behind a refusal has a tick of its own.
+        (refusals, ticks - refusals)
+    };
+    let (_, without) = ticks("(nothing)");
+    assert!(without > 2000);
+    for bad in ["G00 X500", "X500 F6000", "G01 X-200 F1"] {
+        assert_eq!(ticks(bad), (1, without), "{bad}");
+    }
+}
+
 #[test]
 fn limits_are_checked_with_the_machine_data() {
     for (neg, pos) in [(5, 5), (10, -10), (-NO_LIMIT, -NO_LIMIT)] {
