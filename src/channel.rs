@@ -2,16 +2,18 @@
 //!
 //! The front page of the crate shows how they are used.
 mod memory;
+mod rest;
 
 pub use memory::{Channel, Handles};
+pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
 
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
-use crate::machine::{AxisKind, AxisName, MachineData, SYNCHRONISED, Synch};
+use crate::machine::{AxisKind, AxisName, Beyond, MachineData, SYNCHRONISED, Synch};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, NcError, NcWarning, NcWarningKind, Place,
-    Spline, Step, Text,
+    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, Motion, NcError, NcWarning, NcWarningKind,
+    Place, Spline, Step, Text,
 };
 use crate::path::measure::FEED_AXES;
 pub use crate::plan::PlannedBlock;
@@ -137,6 +139,8 @@ pub enum Error {
     NotEnabled(Place, &'static str),
     /// A motion block without path or speed.
     Motion(Place, MotionError),
+    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its software limit.
+    SoftwareLimit(Place, AxisName, Beyond),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
     /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
@@ -153,6 +157,7 @@ impl Error {
             Self::NotAvailable(place, _)
             | Self::NotEnabled(place, _)
             | Self::Motion(place, _)
+            | Self::SoftwareLimit(place, ..)
             | Self::PathAcceleration(place) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
@@ -170,6 +175,11 @@ impl core::fmt::Display for Error {
             Self::Motion(_, MotionError::Released) => {
                 f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
             }
+            Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
+            Self::SoftwareLimit(_, axis, beyond) => {
+                f.write_str("axis ")?;
+                software_limit(f, axis.as_str(), beyond)
+            }
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
             ),
@@ -186,29 +196,18 @@ impl core::fmt::Display for Error {
     }
 }
 
+/// Where an axis would come to, and its limit.
+fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
+    let at = Position::from_bits;
+    let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
+    let (position, limit) = (at(beyond.position), at(beyond.limit));
+    write!(
+        f,
+        "{axis} would come to {position:.6}, its {sign} software limit is {limit:.6} (P-AXIS-00{id}, machine coordinates)"
+    )
+}
+
 impl core::error::Error for Error {}
-
-/// Why a zero offset was not set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ZeroOffsetError {
-    /// Axes move or will move by blocks that are read already.
-    NotAtRest,
-    /// There are the sets 0…5 and the axes of the machine, and offsets to ±100 000 mm or degrees.
-    Range,
-}
-
-impl core::fmt::Display for ZeroOffsetError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::NotAtRest => "a zero offset is set at rest, when all blocks read are executed",
-            Self::Range => {
-                "no such zero offset; expected set 0…5, an axis of the machine, at most 100 000 mm or degrees"
-            }
-        })
-    }
-}
-
-impl core::error::Error for ZeroOffsetError {}
 
 /// Where the program stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,6 +233,25 @@ impl Held {
 }
 
 /// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
+///
+/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand and everything that was
+/// read is executed: before the first program, at the end of one, behind a refused line, after an abort, and where a stream has
+/// no text. What follows begins where the axes stand, to the last bit.
+///
+/// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
+/// |---|---|---|
+/// | [`Self::load`] | another one, from its start | as at program start |
+/// | [`Self::load_next`] | the same, behind the program that has ended | as at program start |
+/// | [`Self::continue_with`] | another one, from its start | as they are: single lines (MDI) |
+/// | [`Self::go_on`] | the same, behind the refused line | as before the refused line |
+///
+/// Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what P-ZERO-00002 says; the
+/// slope of P-CHAN-00071; no weights and no limits along the path; all axes with the channel. RS274/NGC resets much the same at M02
+/// and M30, and nothing from one line of MDI to the next. Zero offsets, positions, override and reduced speed belong to the
+/// machine: no program resets them.
+///
+/// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put in force does not belong
+/// to where the axes stand: then [`Self::continue_with`] begins as a program does.
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
@@ -245,18 +263,24 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     held: Option<Held>,
     /// Axes given away by #PUT AX, bit i for axis i.
     released: u32,
+    /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
+    lost: bool,
+    /// A plan has failed.
+    failed: bool,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
     /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or [`Progress::Planned`].
     ///
     /// # Errors
-    /// The program is refused; what was planned before stays valid and comes to a standstill. Further calls go on
-    /// with planning that rest and end in [`Progress::Done`].
+    /// A line is refused; what was planned before stays valid and comes to a standstill. Further calls go on
+    /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`] behind the line,
+    /// [`Self::load`] with another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
-        // After an abort there is nothing to hold.
+        // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
-            return Ok(Progress::Done);
+            self.forget_abort();
+            return Ok(self.done());
         }
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
@@ -266,12 +290,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Hungry | Work::Starved) => {}
             Ok(Work::Late) => return Ok(Progress::Late),
             Ok(Work::Aborted) => {
-                self.source = Source::Ended;
-                self.held = None;
+                self.lose();
                 return Ok(Progress::Working);
             }
+            Ok(Work::Refused) => return Err(self.refuse_curve()),
             Err(error) => {
-                self.source = Source::Ended;
+                self.lose();
+                self.failed = true;
+                self.planning.drop_ahead();
                 return Err(match error {
                     Unplannable::Broken => Error::Unplannable,
                     Unplannable::TooSlow => Error::ReducedTooSlow,
@@ -287,26 +313,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 self.source = Source::Ended;
                 Ok(Progress::Working)
             }
-            Source::Ended => Ok(Progress::Done),
+            Source::Ended => Ok(self.done()),
         }
     }
 
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
-    /// the next line of the program on, also where that zero offset is in force; nothing moves.
-    ///
-    /// # Errors
-    /// The axes do not stand with all blocks executed that were read: before the first call of [`Self::poll`] they do, at the end of
-    /// the program, and where the program text is late. Or there is no such zero offset.
-    pub fn set_zero_offset(
-        &mut self,
-        set: usize,
-        axis: usize,
-        offset: Position,
-    ) -> Result<(), ZeroOffsetError> {
-        if self.held.is_some() || !self.decoder.is_between_lines() || !self.planning.is_at_rest() {
-            return Err(ZeroOffsetError::NotAtRest);
+    /// There is nothing left to do.
+    fn done(&mut self) -> Progress {
+        if self.failed {
+            self.settle();
         }
-        if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
+        Progress::Done
     }
 
     /// Whether the motion stands still in a feed hold.
@@ -357,9 +373,49 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Err(error) => Err(Error::Nc(error.clone())),
         };
         if result.is_err() {
-            self.end();
+            self.refuse();
         }
         result
+    }
+
+    /// The line at hand is refused: a standstill behind what was taken in before.
+    #[cold]
+    fn refuse(&mut self) {
+        self.decoder.refuse();
+        self.held = None;
+        self.end();
+    }
+
+    /// The curve of a corner is refused for a software limit.
+    #[cold]
+    #[inline(never)]
+    fn refuse_curve(&mut self) -> Error {
+        self.refuse();
+        match self.planning.take_refused() {
+            Some((place, beyond)) => self.error(place, MotionError::Beyond(beyond)),
+            None => Error::Unplannable,
+        }
+    }
+
+    /// Why a motion is refused.
+    #[cold]
+    fn error(&self, place: Place, error: MotionError) -> Error {
+        match error {
+            MotionError::Beyond(beyond) => {
+                let name = self.decoder.setup().names.get(beyond.axis).copied();
+                Error::SoftwareLimit(place, name.unwrap_or_default(), beyond)
+            }
+            _ => Error::Motion(place, error),
+        }
+    }
+
+    /// What was read ahead of where the axes will stand is forgotten.
+    #[cold]
+    fn lose(&mut self) {
+        self.source = Source::Ended;
+        self.held = None;
+        self.lost = true;
+        self.decoder.refuse();
     }
 
     /// Stands still after what was taken in, for the one tick that shows it.
@@ -373,12 +429,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         match command {
             Command::Motion(motion) => {
                 if self.planning.moves(motion, self.released) {
+                    self.planning.drop_motion();
                     return Err(Error::Motion(motion.place, MotionError::Released));
                 }
-                self.planning.take(motion).map_err(|e| {
-                    let of_centre = matches!(e, MotionError::Path(path) if path.concerns_centre());
-                    Error::Motion(if of_centre { motion.centre } else { motion.place }, e)
-                })?;
+                self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
                 if let Some(kind) = self.planning.remark() {
                     return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
                 }
@@ -408,7 +462,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
                 self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
             }
-            Command::Weight(_, weight) => self.planning.dynamics().weigh(weight),
+            Command::Weight(head, weight) => {
+                self.look_ahead(head)?;
+                self.planning.dynamics().weigh(weight);
+            }
             Command::VectorLimit(head, limit) => {
                 let others = [
                     (limit.radial_acc, "#VECTOR LIMIT RADIAL_ACC"),
@@ -439,12 +496,32 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 if contour.method == Some(ContourMethod::DistMaster) && !self.planning.has_master() {
                     return Err(Error::NotEnabled(command.place(), MASTER_NEEDS));
                 }
+                self.look_ahead(head)?;
                 self.planning.contour(contour, head.in_motion);
             }
             Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
+    }
+
+    fn error_of(&self, motion: &Motion<AXES>, error: MotionError) -> Error {
+        let of_centre = matches!(error, MotionError::Path(path) if path.concerns_centre());
+        self.error(if of_centre { motion.centre } else { motion.place }, error)
+    }
+
+    /// A command that changes what is in force, in a line with a motion: if that is refused, the command must not be carried out.
+    #[inline(never)]
+    fn look_ahead(&self, head: &Head) -> Result<(), Error> {
+        match self.decoder.motion() {
+            Some(motion) if head.in_motion => {
+                if self.planning.moves(motion, self.released) {
+                    return Err(Error::Motion(motion.place, MotionError::Released));
+                }
+                self.planning.look_at(motion).map_err(|e| self.error_of(motion, e))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn output(&mut self, held: Held) -> Progress {

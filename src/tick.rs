@@ -32,7 +32,7 @@ pub enum State {
 pub struct Telemetry {
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since program start, from 0.
+    /// Motion blocks since the split, from 0.
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,

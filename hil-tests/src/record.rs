@@ -4,10 +4,10 @@ use core::fmt::Write;
 use core::mem::size_of;
 use glidepath::channel::{Channel, Error, Planner, Progress};
 use glidepath::machine::MachineData;
-use glidepath::nc::{Decoder, NcError, Step};
+use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
-use hil_cases::{Case, Watch, run};
+use hil_cases::{Case, Failure, Outcome, WINDOW, Watch, run, session};
 
 /// Number, sum and largest of something counted.
 #[derive(Default)]
@@ -71,6 +71,54 @@ pub fn record_all<const AXES: usize, const BLOCKS: usize>(
     exit(good)
 }
 
+/// Runs the session twice, with its text in memory and over a line, and ends.
+pub fn record_sessions<const AXES: usize, const BLOCKS: usize>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    line: &mut Window<WINDOW>,
+    machine: &MachineData<AXES>,
+) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let mut good = true;
+    for (name, window) in [("session", None), ("session_line", Some(line))] {
+        let _ = writeln!(report, "case {name} axes {AXES} blocks {BLOCKS}");
+        let (tick, plan, wait) = Default::default();
+        let mut recorder = Recorder { counter: &counter, report: &mut report, tick, plan, wait };
+        let result = session(channel, machine, window, &mut recorder);
+        let Recorder { tick, plan, wait, .. } = recorder;
+        report_costs(
+            &mut report,
+            [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())],
+        );
+        report_end(&mut report, &result);
+        good &= result.is_ok();
+    }
+    report.flush();
+    exit(good)
+}
+
+fn report_costs(report: &mut Report, costs: [(&str, Cost); 4]) {
+    for (name, cost) in costs {
+        let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
+    }
+}
+
+fn report_end(report: &mut Report, result: &Result<Outcome, Failure>) {
+    let _ = match result {
+        Ok(o) => writeln!(
+            report,
+            "end ticks {} starved {} blocks {} digest {:016x}",
+            o.ticks,
+            o.starved,
+            o.blocks,
+            o.digest.value()
+        ),
+        Err(failure) => writeln!(report, "failed {failure:?}"),
+    };
+    report.flush();
+}
+
 /// What RAM this configuration needs: its channel, and the stack at its deepest.
 pub fn report_memory<const AXES: usize, const BLOCKS: usize>(report: &mut Report) {
     let (stack, depth) = stack::depth();
@@ -98,21 +146,8 @@ fn record<const AXES: usize, const BLOCKS: usize>(
     let result = run(channel, machine, case.text, &mut recorder);
     let Recorder { report, tick, plan, wait, .. } = recorder;
     let decode = decode(channel, machine, case, counter);
-    for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
-        let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
-    }
-    let _ = match &result {
-        Ok(o) => writeln!(
-            report,
-            "end ticks {} starved {} blocks {} digest {:016x}",
-            o.ticks,
-            o.starved,
-            o.blocks,
-            o.digest.value()
-        ),
-        Err(failure) => writeln!(report, "failed {failure:?}"),
-    };
-    report.flush();
+    report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)]);
+    report_end(report, &result);
     result.is_ok()
 }
 

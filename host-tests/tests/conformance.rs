@@ -3,8 +3,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Families of ids: prefix, digits, last number.
-const FAMILIES: [(&str, usize, u32); 7] =
-    [("D3", 3, 284), ("A8", 3, 62), ("C40", 3, 74), ("NC", 3, 14), ("CF", 2, 37), ("G", 2, 13), ("OP", 2, 6)];
+const FAMILIES: [(&str, usize, u32); 7] = [
+    ("D3", 3, 284),
+    ("A8", 3, 62),
+    ("C40", 3, 74),
+    ("NC", 3, 14),
+    ("CF", 2, 37),
+    ("G", 2, 13),
+    ("OP", 2, 11),
+];
 
 const STATES: [&str; 5] = ["done", "part", "decoded", "none", "open"];
 

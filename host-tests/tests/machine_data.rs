@@ -219,7 +219,7 @@ fn ramps_take_a_cycle() {
 /// ISG's defaults, by id, and of the channel.
 #[test]
 fn defaults_are_those_of_the_sources() {
-    let of: [(u32, i64); 28] = [
+    let of: [(u32, i64); 30] = [
         (1, 1000),
         (2, 1000),
         (4, 1000),
@@ -231,6 +231,9 @@ fn defaults_are_those_of_the_sources() {
         (13, 0),
         (15, 1),
         (154, 1000),
+        // No software limits: ISG's are 10 m away.
+        (177, -1_000_000_000),
+        (178, 1_000_000_000),
         (195, 50_000),
         (196, 50_000),
         (197, 50_000),

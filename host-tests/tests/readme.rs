@@ -7,10 +7,8 @@ use std::path::{Path, PathBuf};
 /// The example, word for word.
 mod example {
     // <example>
-    use glidepath::channel::{Channel, Handles, Progress};
-    use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-    use glidepath::quantity::Position;
-    use glidepath::tick::State;
+    use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+    use glidepath::{MachineData, Position, Progress, State};
 
     const fn axis(name: &str) -> AxisData {
         match AxisName::new(name) {
@@ -48,6 +46,50 @@ mod example {
         Ok(*interpolator.set_points())
     }
     // </example>
+
+    // <one channel>
+    use glidepath::{Interpolator, Planner};
+
+    /// Runs what is loaded until the axes stand; what was refused on the way.
+    fn finish<'a>(
+        planner: &mut Planner<'a, &'static [u8], 3, 120>,
+        interpolator: &mut Interpolator<'a, 3>,
+    ) -> Vec<String> {
+        let mut refused = Vec::new();
+        loop {
+            match planner.poll() {
+                Ok(Progress::Done) if interpolator.tick() == State::Idle => return refused,
+                Ok(Progress::Waiting) => _ = interpolator.tick(),
+                Ok(_) => {}
+                // What was planned before runs to its end.
+                Err(error) => refused.push(format!("line {}: {error}", error.place().line)),
+            }
+        }
+    }
+
+    pub fn one_channel() -> Result<[Position; 3], Box<dyn std::error::Error>> {
+        let mut memory = Channel::<3, 120>::new();
+        let program: &'static [u8] = b"G01 X10 F1000\nM30\n";
+        let handles = memory.split(&MACHINE, [Position::ZERO; 3], program)?;
+        let Handles { mut planner, mut interpolator, .. } = handles;
+        finish(&mut planner, &mut interpolator);
+        // After M30, an error or an abort: the next program, from where the axes stand.
+        planner.load(b"G01 X20 F2000\nX25 Q1\nY5\nM30\n")?;
+        let refused = finish(&mut planner, &mut interpolator);
+        assert!(refused.len() == 1 && refused[0].starts_with("line 2: axis Q is known"));
+        // The refused line is left out, with what was in force before it; the axes stand at X20 Y0.
+        planner.go_on()?;
+        finish(&mut planner, &mut interpolator);
+        // A single line: the feed and G01 are still in force.
+        planner.continue_with(b"G91 X-5")?;
+        finish(&mut planner, &mut interpolator);
+        // The place where X stands is called 100 from now on; nothing moves.
+        planner.set_position(0, Position::from_num(100))?;
+        planner.load(b"G00 X101\nM30\n")?;
+        finish(&mut planner, &mut interpolator);
+        Ok(*interpolator.set_points())
+    }
+    // </one channel>
 }
 
 fn root() -> PathBuf {
@@ -73,13 +115,22 @@ fn the_example_runs() {
 }
 
 #[test]
+fn one_channel_runs() {
+    let end = example::one_channel().map(|end| end.map(|axis| axis.to_num::<f64>()));
+    assert_eq!(end.map_err(|error| error.to_string()), Ok([101.0, 5.0, 0.0]));
+}
+
+#[test]
 fn the_example_is_the_one_tested() {
     let readme = read("README.md");
-    let shown = between(between(&readme, "<!-- example -->", "<!-- /example -->"), "```rust\n", "```");
-    let tested = read("host-tests/tests/readme.rs");
-    let tested = between(&tested, "// <example>\n", "// </example>");
+    let tests = read("host-tests/tests/readme.rs");
     let words = |text: &str| text.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n");
-    assert_eq!(words(shown).trim(), words(tested).trim());
+    for name in ["example", "one channel"] {
+        let [begin, end] = [format!("<!-- {name} -->"), format!("<!-- /{name} -->")];
+        let shown = between(between(&readme, &begin, &end), "```rust\n", "```");
+        let tested = between(&tests, &format!("// <{name}>\n"), &format!("// </{name}>"));
+        assert_eq!(words(shown).trim(), words(tested).trim());
+    }
 }
 
 /// Times of the named programs, from the accepted table.

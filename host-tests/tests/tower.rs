@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 const TOWER: [(&str, &str); 18] = [
     ("math", ""),
     ("quantity", "math"),
-    ("machine", ""),
+    ("machine", "math quantity"),
     ("technology", "quantity"),
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),

@@ -58,6 +58,8 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
                 source: Source::Open,
                 held: None,
                 released: 0,
+                lost: false,
+                failed: false,
             },
             interpolator,
             operator,

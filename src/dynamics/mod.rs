@@ -116,6 +116,15 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
+    /// As at program start: no weights, no limits along the path, the slope of P-CHAN-00071.
+    pub fn restart(&mut self) {
+        self.weights = Weights::new();
+        self.path = PathLimits::new(&self.machine.channel);
+        self.slope = SlopeType::of_profile(self.machine.channel.slope_profile);
+        self.joins = Joins::of(self.slope, false);
+        self.change();
+    }
+
     /// The axes anew, for the elements that follow.
     fn change(&mut self) {
         if self.before.is_none() {

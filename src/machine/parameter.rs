@@ -1,5 +1,5 @@
 //! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
-use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER};
+use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
 /// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
 pub struct Parameter<Target> {
@@ -83,7 +83,32 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     zero_offset::<3>("np_grp.4.versch"),
     zero_offset::<4>("np_grp.5.versch"),
     zero_offset::<5>("np_grp.6.versch"),
+    Parameter {
+        set: |t, milli| t.swe_neg = (milli / 1000) as i32,
+        get: |t| t.swe_neg as i64 * 1000,
+        ..software_limit("P-AXIS-00177", "kenngr.swe_neg")
+    },
+    Parameter {
+        set: |t, milli| t.swe_pos = (milli / 1000) as i32,
+        get: |t| t.swe_pos as i64 * 1000,
+        ..software_limit("P-AXIS-00178", "kenngr.swe_pos")
+    },
 );
+
+/// A software limit: the ends of the range stand for none.
+const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisData> {
+    Parameter {
+        id,
+        name,
+        unit: "0.1 µm or 0.0001°",
+        min_milli: NO_LIMIT as i64 * -1000,
+        max_milli: NO_LIMIT as i64 * 1000,
+        decimals: false,
+        words: &[],
+        set: |_, _| {},
+        get: |_| 0,
+    }
+}
 
 /// Largest zero offset, in 0.1 µm or 0.0001°: a coordinate, 100 000 mm or degrees.
 const ZERO_OFFSET_MAX: i64 = 1_000_000_000;
@@ -268,6 +293,16 @@ pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
             min: i64::from(MODE_LINEAR),
             max: i64::from(MODE_LINEAR | MODE_MASTER),
             because: "the bits of this version",
+        });
+    }
+    if axis.swe_neg >= axis.swe_pos {
+        return Err(RangeError {
+            id: "P-AXIS-00177",
+            name: "kenngr.swe_neg",
+            value: i64::from(axis.swe_neg),
+            min: -i64::from(NO_LIMIT),
+            max: i64::from(axis.swe_pos) - 1,
+            because: "kenngr.swe_pos",
         });
     }
     let ramps = [axis.tr_beschl_ab, axis.tr_beschl_zu, axis.tr_brems_ab, axis.tr_brems_zu];

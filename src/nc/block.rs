@@ -4,7 +4,7 @@ use super::expression::{expression, parameter_target};
 use super::flow::Ending;
 use super::interpreter::{Interpreter, Next};
 use super::line::Line;
-use super::modal::Mode;
+use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
 use super::{DwellTime, Fault, NcErrorKind, Plane, Span, WeightKind};
 use crate::quantity::{Feed, Position};
@@ -149,6 +149,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             (w, first) = (waiting.words, usize::from(waiting.first));
             c.back_to(usize::from(waiting.next));
+        } else {
+            self.before = Before::All(self.modal);
         }
         while !c.at_end() {
             let mark = c.mark();

@@ -72,6 +72,12 @@ impl Calculator {
         goes_on
     }
 
+    /// No line is at hand.
+    pub fn reset(&self) {
+        self.halted.set(false);
+        self.complete();
+    }
+
     /// The statement or word at hand is complete.
     pub fn complete(&self) {
         self.count.set(0);

@@ -1,7 +1,6 @@
 //! What the decoder hands to the next stage: one typed command at a time.
 use super::function::*;
-use super::number::{Factor, Number};
-use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS};
+use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
 use crate::quantity::{Feed, Position};
 
 /// A place in the program text: where a command or an error comes from.
@@ -69,12 +68,6 @@ impl<const AXES: usize> Setup<AXES> {
             h_synch: machine.channel.h_synch,
         }
     }
-}
-
-/// 0.1 µm or 0.0001°, to nearest.
-fn of_tenths(tenths: i32) -> Position {
-    let number = Number::Decimal { negative: tenths < 0, mantissa: tenths.unsigned_abs().into(), scale: 4 };
-    number.fixed(Factor::ONE).unwrap_or(Position::ZERO)
 }
 
 /// Plane of arcs: which main axes are its first and second.

@@ -6,6 +6,9 @@ use super::interpreter::{Bounds, Interpreter, Next};
 use super::line::Line;
 use super::{Fault, NcErrorKind, NcWarningKind, Place, Span, real};
 
+/// What stands alone in its line.
+const STATEMENT: &str = "a $ statement";
+
 /// Bit that tells names from block numbers in labels.
 const NAME: u64 = 1 << 63;
 
@@ -82,18 +85,23 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"FOR" => self.open_for(c, line, open, place)?,
             b"WHILE" => {
                 let go = self.condition(c)?;
+                c.require_end(STATEMENT)?;
                 self.flow.open(open(Block::While)).map_err(fault)?;
                 if !go {
                     self.flow.pass(Passing::Out, 0, place);
                 }
             }
-            b"DO" => self.flow.open(open(Block::Do)).map_err(fault)?,
-            b"REPEAT" => self.flow.open(open(Block::Repeat)).map_err(fault)?,
+            b"DO" | b"REPEAT" => {
+                c.require_end(STATEMENT)?;
+                let block = if word.is("DO") { Block::Do } else { Block::Repeat };
+                self.flow.open(open(block)).map_err(fault)?;
+            }
             b"IF" => {
                 let go = self.condition(c)?;
                 if c.peek() == b'$' {
-                    return self.if_goto(c, go, line);
+                    return self.if_goto(c, go, line, bounds);
                 }
+                c.require_end(STATEMENT)?;
                 self.flow.open(open(Block::If)).map_err(fault)?;
                 if !go {
                     self.flow.pass(Passing::Branch, 0, place);
@@ -101,6 +109,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             b"SWITCH" => {
                 let value = self.switch_value(c)?;
+                c.require_end(STATEMENT)?;
                 self.flow.open(open(Block::Switch { value })).map_err(fault)?;
                 self.flow.pass(Passing::Case, 0, place);
             }
@@ -122,18 +131,20 @@ impl<const AXES: usize> Interpreter<AXES> {
                 next = self.close(c, &word, span)?;
             }
             b"BREAK" => {
+                c.require_end(STATEMENT)?;
                 let left = self.flow.leave_to_loop(true).ok_or(fault(NcErrorKind::NoLoop))?;
                 let open_place = self.flow.innermost().map_or(place, |o| o.place);
                 self.flow.pass(Passing::Out, left, open_place);
             }
             b"CONTINUE" => {
+                c.require_end(STATEMENT)?;
                 let left = self.flow.leave_to_loop(false).ok_or(fault(NcErrorKind::NoLoop))?;
                 next = self.next_round(Some(left)).map_err(fault)?;
             }
-            b"GOTO" => return self.goto(c, line),
+            b"GOTO" => return self.goto(c, line, bounds),
             _ => return span.fault(NcErrorKind::UnknownDollar),
         }
-        c.require_end("a $ statement")?;
+        c.require_end(STATEMENT)?;
         Ok(next)
     }
 
@@ -158,6 +169,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let step_mark = c.mark();
         let step = if c.eat(b',') { expression(c, &self.calculator)?.real() } else { 1.0 };
         let step_span = c.since(step_mark);
+        c.require_end(STATEMENT)?;
         self.calculator.parameters.set(counter, start).map_err(|kind| Fault { span: counter_span, kind })?;
         self.flow
             .open(open(Block::For { counter, end, step }))
@@ -200,15 +212,21 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn close(&mut self, c: &mut Cursor<'_>, word: &Word, span: Span) -> Result<Next, Fault> {
         let open = self.closed_by(word).map_err(|kind| Fault { span, kind })?;
         let again = match open.block {
-            Block::For { .. } => return self.next_round(None).map_err(|kind| Fault { span, kind }),
+            Block::For { .. } => {
+                c.require_end(STATEMENT)?;
+                return self.next_round(None).map_err(|kind| Fault { span, kind });
+            }
             Block::While => {
+                c.require_end(STATEMENT)?;
                 self.flow.blocks.pop();
+                self.flow.left = true;
                 return Ok(Next::At(open.start));
             }
             Block::Do => self.condition(c)?,
             Block::Repeat => !self.condition(c)?,
             Block::If | Block::Switch { .. } => false,
         };
+        c.require_end(STATEMENT)?;
         if again {
             return Ok(Next::At(open.body));
         }
@@ -244,6 +262,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Block::While => {
                 self.flow.blocks.pop();
+                self.flow.left = true;
                 Ok(Next::At(open.start))
             }
             _ => {
@@ -254,13 +273,13 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// `$IF condition $GOTO label`.
-    fn if_goto(&mut self, c: &mut Cursor<'_>, go: bool, line: &Line) -> Result<Next, Fault> {
+    fn if_goto(&mut self, c: &mut Cursor<'_>, go: bool, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         c.bump();
         if !c.letters().is("GOTO") {
             return c.since(mark).fault(NcErrorKind::NotAlone("$IF, or $IF with $GOTO,"));
         }
-        let next = self.goto(c, line)?;
+        let next = self.goto(c, line, bounds)?;
         if go {
             return Ok(next);
         }
@@ -269,7 +288,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// `$GOTO N20` or `$GOTO [NAME]`: searched from the start of the running program.
-    fn goto(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
+    fn goto(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         let label = match c.peek_upper() {
             b'N' => {
@@ -282,8 +301,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         };
         let Some(label) = label else { return c.expected("N and a block number, or [NAME]") };
         let place = line.place(c.since(mark));
-        c.require_end("a $ statement")?;
+        c.require_end(STATEMENT)?;
         self.flow.pass(Passing::Label(label), 0, place);
+        self.flow.behind = bounds.next;
         Ok(Next::At(self.flow.program))
     }
 
@@ -330,7 +350,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Role::Divides if self.flow.depth == 0 && self.enters(c, passing, &word)? => {
                 self.flow.passing = None;
-                c.require_end("a $ statement")?;
+                c.require_end(STATEMENT)?;
             }
             _ => {}
         }

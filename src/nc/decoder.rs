@@ -1,9 +1,11 @@
 //! The decoder: lines from the text into the interpreter, commands out, a bounded piece of work per call.
 use super::block::{Item, ItemKind};
 use super::compose::in_range;
+use super::cursor::Cursor;
 use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
-use super::line::{Fill, Line, LineReader};
+use super::line::{Fill, Line, LineReader, Mark};
+use super::modal::Before;
 use super::*;
 use core::mem::MaybeUninit;
 
@@ -64,6 +66,8 @@ pub struct Decoder<'a, T: Text, const AXES: usize> {
     reader: LineReader<T>,
     line: &'a mut Line,
     interpreter: &'a mut Interpreter<AXES>,
+    /// The line at hand is refused.
+    refused: bool,
 }
 
 impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
@@ -73,15 +77,18 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let DecoderMemory { line, interpreter } = memory;
         line.clear();
         let interpreter = interpreter.write(Interpreter::new(setup));
-        Self { reader: LineReader::new(text), line, interpreter }
+        Self { reader: LineReader::new(text), line, interpreter, refused: false }
     }
 
     /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a line with much
     /// arithmetic a part.
     ///
     /// # Errors
-    /// The first thing that is not in the language, or not possible; after that only [`Step::End`].
+    /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until [`Self::go_on`].
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
+        if self.refused {
+            return Ok(Step::End);
+        }
         if let Some(warning) = self.interpreter.warnings.pop_front() {
             return Ok(Step::Warning(warning));
         }
@@ -103,10 +110,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                     return Ok(Step::Working);
                 }
                 Err(error) => {
-                    self.interpreter.phase = Phase::Ended;
-                    self.interpreter.queue.clear();
-                    self.interpreter.single = None;
-                    self.interpreter.warnings.clear();
+                    self.refuse();
                     return Err(error);
                 }
             },
@@ -138,6 +142,49 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.position
     }
 
+    /// The line at hand is refused, by the decoder or by who carries its commands out: nothing more comes of it, and what was in
+    /// force before it (G words, F, R, zero offset, G92) is in force again. P parameters keep what words before the refused one
+    /// assigned to them.
+    pub(crate) fn refuse(&mut self) {
+        self.interpreter.refuse();
+        self.refused = true;
+    }
+
+    /// Whether a line was refused, and [`Self::go_on`] goes on behind it.
+    pub fn is_refused(&self) -> bool {
+        self.refused
+    }
+
+    /// Behind a refusal: goes on with the next line, from `position` (machine coordinates). A loop, a branch or a call that a refused
+    /// line would have begun has not begun. What was refused as missing at the end of a program (a closing word) is done without.
+    pub fn go_on(&mut self, position: [Position; AXES]) {
+        self.interpreter.position = position;
+        self.reader.go_on();
+        self.refused = false;
+    }
+
+    /// Begins with another text, from its start and from `position` (machine coordinates); the text before comes back. A line of the
+    /// one before is forgotten. All modal functions, F, G92 and P parameters are as at program start, unless `keeps` says that they
+    /// stay as they are. Zero offsets stay as they were set.
+    pub fn load(&mut self, text: T, position: [Position; AXES], keeps: bool) -> T {
+        self.restart(position, keeps);
+        self.reader.replace(text)
+    }
+
+    /// Goes on in the same text, with the program that follows behind the end of the one before, from `position`.
+    pub fn load_next(&mut self, position: [Position; AXES]) {
+        let here = self.reader.next_start();
+        let mark = self.interpreter.flow.frames.first().map_or(here, |frame| frame.back);
+        self.restart(position, false);
+        self.reader.next_program(mark);
+    }
+
+    fn restart(&mut self, position: [Position; AXES], keeps: bool) {
+        self.interpreter.restart(keeps);
+        self.interpreter.position = position;
+        self.refused = false;
+    }
+
     /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched back).
     pub fn set_position(&mut self, axis: usize, position: Position) {
         if let Some(slot) = self.interpreter.position.get_mut(axis) {
@@ -160,10 +207,15 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
+    /// The motion of the line at hand, if it has one.
+    pub(crate) fn motion(&self) -> Option<&Motion<AXES>> {
+        if self.interpreter.moves { self.interpreter.motion.as_ref() } else { None }
+    }
+
     /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
     pub(crate) fn is_between_lines(&self) -> bool {
         let Interpreter { queue, single, calculator, .. } = &self.interpreter;
-        queue.is_empty() && single.is_none() && !calculator.is_halted()
+        self.refused || queue.is_empty() && single.is_none() && !calculator.is_halted()
     }
 
     /// Reads a slice of text and interprets the line when it is complete.
@@ -192,15 +244,35 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             _ if self.interpreter.calculator.is_halted() => {}
             Ok(Next::Line) => {}
             Ok(Next::Motion) => return Ok(Work::Motion),
-            Ok(Next::At(mark)) => self.reader.seek(mark),
+            Ok(Next::At(mark)) => self.jump(mark)?,
             Ok(Next::File(name)) => self.enter_file(name)?,
-            Err(refusal) => return Err(self.error(refusal)),
+            Err(refusal) => {
+                let error = self.error(refusal);
+                if let Some(mark) = self.interpreter.recover(error.kind) {
+                    self.reader.seek(mark);
+                }
+                return Err(error);
+            }
         }
         Ok(Work::Line)
     }
 
+    /// Goes on at another line.
+    fn jump(&mut self, mark: Mark) -> Result<(), NcError> {
+        if !self.reader.holds(mark) {
+            self.interpreter.stay(mark);
+            let span = Cursor::new(self.line.bytes()).rest_of_word();
+            return Err(self.error(Refusal::Here(Fault { span, kind: NcErrorKind::BehindWindow })));
+        }
+        self.interpreter.flow.left = false;
+        self.reader.seek(mark);
+        Ok(())
+    }
+
     /// Reads a slice of text.
     fn fill(&mut self) -> Result<Fill, NcError> {
+        // The line before is done with.
+        self.interpreter.before = Before::Alike;
         let from = self.reader.next_start().offset;
         let fill = self.reader.fill(self.line)?;
         let bytes = self.reader.next_start().offset.wrapping_sub(from);
@@ -224,6 +296,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             Ok(Ok(None)) | Err(_) => NcErrorKind::NoFile,
             Ok(Err(_)) => NcErrorKind::Unreadable,
         };
+        // The call has not begun.
+        self.interpreter.flow.leave_call();
         Err(self.error(Refusal::Here(Fault { span: name, kind })))
     }
 

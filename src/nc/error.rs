@@ -3,7 +3,7 @@ use super::Place;
 use core::fmt;
 use heapless::String;
 
-/// A refusal: what was found where, and what was expected. The decoder stops at the first one.
+/// A refusal: what was found where, and what was expected. The decoder stops at it, until it is told to go on behind the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcError {
@@ -23,6 +23,8 @@ pub struct NcError {
 pub enum NcErrorKind {
     /// The text source failed.
     Unreadable,
+    /// A jump back, a call or a line that needs more text than a stream keeps.
+    BehindWindow,
     /// A control byte, NUL for example.
     ControlByte(u8),
     /// A byte above 127 outside of a comment.
@@ -181,6 +183,10 @@ impl fmt::Display for NcError {
         let found = self.found.as_str();
         match self.kind {
             K::Unreadable => write!(f, "the program text could not be read"),
+            K::BehindWindow => write!(
+                f,
+                "\"{found}\" needs text behind the window of the stream: expected loops, calls and lines within half of it"
+            ),
             K::ControlByte(byte) => write!(f, "byte {byte:#04x} in the program: expected text"),
             K::ForeignByte(byte) => {
                 write!(f, "byte {byte:#04x} outside of a comment: expected ASCII text")

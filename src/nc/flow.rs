@@ -125,6 +125,10 @@ pub(super) struct Flow {
     pub passed: Vec<u32, NESTING>,
     /// What the passing began with, for messages.
     pub origin: Place,
+    /// The line behind that.
+    pub behind: Mark,
+    /// What the jump at hand leaves is left already.
+    pub left: bool,
 }
 
 impl Flow {
@@ -138,7 +142,24 @@ impl Flow {
             depth: 0,
             passed: Vec::new(),
             origin: Place::NONE,
+            behind: Mark::start_of(0),
+            left: false,
         }
+    }
+
+    /// Nothing is open, and no subroutine is known.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.frames.clear();
+        self.subroutines.clear();
+        self.passing = None;
+    }
+
+    /// What is open in the running program is left.
+    pub fn leave_blocks(&mut self) {
+        let base = self.base();
+        self.blocks.truncate(base);
+        self.passing = None;
     }
 
     /// The local subroutine of that name: of the file that runs, else of the nearest caller that has it.

@@ -5,7 +5,7 @@ use super::cursor::Cursor;
 use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
-use super::modal::Modal;
+use super::modal::{Before, Modal};
 use super::number::Number;
 use super::plain::Letters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
@@ -61,6 +61,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub flow: Flow,
     pub calculator: Calculator,
     pub modal: Modal<AXES>,
+    /// For a line that is refused.
+    pub before: Before<AXES>,
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
@@ -95,6 +97,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             flow: Flow::new(),
             calculator: Calculator::new(),
             modal: Modal::new(setup.default_index),
+            before: Before::Alike,
             letters: Letters::new(setup.names.iter().map(|name| &name.0)),
             position: setup.start,
             n: 0,
@@ -218,7 +221,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Back to the caller, or the end of everything (M17, M29, end of the text).
     pub fn finish_program(&mut self) -> Next {
         match self.flow.leave_call() {
-            Some(back) => Next::At(back),
+            Some(back) => {
+                self.flow.left = true;
+                Next::At(back)
+            }
             None => {
                 self.phase = Phase::Ended;
                 Next::Line

@@ -2,6 +2,8 @@
 //!
 //! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is worth a
 //! warning, because what was meant to follow it in the line is gone.
+mod skip;
+
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use heapless::{String, Vec};
 
@@ -184,6 +186,10 @@ pub(super) struct LineReader<T> {
     broken: bool,
     /// The last byte kept is followed by nothing but blanks so far.
     in_words: bool,
+    /// The line at hand is refused, though it is not complete.
+    refused: bool,
+    /// What is left of such a line is passed over.
+    skips: bool,
 }
 
 impl<T: Text> LineReader<T> {
@@ -207,6 +213,8 @@ impl<T: Text> LineReader<T> {
             gap: 0,
             broken: false,
             in_words: false,
+            refused: false,
+            skips: false,
         }
     }
 
@@ -219,6 +227,8 @@ impl<T: Text> LineReader<T> {
         self.line = mark.line;
         self.line_offset = mark.offset;
         self.fresh = true;
+        self.refused = false;
+        self.skips = false;
     }
 
     /// Start of the logical line last read.
@@ -239,7 +249,11 @@ impl<T: Text> LineReader<T> {
 
     /// Reads on until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
+        if self.skips {
+            return self.skip();
+        }
         if self.fresh {
+            self.text.pass(self.file, self.offset);
             line.clear();
             self.start = self.next_start();
             self.fresh = false;
@@ -312,19 +326,21 @@ impl<T: Text> LineReader<T> {
                 }
             }
             if byte < b' ' && byte != b'\t' || byte == 0x7f {
-                return Err(refusal(here, NcErrorKind::ControlByte(byte)));
+                return Err(self.refuse(here, NcErrorKind::ControlByte(byte)));
             }
             if self.dropped(byte, here) {
                 self.gap = self.gap.saturating_add(1);
                 self.in_words &= self.comment == 0 && !self.remark && !self.continued;
             } else if byte >= 0x80 {
-                return Err(refusal(here, NcErrorKind::ForeignByte(byte)));
+                return Err(self.refuse(here, NcErrorKind::ForeignByte(byte)));
             } else if self.continued {
-                let mut error = refusal(here, NcErrorKind::Expected("the end of the line after \\"));
+                let mut error = self.refuse(here, NcErrorKind::Expected("the end of the line after \\"));
                 let _ = error.found.push(char::from(byte));
                 return Err(error);
             } else {
-                keep(line, byte, here, self.gap, self.broken)?;
+                if let Err(kind) = keep(line, byte, here, self.gap, self.broken) {
+                    return Err(self.refuse(here, kind));
+                }
                 self.gap = 0;
                 self.broken = false;
                 self.in_words = true;
@@ -460,10 +476,18 @@ impl<T: Text> LineReader<T> {
         Ok(true)
     }
 
+    /// The line at hand is refused before it is complete: what is left of it is passed over when the program goes on.
+    #[cold]
+    fn refuse(&mut self, place: Place, kind: NcErrorKind) -> NcError {
+        (self.refused, self.continued) = (true, false);
+        refusal(place, kind)
+    }
+
     /// There is no text to go on with: the program is refused, or goes on later from the same byte.
-    fn missing(&self, error: TextError) -> Result<Fill, NcError> {
+    fn missing(&mut self, error: TextError) -> Result<Fill, NcError> {
         match error {
             TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
+            TextError::Forgotten => Err(self.refuse(self.here(), NcErrorKind::BehindWindow)),
             TextError::NotYet => Ok(Fill::Late),
         }
     }
@@ -488,23 +512,23 @@ impl<T: Text> LineReader<T> {
 }
 
 /// Adds a byte after a gap; anchors keep its place where the gap is not written out.
-fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcError> {
-    let long = || refusal(here, NcErrorKind::LineTooLong);
+fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcErrorKind> {
+    let long = Err(NcErrorKind::LineTooLong);
     if line.len == 0 || broken || gap > GAP {
         if line.len > 0 && !line.push(b' ') {
-            return Err(long());
+            return long;
         }
         if !line.anchor(&here) {
-            return Err(refusal(here, NcErrorKind::TooManyContinuations));
+            return Err(NcErrorKind::TooManyContinuations);
         }
     } else {
         for _ in 0..gap {
             if !line.push(b' ') {
-                return Err(long());
+                return long;
             }
         }
     }
-    if line.push(byte) { Ok(()) } else { Err(long()) }
+    if line.push(byte) { Ok(()) } else { long }
 }
 
 /// A refusal of what is not in the line yet.

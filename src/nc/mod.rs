@@ -31,7 +31,9 @@ mod number;
 mod parameter;
 mod plain;
 mod real;
+mod restart;
 mod smoothing;
+mod stream;
 mod text;
 
 pub use command::*;
@@ -45,6 +47,7 @@ pub use interpreter::{BLOCK_WORDS, QUIET_LINES};
 pub use line::{CONTINUATIONS, LINE_BYTES};
 pub use modal::COORDINATE_MAX;
 pub use parameter::PARAMETERS;
+pub use stream::{Feeder, Stream, Window};
 pub use text::*;
 
 use crate::quantity::Position;

@@ -14,7 +14,19 @@ pub(super) enum Mode {
     Counterclockwise,
 }
 
+/// What was in force before the line at hand.
+#[derive(Clone, Copy)]
+pub(super) enum Before<const AXES: usize> {
+    /// The same.
+    Alike,
+    /// The same but for these: a plain line changes no more.
+    Feed(Mode, Option<Feed>),
+    /// All of it.
+    All(Modal<AXES>),
+}
+
 /// What stays in force from block to block.
+#[derive(Clone, Copy)]
 pub(super) struct Modal<const AXES: usize> {
     pub mode: Mode,
     pub plane: Plane,

@@ -21,6 +21,11 @@ impl Parameters {
         Self { entries: Vec::new() }
     }
 
+    /// None has a value.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+    }
+
     /// The value of a parameter.
     pub fn get(&self, index: u32) -> Result<f64, NcErrorKind> {
         let found = self.entries.binary_search_by_key(&index, |e| e.index);

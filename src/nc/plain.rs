@@ -6,7 +6,7 @@ use super::compose::in_range;
 use super::cursor::Cursor;
 use super::interpreter::Interpreter;
 use super::line::Line;
-use super::modal::{COORDINATE_MAX, Mode};
+use super::modal::{Before, COORDINATE_MAX, Mode};
 use super::number::Factor;
 use super::{Motion, MotionKind};
 use crate::quantity::{Feed, Position};
@@ -127,6 +127,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.position = target;
         self.n = n;
         self.moves = true;
+        self.before = Before::Feed(self.modal.mode, self.modal.feed);
         self.modal.mode = mode;
         self.modal.feed = feed;
         self.calculator.charge(work);

@@ -19,6 +19,23 @@ pub trait Text {
         let _ = name;
         Ok(None)
     }
+
+    /// The decoder has come to the line that begins at `offset` of a file. A text that forgets may forget what lies far enough before
+    /// it: see [`super::Window`].
+    fn pass(&mut self, file: u16, offset: u32) {
+        let _ = (file, offset);
+    }
+
+    /// Whether the line that begins at `offset` of a file can be read again. Asked before the decoder jumps there.
+    fn holds(&self, file: u16, offset: u32) -> bool {
+        let _ = (file, offset);
+        true
+    }
+
+    /// Where the next program begins in the main file, if that is not behind the last line read.
+    fn next_program(&mut self) -> Option<u32> {
+        None
+    }
 }
 
 /// Why there is no text.
@@ -30,6 +47,8 @@ pub enum TextError {
     /// It has not arrived yet (a serial line, a slow card): the decoder asks again. What has arrived moves on; where it ends, the
     /// motion comes to a standstill.
     NotYet,
+    /// It is behind the window of a stream, or a line is longer than the window: the line is refused.
+    Forgotten,
 }
 
 impl Text for &[u8] {

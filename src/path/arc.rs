@@ -295,7 +295,7 @@ impl Radius {
 
 /// Length of a vector in the plane, each part of it within ±2^62; rounded down.
 #[inline(always)]
-fn plane_hypot([p, q]: [i64; 2]) -> i64 {
+pub(super) fn plane_hypot([p, q]: [i64; 2]) -> i64 {
     let (high, low) = with_square(square_wide(p.unsigned_abs()), q);
     sqrt_wide(high, low) as i64
 }

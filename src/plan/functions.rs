@@ -108,6 +108,14 @@ impl Functions {
         self.entries.retain(|entry| !entry.unsettled);
     }
 
+    /// The motion that they belong to is forgotten before their place was known.
+    pub fn drop_unplaced(&mut self, control: &Control) {
+        for entry in self.entries.iter().filter(|entry| !entry.placed) {
+            control.acknowledgements().give_back(entry.ticket);
+        }
+        self.entries.retain(|entry| entry.placed);
+    }
+
     /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks before it goes into the queue,
     /// which has room for it. Whether the element is a gate.
     pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {

@@ -188,7 +188,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
-        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0
+        let left = self.queue.clock.has_left();
+        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0 && !left
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -620,7 +621,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Where it stands is all that is left. The interrupt has nothing to do.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands =
             self.motion_at(self.frontier.end).map_or(self.handed.to_bits(), |motion| motion.distance);
@@ -632,9 +633,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.report.begun = segment.block.wrapping_add(1);
             }
         }
-        // The interrupt keeps the curve it is on.
+        // The interrupt keeps the curve it is on, somewhere in it. Behind it comes the point where it stands.
         self.queue.segments.withdraw(number);
         self.handed = self.queue.segments.end();
+        self.stay_here(self.report.begun.wrapping_sub(1));
         let is_due = |point: Distance| stands.wrapping_sub(point.to_bits()) >= 0;
         let mut action = self.queue.actions.first_open();
         while self.queue.actions.open(action).is_some_and(is_due) {

@@ -4,9 +4,9 @@ use super::functions::Functions;
 use super::held::Held;
 use crate::dynamics::{Dynamics, Permitted};
 use crate::lookahead::{Ring, SLOWEST};
-use crate::machine::Synch;
+use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Plane, SlopeType};
+use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{Function, Layer, Scheduler};
@@ -24,11 +24,19 @@ pub enum MotionError {
     TooSlow,
     /// It moves an axis that was given away.
     Released,
+    /// It leads beyond a software limit.
+    Beyond(Beyond),
 }
 
 impl From<PathError> for MotionError {
     fn from(error: PathError) -> Self {
         Self::Path(error)
+    }
+}
+
+impl From<Beyond> for MotionError {
+    fn from(error: Beyond) -> Self {
+        Self::Beyond(error)
     }
 }
 
@@ -56,6 +64,13 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
+    /// The curve of a corner stays inside the software limits.
+    #[inline(never)]
+    fn stays(&self, element: &Element<AXES>, travel: &Travel<AXES>) -> Result<(), Beyond> {
+        let from = &*self.entered;
+        travel.curve(from, |axis| element.bent_range(axis, from, travel.of(axis, from)))
+    }
+
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
@@ -116,7 +131,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let result = self.take_motion(motion);
         if result.is_err() {
-            self.functions.drop_unsettled(self.queue.control);
+            self.drop_motion();
         }
         result
     }
@@ -129,6 +144,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let (from, to) = (&self.intake.programmed, &motion.target);
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line => {
+                self.intake.travel.line(from, to)?;
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
@@ -167,16 +183,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         feed: Option<f32>,
         (plane, clockwise, by): (Plane, bool, ArcBy),
     ) -> Result<(), MotionError> {
-        let (from, to) = (&self.intake.programmed, &motion.target);
-        let centre = match by {
-            ArcBy::Centre(centre) => centre,
-            ArcBy::Radius(radius) => {
-                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)?
-            }
-        };
+        let centre = self.centre(motion, (plane, clockwise, by))?;
         // By reference: an element is large.
-        let arc = path::arc(from, to, centre, plane, clockwise, &self.measure);
+        let arc = path::arc(&self.intake.programmed, &motion.target, centre, plane, clockwise, &self.measure);
         let element = arc.as_ref().map_err(|error| MotionError::Path(*error))?;
+        if self.intake.travel.is_limited() {
+            self.stays(motion, element, &centre)?;
+        }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(&limits, element.shape.length)?;
@@ -188,6 +201,56 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         self.advance(motion);
         Ok(())
+    }
+
+    /// The centre of an arc.
+    #[inline(always)]
+    fn centre(
+        &self,
+        motion: &Motion<AXES>,
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> Result<[Position; 2], PathError> {
+        match by {
+            ArcBy::Centre(centre) => Ok(centre),
+            ArcBy::Radius(radius) => {
+                let (from, to) = (&self.intake.programmed, &motion.target);
+                path::centre_of_radius(from, to, radius, plane, clockwise, &self.measure.main)
+            }
+        }
+    }
+
+    /// All of an arc stays inside the software limits.
+    #[inline(never)]
+    fn stays(
+        &self,
+        motion: &Motion<AXES>,
+        element: &Element<AXES>,
+        centre: &[Position; 2],
+    ) -> Result<(), Beyond> {
+        let (from, to) = (&self.intake.programmed, &motion.target);
+        self.intake.travel.curve(from, |axis| element.arc_range(axis, from, to, centre))
+    }
+
+    /// Whether a motion has a path that it may take. For a line in which other commands come before its motion.
+    ///
+    /// # Errors
+    /// Why it has none.
+    #[inline(never)]
+    pub fn look_at(&self, motion: &Motion<AXES>) -> Result<(), MotionError> {
+        let (from, to) = (&self.intake.programmed, &motion.target);
+        if let MotionKind::Arc { plane, clockwise, by } = motion.kind {
+            let centre = self.centre(motion, (plane, clockwise, by))?;
+            let element = &path::arc(from, to, centre, plane, clockwise, &self.measure)?;
+            return Ok(self.stays(motion, element, &centre)?);
+        }
+        self.intake.travel.line(from, to)?;
+        path::straight(from, to, &self.measure)?;
+        Ok(())
+    }
+
+    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put out.
+    pub fn drop_motion(&mut self) {
+        self.functions.drop_unsettled(self.queue.control);
     }
 
     /// An exact stop at the end of the block taken in last.
@@ -306,11 +369,42 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn pass_smoothed(&mut self) -> bool {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
-        let super::Intake { entered, smoothing, .. } = intake;
+        let super::Intake { entered, smoothing, travel, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
         let mut entrance = Entrance { ring, functions, dynamics, segments, actions, entered };
-        smoothing.emit(|smoothed| entrance.take(smoothed))
+        let mut beyond = None;
+        let emitted = smoothing.emit(|smoothed| {
+            if travel.is_limited()
+                && smoothed.curving.is_some()
+                && let Err(error) = entrance.stays(smoothed.element, travel)
+            {
+                beyond = Some((smoothed.data.place, error));
+            } else {
+                entrance.take(smoothed);
+            }
+        });
+        if let Some((place, beyond)) = beyond {
+            self.drop_curve(place, beyond);
+        }
+        emitted
+    }
+
+    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is
+    /// forgotten.
+    #[cold]
+    #[inline(never)]
+    fn drop_curve(&mut self, place: Place, beyond: Beyond) {
+        self.intake.refused = Some((self.intake.smoothing.place().unwrap_or(place), beyond));
+        self.forget_ahead();
+    }
+
+    /// Forgets what was taken in and is not in the look-ahead.
+    pub(super) fn forget_ahead(&mut self) {
+        self.intake.smoothing.clear();
+        self.intake.held.clear();
+        self.functions.drop_unplaced(self.queue.control);
+        self.intake.programmed = self.intake.entered;
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together

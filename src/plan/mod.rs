@@ -9,12 +9,14 @@ mod intake;
 mod late;
 mod pace;
 mod reserve;
+mod stand;
 
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
 use crate::lookahead::{Lookahead, LookaheadMemory, Pace};
-use crate::machine::MachineData;
+use crate::machine::{Beyond, MachineData, Travel};
 use crate::math::float::to_f32;
+use crate::nc::Place;
 use crate::path::Measure;
 use crate::quantity::{Distance, Position, Speed, Time};
 use crate::queue::{Function, Phase, Sender, Slot, clock};
@@ -60,6 +62,8 @@ pub enum Work {
     Late,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
     Aborted,
+    /// The curve of a corner leads beyond a software limit. The motion ends before it: [`Planning::take_refused`].
+    Refused,
 }
 
 /// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
@@ -126,6 +130,9 @@ struct Intake<'a, const AXES: usize> {
     smoothing: &'a mut Smoothing<AXES>,
     /// Waits for the next one, only while contour mode is idle.
     held: &'a mut Held<AXES>,
+    /// Software limits, and what was refused for them.
+    travel: Travel<AXES>,
+    refused: Option<(Place, Beyond)>,
 }
 
 /// What is being done with the ring, and what is to be done.
@@ -142,6 +149,8 @@ struct Task {
     joining: bool,
     /// The motion stands, or will stand, before the first block or at the end, with a tick that shows it.
     stood: bool,
+    /// The instant at which the queue ends, if nothing has moved since the axes came to stand there.
+    shifted: Option<u32>,
 }
 
 /// Where laws end: of what is behind, nothing is in the queue.
@@ -191,7 +200,7 @@ struct Report {
 /// The time law of one motion block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlannedBlock {
-    /// Its first motion block, counted from 0 since program start.
+    /// Its first motion block, counted from 0 since the split.
     pub block: u32,
     /// How many begin in it.
     pub blocks: u32,
@@ -221,8 +230,15 @@ struct Planned {
 
 impl Task {
     /// Blocks are taken in.
-    const NONE: Self =
-        Self { stage: Stage::Filling, flush: false, rest: 0, reopened: false, joining: false, stood: false };
+    const NONE: Self = Self {
+        stage: Stage::Filling,
+        flush: false,
+        rest: 0,
+        reopened: false,
+        joining: false,
+        stood: false,
+        shifted: None,
+    };
 }
 
 impl Frontier {
@@ -257,12 +273,20 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
         let smoothing = smoothing.write(Smoothing::new(measure, machine.channel.check_jerk_on_poly_path));
-        let held = held.write(Held::none());
+        let (held, travel) = (held.write(Held::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
             dynamics: dynamics.write(Dynamics::new(machine)),
-            intake: Intake { programmed: start, entered: start, taken: 0, smoothing, held },
+            intake: Intake {
+                programmed: start,
+                entered: start,
+                taken: 0,
+                smoothing,
+                held,
+                travel,
+                refused: None,
+            },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
             profile: Profile::default(),
@@ -283,21 +307,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
         self.task.rest = ticks;
-    }
-
-    /// Whether the axes stand and all that was taken in is executed.
-    pub fn is_at_rest(&self) -> bool {
-        let taken_in = !self.lookahead.ring.is_empty()
-            || !self.intake.held.is_none()
-            || !self.intake.smoothing.is_empty();
-        let handed_out = self.frontier.laid == self.flights.len() && self.frontier.emitter.is_done();
-        let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end);
-        !taken_in
-            && handed_out
-            && passed
-            && self.frontier.speed == Speed::ZERO
-            && self.task.rest == 0
-            && self.frontier.owed == 0
     }
 
     /// Goes on.
@@ -401,7 +410,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.follow_level();
         }
         if !self.intake.smoothing.is_empty() && self.round_off() {
-            return Work::Working;
+            return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
         }
         if self.task.flush && self.intake.smoothing.holds() {
             self.intake.smoothing.flush(false);

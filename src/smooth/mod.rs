@@ -90,6 +90,12 @@ pub trait Smoother<const AXES: usize> {
     /// Forgets what it holds.
     fn clear(&mut self);
 
+    /// Off, with the parameters of program start. Only when it holds nothing.
+    fn restart(&mut self);
+
+    /// Where the block held back stands in the text: the one behind the corner that is emitted.
+    fn place(&self) -> Option<Place>;
+
     /// What is to be said about the curve that the last block led to, once.
     fn remark(&mut self) -> Option<NcWarningKind>;
 
@@ -156,6 +162,16 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     fn clear(&mut self) {
         let Self::Contour(contouring) = self;
         contouring.clear();
+    }
+
+    fn restart(&mut self) {
+        let Self::Contour(contouring) = self;
+        contouring.restart();
+    }
+
+    fn place(&self) -> Option<Place> {
+        let Self::Contour(contouring) = self;
+        contouring.place()
     }
 
     fn remark(&mut self) -> Option<NcWarningKind> {

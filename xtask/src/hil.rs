@@ -35,12 +35,14 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    let tests = binaries(&[&SAME[..], &COUNTED, &["interrupt", "overflow"]].concat());
+    let tests = binaries(&[&SAME[..], &COUNTED, &["session", "interrupt", "overflow"]].concat());
     firmware.build(TESTS, &[&tests, features].concat(), &[])?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
     let (runs, mut memory) = measure(&firmware, &host)?;
     counter(&firmware.report("counts")?)?;
+    step("one channel from power-up to power-off");
+    sessions(&firmware.report("session")?)?;
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
     interrupt(&report, &host)?;
@@ -120,6 +122,24 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, Mem
     }
     memory.flash = elf::flash(&binary("nopanic")?).ok_or("nopanic: no load segments")?;
     Ok((runs, memory))
+}
+
+/// The session is the host's, and text over a line makes no difference.
+fn sessions(report: &str) -> Result<(), String> {
+    let (host, target) = (host::sessions()?, target::read_runs(report)?);
+    if host.len() != target.len() {
+        return Err(format!("the target ran {} of {} sessions", target.len(), host.len()));
+    }
+    for (ours, theirs) in host.iter().zip(&target) {
+        if let Some(what) = difference(ours, theirs) {
+            return Err(format!("{} DIFFERS: {what}", ours.name));
+        }
+        eprintln!("   {:<16} {:>7} ticks  {:016x}  same", ours.name, theirs.ticks, theirs.digest);
+    }
+    if host.iter().any(|run| run.outcome != host[0].outcome) {
+        return Err("text over a line led to other set points than text in memory".into());
+    }
+    Ok(())
 }
 
 /// The channel takes no room in flash: next to nothing is copied from there at the start.

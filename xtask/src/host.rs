@@ -1,10 +1,11 @@
 //! The cases on the host: what the target has to repeat.
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
+use glidepath::nc::Window;
 use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, CASES_3, CASES_3_OTHER, CASES_4,
-    CASES_6, CASES_6_OTHER, Case, DEEP, Outcome, SHORT, Watch, run,
+    CASES_6, CASES_6_OTHER, Case, DEEP, Outcome, SHORT, Watch, run, session,
 };
 
 /// A case as the host ran it.
@@ -51,4 +52,19 @@ fn run_one<const AXES: usize, const BLOCKS: usize>(
     let outcome = run(&mut channel, machine, case.text, &mut Collector(&mut set_points))
         .map_err(|failure| format!("programs/{}.nc on the host: {failure:?}", case.name))?;
     Ok(HostRun { name: case.name, axes: AXES, blocks: BLOCKS, set_points, outcome })
+}
+
+/// The session from power-up to power-off, with its text in memory and over a line.
+pub fn sessions() -> Result<Vec<HostRun>, String> {
+    ["session", "session_line"].into_iter().map(run_session).collect()
+}
+
+fn run_session(name: &'static str) -> Result<HostRun, String> {
+    let mut set_points = Vec::new();
+    let mut channel = Box::new(Channel::<3, BLOCKS>::new());
+    let mut window = Window::new();
+    let window = (name == "session_line").then_some(&mut window);
+    let outcome = session(&mut channel, &AXES_3, window, Collector(&mut set_points))
+        .map_err(|failure| format!("{name} on the host: {failure:?}"))?;
+    Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
 }

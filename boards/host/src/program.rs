@@ -259,6 +259,7 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
         Error::NotAvailable(at, _)
         | Error::NotEnabled(at, _)
         | Error::Motion(at, _)
+        | Error::SoftwareLimit(at, ..)
         | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), String::new()),
     }
 }

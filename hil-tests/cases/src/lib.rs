@@ -4,9 +4,11 @@
 
 mod machines;
 mod run;
+mod session;
 
 pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
+pub use session::{WINDOW, session};
 
 /// Blocks of look-ahead, the default of the language.
 pub const BLOCKS: usize = 120;

@@ -2,6 +2,7 @@
 use glidepath::channel::{Channel, Error, Handles, MachineError, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
+use glidepath::nc::Text;
 use glidepath::quantity::Position;
 use glidepath::tick::State;
 
@@ -20,6 +21,20 @@ pub trait Watch<const AXES: usize> {
 
     /// The interpolator made a set point and needed `cost`.
     fn ticked(&mut self, cost: u32, set_points: &[Position; AXES]);
+}
+
+impl<const AXES: usize, W: Watch<AXES>> Watch<AXES> for &mut W {
+    fn now(&mut self) -> u32 {
+        W::now(self)
+    }
+
+    fn polled(&mut self, cost: u32, result: &Result<Progress, Error>) {
+        W::polled(self, cost, result);
+    }
+
+    fn ticked(&mut self, cost: u32, set_points: &[Position; AXES]) {
+        W::ticked(self, cost, set_points);
+    }
 }
 
 /// Nobody watches.
@@ -52,6 +67,8 @@ pub enum Failure {
     Program(Error),
     /// More than the ticks any case needs.
     Endless,
+    /// A session: what did not happen.
+    Session(&'static str),
 }
 
 /// Plans as far as the queue takes it, then makes one set point, and so on to the end.
@@ -107,13 +124,13 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
 
 // Calls, not inlined into the loop: what is counted is what an application pays.
 #[inline(never)]
-fn poll<const AXES: usize, const BLOCKS: usize>(
-    planner: &mut Planner<'_, &'static [u8], AXES, BLOCKS>,
+pub(crate) fn poll<T: Text, const AXES: usize, const BLOCKS: usize>(
+    planner: &mut Planner<'_, T, AXES, BLOCKS>,
 ) -> Result<Progress, Error> {
     planner.poll()
 }
 
 #[inline(never)]
-fn tick<const AXES: usize>(interpolator: &mut glidepath::tick::Interpolator<'_, AXES>) -> State {
+pub(crate) fn tick<const AXES: usize>(interpolator: &mut glidepath::tick::Interpolator<'_, AXES>) -> State {
     interpolator.tick()
 }

@@ -41,7 +41,7 @@ use self::held::{Held, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
-use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line};
 use crate::quantity::{Distance, Position};
@@ -421,6 +421,16 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         if let Some(last) = self.last() {
             last.end();
         }
+    }
+
+    fn restart(&mut self) {
+        self.clear();
+        (self.on, self.remark) = (false, None);
+        self.parameters = Parameters::new(self.parameters.of_channel);
+    }
+
+    fn place(&self) -> Option<Place> {
+        self.held.as_ref().map(|held| held.block.data.place)
     }
 
     fn clear(&mut self) {

@@ -1,0 +1,116 @@
+//! Where the axes may go: software limits, P-AXIS-00177 and P-AXIS-00178.
+//!
+//! As ISG has it, they are positions of the machine, without offsets, and an axis may go up to them. They are checked before a block
+//! is planned, along all of its path. An axis that stands beyond a limit may come back, and go no further.
+use super::{MachineData, NO_LIMIT};
+use crate::math::divide::div_wide;
+use crate::quantity::Position;
+
+/// A path that an axis may not take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Beyond {
+    /// Index of the axis.
+    pub axis: usize,
+    /// Where it would come to, machine coordinates, LSB 2^-32 mm or degrees.
+    pub position: i64,
+    /// Its limit.
+    pub limit: i64,
+}
+
+impl Beyond {
+    /// Whether it is the positive limit.
+    pub const fn is_positive(&self) -> bool {
+        self.position > self.limit
+    }
+}
+
+/// The software limits of a machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel<const AXES: usize> {
+    /// Negative and positive limit.
+    limits: [[Position; 2]; AXES],
+    /// An axis has one.
+    is_limited: bool,
+}
+
+/// 0.1 µm or 0.0001° as a position, to nearest.
+pub(crate) fn of_tenths(tenths: i32) -> Position {
+    const UNIT: u64 = 10_000;
+    // No tenth is half a step of a position: 10^4 has other factors than 2.
+    let bits = div_wide(0, (u64::from(tenths.unsigned_abs()) << 32) + UNIT / 2, UNIT) as i64;
+    Position::from_bits(if tenths < 0 { -bits } else { bits })
+}
+
+/// Less than a nanometre beyond a limit is what the rounding of an arc's centre may come to: 2^-20 mm.
+const ROUNDING: i64 = 1 << 12;
+
+impl<const AXES: usize> Travel<AXES> {
+    /// Those of the machine data.
+    pub fn new(machine: &MachineData<AXES>) -> Self {
+        let limit = |tenths: i32, none| if tenths.abs() >= NO_LIMIT { none } else { of_tenths(tenths) };
+        let limits =
+            machine.axes.map(|axis| [limit(axis.swe_neg, Position::MIN), limit(axis.swe_pos, Position::MAX)]);
+        let is_limited = limits.iter().any(|limits| *limits != [Position::MIN, Position::MAX]);
+        Self { limits, is_limited }
+    }
+
+    /// Whether there is a limit at all.
+    #[inline(always)]
+    pub const fn is_limited(&self) -> bool {
+        self.is_limited
+    }
+
+    /// A straight way.
+    ///
+    /// # Errors
+    /// The first axis that would leave its limits.
+    #[inline(always)]
+    pub fn line(&self, from: &[Position; AXES], to: &[Position; AXES]) -> Result<(), Beyond> {
+        if self.is_limited { self.way(from, to) } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn way(&self, from: &[Position; AXES], to: &[Position; AXES]) -> Result<(), Beyond> {
+        (0..AXES).try_for_each(|axis| self.axis(axis, from, [to.get(axis); 2].map(|x| x.copied()), 0))
+    }
+
+    /// A curve from `from`: `range` gives the least and the greatest coordinate of an axis on it.
+    ///
+    /// # Errors
+    /// The first axis that would leave its limits by a nanometre.
+    pub fn curve(
+        &self,
+        from: &[Position; AXES],
+        range: impl Fn(usize) -> [Option<Position>; 2],
+    ) -> Result<(), Beyond> {
+        (0..AXES).try_for_each(|axis| self.axis(axis, from, range(axis), ROUNDING))
+    }
+
+    /// The limits of an axis on a way from there.
+    pub fn of(&self, axis: usize, from: &[Position; AXES]) -> [Position; 2] {
+        let ([least, most], from) = match (self.limits.get(axis), from.get(axis)) {
+            (Some(limits), Some(from)) => (*limits, *from),
+            _ => return [Position::MIN, Position::MAX],
+        };
+        [least.min(from), most.max(from)]
+    }
+
+    fn axis(
+        &self,
+        axis: usize,
+        from: &[Position; AXES],
+        [low, high]: [Option<Position>; 2],
+        more: i64,
+    ) -> Result<(), Beyond> {
+        let [least, most] = self.of(axis, from);
+        let limits = self.limits.get(axis).map_or([0; 2], |limits| limits.map(Position::to_bits));
+        let is_below = |a: Position, b: Position| a.to_bits().saturating_add(more) < b.to_bits();
+        let beyond = |position: Position, limit| Beyond { axis, position: position.to_bits(), limit };
+        match (low, high) {
+            (Some(low), _) if is_below(low, least) => Err(beyond(low, limits[0])),
+            (_, Some(high)) if is_below(most, high) => Err(beyond(high, limits[1])),
+            _ => Ok(()),
+        }
+    }
+}

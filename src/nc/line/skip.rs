@@ -1,0 +1,66 @@
+//! What is not read: the rest of a refused line, and of a text that another one follows.
+use super::{Fill, LineReader, Mark, SLICE};
+use crate::nc::{NcError, Text};
+
+impl<T: Text> LineReader<T> {
+    /// Goes on with another text, from its start; the one before.
+    pub fn replace(&mut self, text: T) -> T {
+        self.seek(Mark::start_of(0));
+        core::mem::replace(&mut self.text, text)
+    }
+
+    /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
+    pub fn next_program(&mut self, mark: Mark) {
+        let begins = self.text.next_program();
+        let goes_on = !self.fresh && mark == self.next_start() && begins.is_none();
+        self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
+        self.skips = goes_on;
+    }
+
+    /// Behind a refusal: goes on with the next line.
+    pub fn go_on(&mut self) {
+        self.skips |= core::mem::take(&mut self.refused);
+    }
+
+    /// Whether the line at the mark can be read again.
+    pub fn holds(&self, mark: Mark) -> bool {
+        self.text.holds(mark.file, mark.offset)
+    }
+
+    /// Passes over what is left of a line, at most a slice.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn skip(&mut self) -> Result<Fill, NcError> {
+        for _ in 0..SLICE {
+            self.text.pass(self.file, self.offset);
+            let byte = match self.next_byte() {
+                Ok(byte) => byte,
+                Err(error) => return self.missing(error),
+            };
+            let Some(byte) = byte else {
+                (self.fresh, self.skips) = (true, false);
+                break;
+            };
+            let here = self.here();
+            self.offset = self.offset.wrapping_add(1);
+            if !matches!(byte, b'\n' | b'\r') {
+                self.continued &= self.dropped(byte, here);
+                continue;
+            }
+            if byte == b'\r'
+                && let Err(error) = self.step_over_line_feed()
+            {
+                self.offset = here.offset;
+                return self.missing(error);
+            }
+            self.line = self.line.wrapping_add(1);
+            self.line_offset = self.offset;
+            (self.comment, self.remark) = (0, false);
+            if !core::mem::take(&mut self.continued) {
+                (self.fresh, self.skips) = (true, false);
+                break;
+            }
+        }
+        Ok(Fill::Partial)
+    }
+}

@@ -1,0 +1,77 @@
+//! Another program, and what a refused line leaves behind: nothing but P parameters.
+use super::NcErrorKind;
+use super::flow::Passing;
+use super::interpreter::{Interpreter, Next, Phase};
+use super::line::Mark;
+use super::modal::{Before, Modal};
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Another program begins. What is in force stays in force if `keeps` says so.
+    pub fn restart(&mut self, keeps: bool) {
+        self.phase = Phase::Start;
+        self.flow.clear();
+        if !keeps {
+            self.calculator.parameters.clear();
+            self.modal = Modal::new(self.setup.default_index);
+        }
+        self.before = Before::Alike;
+        self.n = 0;
+        self.drop_line();
+    }
+
+    /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was assigned to them.
+    pub fn refuse(&mut self) {
+        match core::mem::replace(&mut self.before, Before::Alike) {
+            Before::Alike => {}
+            Before::Feed(mode, feed) => (self.modal.mode, self.modal.feed) = (mode, feed),
+            Before::All(modal) => self.modal = modal,
+        }
+        self.drop_line();
+    }
+
+    /// Nothing more comes of the line at hand.
+    fn drop_line(&mut self) {
+        self.queue.clear();
+        self.warnings.clear();
+        (self.waiting, self.motion, self.single) = (None, None, None);
+        self.calculator.reset();
+        self.moves = false;
+        self.quiet = 0;
+    }
+
+    /// Behind a refusal at an earlier place, or at the end of the running program: where it goes on, if not with the next line.
+    pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
+        match (kind, self.flow.passing) {
+            (NcErrorKind::NoLabel, _) => {
+                self.flow.passing = None;
+                Some(self.flow.behind)
+            }
+            (NcErrorKind::Unclosed { .. }, passing) => {
+                self.flow.leave_blocks();
+                let next = match passing {
+                    Some(Passing::End(ending)) => self.end_by_word(ending),
+                    _ => self.finish_program(),
+                };
+                if let Next::At(mark) = next { Some(mark) } else { None }
+            }
+            (NcErrorKind::NoMainProgram, _) => {
+                self.phase = Phase::Ended;
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// A jump that was decided on is refused.
+    pub fn stay(&mut self, mark: Mark) {
+        if core::mem::take(&mut self.flow.left) {
+            // Nothing is open any more.
+        } else if matches!(self.flow.passing, Some(Passing::Label(_))) {
+            self.flow.passing = None;
+        } else if self.flow.innermost().is_some_and(|open| open.body == mark) {
+            self.flow.blocks.pop();
+        } else if self.flow.program == mark {
+            self.flow.leave_call();
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Program text that arrives byte by byte: a window of `N` bytes between a serial task and the decoder.
+//!
+//! ```text
+//!  serial task, any context                                             planner
+//!  Feeder::push → [ kept: up to N/2 bytes | line at hand, text ahead ] → Stream (a Text)
+//! ```
+//!
+//! The window is a ring of bytes with one writer for each word, so that both ends may run in different contexts or on different
+//! cores, without a lock and without compare-and-swap.
+//!
+//! What lies more than `N`/2 bytes before the furthest line that the decoder has come to is forgotten, and makes room for
+//! text that follows. The rule depends on the text alone: whether a loop, a jump back or a call of a subprogram in the same stream
+//! finds its text does not depend on when bytes arrive. Where it does not, the line is refused
+//! ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than `N`/2 bytes with its comments.
+use super::{Text, TextError};
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
+
+/// Memory of a stream of program text: `N` bytes, a power of two and at least 64. All bits are zero when new.
+///
+/// ```
+/// use glidepath::nc::{Text, TextError, Window};
+///
+/// let mut window = Window::<256>::new();
+/// let (mut feeder, mut text) = window.split();
+/// assert_eq!(feeder.push(b"G00 X1\n"), 7);
+/// let mut line = [0; 16];
+/// assert_eq!(text.read(0, 0, &mut line), Ok(7));
+/// assert_eq!(text.read(0, 7, &mut line), Err(TextError::NotYet));
+/// feeder.end();
+/// assert_eq!(text.read(0, 7, &mut line), Ok(0));
+/// ```
+pub struct Window<const N: usize> {
+    bytes: [AtomicU8; N],
+    /// Bytes put in since the split. This, `start` and `ended` are written by the feeder.
+    put: AtomicU32,
+    /// What was put in before is not wanted.
+    start: AtomicU32,
+    /// Nothing follows.
+    ended: AtomicBool,
+    /// The first byte that is kept. Written by the decoder.
+    kept: AtomicU32,
+}
+
+/// The end of a [`Window`] where text comes in. It may be moved to another task, an interrupt, or another core.
+pub struct Feeder<'a, const N: usize> {
+    window: &'a Window<N>,
+}
+
+/// The end of a [`Window`] that the decoder reads.
+pub struct Stream<'a, const N: usize> {
+    window: &'a Window<N>,
+    /// Where the program at hand was said to begin.
+    start: u32,
+}
+
+/// Whether the offset `a` is before `b`; they are less than 2^31 apart.
+const fn is_before(a: u32, b: u32) -> bool {
+    (a.wrapping_sub(b) as i32) < 0
+}
+
+impl<const N: usize> Window<N> {
+    const BYTES: u32 = {
+        assert!(
+            N.is_power_of_two() && N >= 64 && N <= 1 << 30,
+            "a window is a power of two of bytes, 64 at least"
+        );
+        N as u32
+    };
+
+    /// An empty window.
+    pub const fn new() -> Self {
+        let [put, start, kept] = [const { AtomicU32::new(0) }; 3];
+        Self { bytes: [const { AtomicU8::new(0) }; N], put, start, ended: AtomicBool::new(false), kept }
+    }
+
+    /// Both ends, emptied: nothing that was in it counts.
+    pub fn split(&mut self) -> (Feeder<'_, N>, Stream<'_, N>) {
+        for word in [&mut self.put, &mut self.start, &mut self.kept] {
+            *word.get_mut() = 0;
+        }
+        *self.ended.get_mut() = false;
+        (Feeder { window: self }, Stream { window: self, start: 0 })
+    }
+
+    /// The place of the byte at `offset`.
+    fn byte(&self, offset: u32) -> Option<&AtomicU8> {
+        self.bytes.get((offset & (Self::BYTES - 1)) as usize)
+    }
+}
+
+impl<const N: usize> Default for Window<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> Feeder<'_, N> {
+    /// How many bytes the window takes now.
+    pub fn room(&self) -> usize {
+        let kept = self.window.kept.load(Ordering::Acquire);
+        let used = self.window.put.load(Ordering::Relaxed).wrapping_sub(kept);
+        Window::<N>::BYTES.saturating_sub(used) as usize
+    }
+
+    /// Puts bytes in, as many as there is room for, and says how many: the others are to be given again. Bounded by the length of
+    /// `bytes`.
+    pub fn push(&mut self, bytes: &[u8]) -> usize {
+        let put = self.window.put.load(Ordering::Relaxed);
+        let count = bytes.len().min(self.room());
+        for (byte, k) in bytes.iter().take(count).zip(0..) {
+            if let Some(place) = self.window.byte(put.wrapping_add(k)) {
+                place.store(*byte, Ordering::Relaxed);
+            }
+        }
+        self.window.put.store(put.wrapping_add(count as u32), Ordering::Release);
+        count
+    }
+
+    /// The text is complete: behind the last byte the program ends.
+    pub fn end(&mut self) {
+        self.window.ended.store(true, Ordering::Release);
+    }
+
+    /// Another program follows: what was put in before and is not read yet does not belong to it. For the rest of a program that
+    /// was aborted. It counts from [`crate::channel::Planner::load_next`] on.
+    pub fn restart(&mut self) {
+        self.window.ended.store(false, Ordering::Relaxed);
+        self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);
+    }
+}
+
+impl<const N: usize> Text for Stream<'_, N> {
+    fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+        if file != 0 {
+            return Err(TextError::Failed);
+        }
+        if !self.holds(file, offset) {
+            return Err(TextError::Forgotten);
+        }
+        // Looked at before what was put in: behind the end nothing is.
+        let ended = self.window.ended.load(Ordering::Acquire);
+        let there = self.window.put.load(Ordering::Acquire).wrapping_sub(offset);
+        if there as i32 <= 0 {
+            let kept = self.window.kept.load(Ordering::Relaxed);
+            return match offset.wrapping_sub(kept) {
+                _ if ended => Ok(0),
+                ahead if ahead >= Window::<N>::BYTES => Err(TextError::Forgotten),
+                _ => Err(TextError::NotYet),
+            };
+        }
+        let count = buffer.len().min(there as usize);
+        for (to, k) in buffer.iter_mut().take(count).zip(0..) {
+            *to = self.window.byte(offset.wrapping_add(k)).map_or(0, |byte| byte.load(Ordering::Relaxed));
+        }
+        Ok(count)
+    }
+
+    fn pass(&mut self, _: u16, offset: u32) {
+        let (kept, half) = (self.window.kept.load(Ordering::Relaxed), Window::<N>::BYTES / 2);
+        // Far enough behind it, and further than before.
+        if offset.wrapping_sub(kept) as i32 > half as i32 {
+            self.window.kept.store(offset.wrapping_sub(half), Ordering::Release);
+        }
+    }
+
+    fn holds(&self, _: u16, offset: u32) -> bool {
+        !is_before(offset, self.window.kept.load(Ordering::Relaxed))
+    }
+
+    fn next_program(&mut self) -> Option<u32> {
+        let start = self.window.start.load(Ordering::Acquire);
+        if core::mem::replace(&mut self.start, start) == start {
+            return None;
+        }
+        self.pass(0, start);
+        Some(start)
+    }
+}

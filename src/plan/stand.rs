@@ -1,0 +1,83 @@
+//! At rest: where the axes stand, what a new program begins with, another position for the same place.
+use super::{Beyond, PIECES, Phase, Place, Planning, RESERVE, Slot, Speed, clock};
+use crate::path::Shape;
+use crate::quantity::Position;
+use crate::smooth::Smoother;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// Whether the axes stand and all that was taken in is executed.
+    pub fn is_at_rest(&self) -> bool {
+        let taken_in = !self.lookahead.ring.is_empty()
+            || !self.intake.held.is_none()
+            || !self.intake.smoothing.is_empty();
+        let handed_out = self.frontier.laid == self.flights.len() && self.frontier.emitter.is_done();
+        let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end)
+            || self.task.shifted == Some(self.frontier.end);
+        let rests = self.frontier.speed == Speed::ZERO && self.task.rest == 0 && self.frontier.owed == 0;
+        !taken_in && handed_out && passed && rests && !self.queue.clock.has_left()
+    }
+
+    /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
+    pub fn position(&self) -> &[Position; AXES] {
+        &self.intake.programmed
+    }
+
+    /// Where a curve was refused for a software limit, once.
+    pub fn take_refused(&mut self) -> Option<(Place, Beyond)> {
+        self.intake.refused.take()
+    }
+
+    /// There is nothing that an abort could end.
+    pub fn forget_abort(&mut self) {
+        if self.queue.control.commands().abort {
+            self.queue.control.aborted();
+        }
+    }
+
+    /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs no other one.
+    pub fn begin(&mut self) {
+        self.task.stood |= self.flights.len() > 0;
+    }
+
+    /// Weights, path limits, slope and contour mode as at program start. Only at rest.
+    pub fn restart(&mut self) {
+        self.dynamics.restart();
+        self.intake.smoothing.restart();
+    }
+
+    /// Behind a plan that failed: what was taken in is forgotten.
+    pub fn drop_ahead(&mut self) {
+        self.forget_ahead();
+        (self.task.flush, self.task.rest) = (false, 0);
+    }
+
+    /// Behind a plan that failed, at rest: goes on from where the axes stand.
+    pub fn recover(&mut self) {
+        self.forget();
+    }
+
+    /// The point where the axes stand, as a curve without length: what comes next begins on it. There is room.
+    pub(super) fn stay_here(&mut self, block: u32) {
+        let _ = self.queue.segments.push(&Shape::BLANK, &self.intake.entered, 0, block);
+        self.queue.segments.hand_on(1);
+    }
+
+    /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings it to the interrupt, whose
+    /// set point is the new one from its next tick on. Only at rest. `false`, and nothing has changed, if there is no room.
+    #[must_use]
+    pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
+        if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + RESERVE {
+            return false;
+        }
+        for stands in [&mut self.intake.entered, &mut self.intake.programmed] {
+            if let Some(slot) = stands.get_mut(axis) {
+                *slot = position;
+            }
+        }
+        // It belongs to the last block.
+        self.stay_here(self.intake.taken.wrapping_sub(1));
+        self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });
+        self.task.shifted = Some(self.frontier.end);
+        true
+    }
+}
