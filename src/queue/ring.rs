@@ -227,13 +227,15 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
     /// Takes the oldest item out into `item`, copied once, if there is one and it is `fit`.
     #[inline(always)]
     pub fn pop_into(&mut self, item: &mut T, fit: impl FnOnce(&T) -> bool) -> bool {
-        let number = self.ring.taken.load(Ordering::Relaxed);
-        if self.ring.put.load(Ordering::Acquire) == number {
+        // In a register: it would be loaded again.
+        let ring = self.ring;
+        let number = ring.taken.load(Ordering::Relaxed);
+        if ring.put.load(Ordering::Acquire) == number {
             return false;
         }
         // SAFETY: not empty, so the slot is the consumer's until the counter moves on.
         let is_fit = unsafe {
-            self.ring.slot(number).read(|oldest| {
+            ring.slot(number).read(|oldest| {
                 let is_fit = fit(oldest);
                 if is_fit {
                     *item = *oldest;
@@ -242,7 +244,7 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
             })
         };
         if is_fit {
-            self.ring.taken.store(number.wrapping_add(1), Ordering::Release);
+            ring.taken.store(number.wrapping_add(1), Ordering::Release);
         }
         is_fit
     }

@@ -130,8 +130,13 @@ impl<'a, M: Memory> Timeline<'a, M> {
             self.change_over(number);
         }
         if self.done >= self.phase.ticks {
-            let leaves = clock.is_end(instant);
-            let more = if leaves || self.stops { self.stop(clock, leaves) } else { self.take() };
+            let more = if clock.is_end(instant) {
+                self.stop(clock, true)
+            } else if self.stops {
+                self.stop(clock, false)
+            } else {
+                self.take()
+            };
             if !more {
                 return None;
             }
