@@ -25,13 +25,15 @@ struct Run {
     stands: [f64; 4],
     low: [f64; 4],
     high: [f64; 4],
+    /// Functions put out.
+    functions: usize,
 }
 
 fn run_from(machine: &MachineData<4>, start: [f64; 4], text: &str) -> Run {
     let mut memory = Channel::<4, BLOCKS>::new();
     let at = start.map(Position::from_num);
     let (mut planner, mut interpolator) = memory.split(machine, at, text.as_bytes()).unwrap();
-    let mut run = Run { error: None, stands: start, low: start, high: start };
+    let mut run = Run { error: None, stands: start, low: start, high: start, functions: 0 };
     for _ in 0..1_000_000 {
         let mut done = false;
         loop {
@@ -48,6 +50,7 @@ fn run_from(machine: &MachineData<4>, start: [f64; 4], text: &str) -> Run {
             }
         }
         let state = interpolator.tick();
+        run.functions += core::iter::from_fn(|| interpolator.event()).count();
         run.stands = interpolator.set_points().map(|p| p.to_num());
         for (k, x) in run.stands.into_iter().enumerate() {
             (run.low[k], run.high[k]) = (run.low[k].min(x), run.high[k].max(x));
@@ -178,13 +181,14 @@ fn arcs_are_refused_as_a_sampling_says() {
 #[test]
 fn curves_in_corners_stay_inside() {
     // The interim point lies outside, the blocks do not.
-    let text = "#CONTOUR MODE [POS PRE_DIST=20 POST_DIST=20 X105 Y-2]\nG261\nG01 X95 F3000\nY60\nX0\nM30";
+    let text = "#CONTOUR MODE [POS PRE_DIST=20 POST_DIST=20 X105 Y-2]\nG261\nG01 X95 F3000 M7\nY60\nX0\nM30";
     let stopped = run(text);
     let Some(Error::SoftwareLimit(place, axis, beyond)) = stopped.error else {
         panic!("{:?}", stopped.error)
     };
     assert_eq!((place.line, place.column, axis.as_str()), (4, 1, "X"), "the block behind the corner");
     assert!(beyond.is_positive() && beyond.position > 100 << 32 && beyond.limit == 100 << 32);
+    assert_eq!(stopped.functions, 0, "M7 belongs to the point that was not reached");
     assert!(stopped.stands[0] >= 75.0 && stopped.stands[0] < 100.0, "{:?}", stopped.stands);
     // Wider limits let it pass: it is the curve that leaves them.
     let mut wide = machine();
