@@ -178,7 +178,8 @@ fn a_text_is_taken_at_rest_only() {
     assert_eq!(bench.at_mm()[0], 0.0);
 }
 
-/// A program with one refused line in its middle: the text of the message, and where the axes come to with the line and behind it.
+/// A program with one refused line in its middle: the text of the message, and where the axes come to with
+/// the line and behind it.
 fn around(bad: &str, behind: &str) -> (Error, [f64; 3], [f64; 3]) {
     let text = format!("G01 X10 F1000\nY5\n{bad}\n{behind}\n");
     let mut memory = Channel::new();
@@ -514,7 +515,8 @@ fn what_is_left_of_an_aborted_program_is_passed_over() {
     assert_eq!(bench.interpolator.set_points()[0], mm(stands) + mm(1.0));
 }
 
-/// The session that the target repeats bit for bit, and the judge of this test: what each of its parts leads to.
+/// The session that the target repeats bit for bit, and the judge of this test: what each of its parts leads
+/// to.
 struct Steps(Vec<[i64; 3]>);
 
 impl hil_cases::Watch<3> for Steps {
@@ -525,7 +527,8 @@ impl hil_cases::Watch<3> for Steps {
     }
 }
 
-/// Program, M30, next program, refused line, next line, abort, set position, next program, feed hold: one channel, one power-up.
+/// Program, M30, next program, refused line, next line, abort, set position, next program, feed hold: one
+/// channel, one power-up.
 #[test]
 fn one_channel_from_power_up_to_power_off() {
     let mut memory = Box::new(Channel::<3, { hil_cases::BLOCKS }>::new());

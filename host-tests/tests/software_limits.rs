@@ -132,7 +132,8 @@ fn an_arc_that_touches_its_limit_is_inside() {
     refused("G17 G02 X0 Y0 I5 Z100.5 F3000", 1, 5, "Z", 100.5, 100.0);
 }
 
-/// Every arc of a circle that sticks out on one side: refused just if a dense sampling of it leaves the limits.
+/// Every arc of a circle that sticks out on one side: refused just if a dense sampling of it leaves the
+/// limits.
 #[test]
 fn arcs_are_refused_as_a_sampling_says() {
     let (mut inside, mut outside) = (0, 0);
@@ -303,7 +304,8 @@ fn a_refused_motion_leaves_no_trace_and_the_next_line_goes_on() {
     assert_eq!(ends[..2], [-1.0, 10.0], "absolute and at feed, as before the line");
 }
 
-/// A plain line, which the decoder takes in one pass: G00 or the feed of the refused one would show in the time.
+/// A plain line, which the decoder takes in one pass: G00 or the feed of the refused one would show in the
+/// time.
 #[test]
 fn a_refused_plain_line_changes_nothing_in_force() {
     let ticks = |bad: &str| {

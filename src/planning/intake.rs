@@ -218,7 +218,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.travel.curve(from, |axis| element.bent_range(axis, from, self.travel.of(axis, from)))
     }
 
-    /// Whether a motion has a path that it may take. For a line in which other commands come before its motion.
+    /// Whether a motion has a path that it may take. For a line in which other commands come before its
+    /// motion.
     ///
     /// # Errors
     /// Why it has none.
@@ -235,7 +236,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put out.
+    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put
+    /// out.
     pub fn drop_motion(&mut self) {
         self.functions.drop_unsettled(self.queue.control);
     }
@@ -360,8 +362,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.entrance().0.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
     }
 
-    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is
-    /// forgotten.
+    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was
+    /// taken in behind is forgotten.
     #[cold]
     #[inline(never)]
     fn drop_curve(&mut self, place: Place, beyond: Beyond) {
