@@ -12,7 +12,7 @@ const QUARTER: u64 = 1 << 62;
 
 /// How often a polynomial is halved, and how many halvings there are in all.
 const DEPTH: u32 = 8;
-const SPLITS: u32 = 16;
+const SPLITS: u32 = 12;
 
 /// A nanometre: rounding of a curve's end and of its direction there is less.
 const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
@@ -68,8 +68,8 @@ impl<const AXES: usize> Element<AXES> {
     }
 
     /// How far an axis comes on a polynomial that begins at `from`, below and above: a coordinate beyond
-    /// `limits`, if it comes there, else its start. An extreme between the ends counts as beyond where it
-    /// comes nearer than a 2^18th of what the curvature bends it by.
+    /// `limits`, if it comes there, else its start. An extreme between the ends counts as beyond where the
+    /// hull of the part around it, a 64th of the curve or less, reaches beyond.
     pub fn bent_range(
         &self,
         axis: usize,
