@@ -139,7 +139,8 @@ pub enum Error {
     NotEnabled(Place, &'static str),
     /// A motion block without path or speed.
     Motion(Place, MotionError),
-    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its software limit.
+    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its
+    /// software limit.
     SoftwareLimit(Place, AxisName, Beyond),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
@@ -234,9 +235,10 @@ impl Held {
 
 /// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
 ///
-/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand and everything that was
-/// read is executed: before the first program, at the end of one, behind a refused line, after an abort, and where a stream has
-/// no text. What follows begins where the axes stand, to the last bit.
+/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand
+/// and everything that was read is executed: before the first program, at the end of one, behind a refused
+/// line, after an abort, and where a stream has no text. What follows begins where the axes stand, to the
+/// last bit.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
@@ -245,13 +247,13 @@ impl Held {
 /// | [`Self::continue_with`] | another one, from its start | as they are: single lines (MDI) |
 /// | [`Self::go_on`] | the same, behind the refused line | as before the refused line |
 ///
-/// Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what P-ZERO-00002 says; the
-/// slope of P-CHAN-00071; no weights and no limits along the path; all axes with the channel. RS274/NGC resets much the same at M02
-/// and M30, and nothing from one line of MDI to the next. Zero offsets, positions, override and reduced speed belong to the
-/// machine: no program resets them.
+/// Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what
+/// P-ZERO-00002 says; the slope of P-CHAN-00071; no weights and no limits along the path; all axes with the
+/// channel. RS274/NGC resets much the same at M02 and M30, and nothing from one line of MDI to the next. Zero
+/// offsets, positions, override and reduced speed belong to the machine: no program resets them.
 ///
-/// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put in force does not belong
-/// to where the axes stand: then [`Self::continue_with`] begins as a program does.
+/// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put
+/// in force does not belong to where the axes stand: then [`Self::continue_with`] begins as a program does.
 pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
@@ -274,8 +276,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     ///
     /// # Errors
     /// A line is refused; what was planned before stays valid and comes to a standstill. Further calls go on
-    /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`] behind the line,
-    /// [`Self::load`] with another program.
+    /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`]
+    /// behind the line, [`Self::load`] with another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
@@ -510,7 +512,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.error(if of_centre { motion.centre } else { motion.place }, error)
     }
 
-    /// A command that changes what is in force, in a line with a motion: if that is refused, the command must not be carried out.
+    /// A command that changes what is in force, in a line with a motion: if that is refused, the command must
+    /// not be carried out.
     #[inline(never)]
     fn look_ahead(&self, head: &Head) -> Result<(), Error> {
         match self.decoder.motion() {

@@ -25,13 +25,16 @@ struct Run {
     stands: [f64; 4],
     low: [f64; 4],
     high: [f64; 4],
+    /// Functions put out.
+    functions: usize,
 }
 
 fn run_from(machine: &MachineData<4>, start: [f64; 4], text: &str) -> Run {
     let mut memory = Channel::<4, BLOCKS>::new();
     let at = start.map(Position::from_num);
-    let Handles { mut planner, mut interpolator, .. } = memory.split(machine, at, text.as_bytes()).unwrap();
-    let mut run = Run { error: None, stands: start, low: start, high: start };
+    let Handles { mut planner, mut interpolator, operator } =
+        memory.split(machine, at, text.as_bytes()).unwrap();
+    let mut run = Run { error: None, stands: start, low: start, high: start, functions: 0 };
     for _ in 0..1_000_000 {
         let mut done = false;
         loop {
@@ -48,6 +51,7 @@ fn run_from(machine: &MachineData<4>, start: [f64; 4], text: &str) -> Run {
             }
         }
         let state = interpolator.tick();
+        run.functions += core::iter::from_fn(|| operator.output()).count();
         run.stands = interpolator.set_points().map(|p| p.to_num());
         for (k, x) in run.stands.into_iter().enumerate() {
             (run.low[k], run.high[k]) = (run.low[k].min(x), run.high[k].max(x));
@@ -129,7 +133,8 @@ fn an_arc_that_touches_its_limit_is_inside() {
     refused("G17 G02 X0 Y0 I5 Z100.5 F3000", 1, 5, "Z", 100.5, 100.0);
 }
 
-/// Every arc of a circle that sticks out on one side: refused just if a dense sampling of it leaves the limits.
+/// Every arc of a circle that sticks out on one side: refused just if a dense sampling of it leaves the
+/// limits.
 #[test]
 fn arcs_are_refused_as_a_sampling_says() {
     let (mut inside, mut outside) = (0, 0);
@@ -178,13 +183,14 @@ fn arcs_are_refused_as_a_sampling_says() {
 #[test]
 fn curves_in_corners_stay_inside() {
     // The interim point lies outside, the blocks do not.
-    let text = "#CONTOUR MODE [POS PRE_DIST=20 POST_DIST=20 X105 Y-2]\nG261\nG01 X95 F3000\nY60\nX0\nM30";
+    let text = "#CONTOUR MODE [POS PRE_DIST=20 POST_DIST=20 X105 Y-2]\nG261\nG01 X95 F3000 M7\nY60\nX0\nM30";
     let stopped = run(text);
     let Some(Error::SoftwareLimit(place, axis, beyond)) = stopped.error else {
         panic!("{:?}", stopped.error)
     };
     assert_eq!((place.line, place.column, axis.as_str()), (4, 1, "X"), "the block behind the corner");
     assert!(beyond.is_positive() && beyond.position > 100 << 32 && beyond.limit == 100 << 32);
+    assert_eq!(stopped.functions, 0, "M7 belongs to the point that was not reached");
     assert!(stopped.stands[0] >= 75.0 && stopped.stands[0] < 100.0, "{:?}", stopped.stands);
     // Wider limits let it pass: it is the curve that leaves them.
     let mut wide = machine();
@@ -300,7 +306,8 @@ fn a_refused_motion_leaves_no_trace_and_the_next_line_goes_on() {
     assert_eq!(ends[..2], [-1.0, 10.0], "absolute and at feed, as before the line");
 }
 
-/// A plain line, which the decoder takes in one pass: G00 or the feed of the refused one would show in the time.
+/// A plain line, which the decoder takes in one pass: G00 or the feed of the refused one would show in the
+/// time.
 #[test]
 fn a_refused_plain_line_changes_nothing_in_force() {
     let ticks = |bad: &str| {

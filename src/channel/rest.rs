@@ -91,8 +91,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.held.is_none() && self.decoder.is_between_lines() && self.planning.is_at_rest()
     }
 
-    /// Takes the next program. It begins where the axes stand, with everything as at program start. The text before comes back.
-    /// Nothing runs before the next call of [`Self::poll`].
+    /// Takes the next program. It begins where the axes stand, with everything as at program start. The text
+    /// before comes back. Nothing runs before the next call of [`Self::poll`].
     ///
     /// # Errors
     /// Not at rest: the text comes back, and nothing has changed.
@@ -100,8 +100,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.replace(text, false)
     }
 
-    /// Takes single lines (MDI): another text, with everything in force as the last one left it. After an abort it begins as
-    /// [`Self::load`] does. The text before comes back.
+    /// Takes single lines (MDI): another text, with everything in force as the last one left it. After an
+    /// abort it begins as [`Self::load`] does. The text before comes back.
     ///
     /// # Errors
     /// Not at rest: the text comes back, and nothing has changed.
@@ -109,8 +109,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.replace(text, !self.lost)
     }
 
-    /// Takes the next program of the same text, behind the one that has ended, or that a refused line or an abort has ended. It begins
-    /// as with [`Self::load`]. For a stream that holds one program behind the other.
+    /// Takes the next program of the same text, behind the one that has ended, or that a refused line or an
+    /// abort has ended. It begins as with [`Self::load`]. For a stream that holds one program behind the
+    /// other.
     ///
     /// # Errors
     /// Not at rest: nothing has changed.
@@ -123,9 +124,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         Ok(())
     }
 
-    /// Goes on behind a refused line, from where the axes stand and with everything in force that was in force before that line.
-    /// What the line would have done before the word refused, in the order of execution (an M00 behind a motion), stays done.
-    /// Where the curve of a corner was refused for a software limit, the axes stand inside the limits, before its part that leads beyond.
+    /// Goes on behind a refused line, from where the axes stand and with everything in force that was in
+    /// force before that line. What the line would have done before the word refused, in the order of
+    /// execution (an M00 behind a motion), stays done. Where the curve of a corner was refused for a software
+    /// limit, the axes stand inside the limits, before its part that leads beyond.
     ///
     /// # Errors
     /// Not at rest, or there is no such line: nothing has changed.
@@ -142,9 +144,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         Ok(())
     }
 
-    /// Says that an axis stands at `position`, machine coordinates, where it is: nothing moves. The set point of the interrupt is the new
-    /// one from its next tick on, a [`crate::tick::State::Active`] one at path speed 0; a board that counts increments takes the difference
-    /// as a shift of its origin, not as motion. Offsets and software limits stay as they are, and count for the new position.
+    /// Says that an axis stands at `position`, machine coordinates, where it is: nothing moves. The set point
+    /// of the interrupt is the new one from its next tick on, a [`crate::tick::State::Active`] one at path
+    /// speed 0; a board that counts increments takes the difference as a shift of its origin, not as motion.
+    /// Offsets and software limits stay as they are, and count for the new position.
     ///
     /// # Errors
     /// Not at rest, or no such position: nothing has changed.
@@ -160,8 +163,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         Ok(())
     }
 
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or degrees). It counts from
-    /// the next line on, also where that zero offset is in force, and for all programs that follow; nothing moves.
+    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or
+    /// degrees). It counts from the next line on, also where that zero offset is in force, and for all
+    /// programs that follow; nothing moves.
     ///
     /// # Errors
     /// Not at rest, or there is no such zero offset: nothing has changed.
@@ -177,7 +181,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
-    /// The position of every axis, machine coordinates, where the blocks read so far end. At rest it is the set point, to the last bit.
+    /// The position of every axis, machine coordinates, where the blocks read so far end. At rest it is the
+    /// set point, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         self.planning.position()
     }

@@ -118,14 +118,15 @@ pub struct AxisData {
     pub default_feed_axis: bool,
     /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
-    /// P-AXIS-00177 `kenngr.swe_neg`: negative software limit, 0.1 µm (rotary: 0.0001°), machine coordinates; [`NO_LIMIT`] below
-    /// 0: none.
+    /// P-AXIS-00177 `kenngr.swe_neg`: negative software limit, 0.1 µm (rotary: 0.0001°), machine coordinates;
+    /// [`NO_LIMIT`] below 0: none.
     pub swe_neg: i32,
     /// P-AXIS-00178 `kenngr.swe_pos`: positive software limit, above the negative one; [`NO_LIMIT`]: none.
     pub swe_pos: i32,
 }
 
-/// A software limit that is none: ±100 000 mm or degrees, the end of all coordinates. ISG's default is ±10 m, here it is none.
+/// A software limit that is none: ±100 000 mm or degrees, the end of all coordinates. ISG's default is ±10 m,
+/// here it is none.
 pub const NO_LIMIT: i32 = 1_000_000_000;
 
 /// Zero offsets that programs select: G54…G59.

@@ -1,7 +1,8 @@
 //! Where the axes may go: software limits, P-AXIS-00177 and P-AXIS-00178.
 //!
-//! As ISG has it, they are positions of the machine, without offsets, and an axis may go up to them. They are checked before a block
-//! is planned, along all of its path. An axis that stands beyond a limit may come back, and go no further.
+//! As ISG has it, they are positions of the machine, without offsets, and an axis may go up to them. They are
+//! checked before a block is planned, along all of its path. An axis that stands beyond a limit may come
+//! back, and go no further.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;

@@ -84,7 +84,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// arithmetic a part.
     ///
     /// # Errors
-    /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until [`Self::go_on`].
+    /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until
+    /// [`Self::go_on`].
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
         if self.refused {
             return Ok(Step::End);
@@ -142,9 +143,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.position
     }
 
-    /// The line at hand is refused, by the decoder or by who carries its commands out: nothing more comes of it, and what was in
-    /// force before it (G words, F, R, zero offset, G92) is in force again. P parameters keep what words before the refused one
-    /// assigned to them.
+    /// The line at hand is refused, by the decoder or by who carries its commands out: nothing more comes of
+    /// it, and what was in force before it (G words, F, R, zero offset, G92) is in force again. P parameters
+    /// keep what words before the refused one assigned to them.
     pub(crate) fn refuse(&mut self) {
         self.interpreter.refuse();
         self.refused = true;
@@ -155,23 +156,25 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused
     }
 
-    /// Behind a refusal: goes on with the next line, from `position` (machine coordinates). A loop, a branch or a call that a refused
-    /// line would have begun has not begun. What was refused as missing at the end of a program (a closing word) is done without.
+    /// Behind a refusal: goes on with the next line, from `position` (machine coordinates). A loop, a branch
+    /// or a call that a refused line would have begun has not begun. What was refused as missing at the end
+    /// of a program (a closing word) is done without.
     pub fn go_on(&mut self, position: [Position; AXES]) {
         self.interpreter.position = position;
         self.reader.go_on();
         self.refused = false;
     }
 
-    /// Begins with another text, from its start and from `position` (machine coordinates); the text before comes back. A line of the
-    /// one before is forgotten. All modal functions, F, G92 and P parameters are as at program start, unless `keeps` says that they
-    /// stay as they are. Zero offsets stay as they were set.
+    /// Begins with another text, from its start and from `position` (machine coordinates); the text before
+    /// comes back. A line of the one before is forgotten. All modal functions, F, G92 and P parameters are as
+    /// at program start, unless `keeps` says that they stay as they are. Zero offsets stay as they were set.
     pub fn load(&mut self, text: T, position: [Position; AXES], keeps: bool) -> T {
         self.restart(position, keeps);
         self.reader.replace(text)
     }
 
-    /// Goes on in the same text, with the program that follows behind the end of the one before, from `position`.
+    /// Goes on in the same text, with the program that follows behind the end of the one before, from
+    /// `position`.
     pub fn load_next(&mut self, position: [Position; AXES]) {
         let here = self.reader.next_start();
         let mark = self.interpreter.flow.frames.first().map_or(here, |frame| frame.back);

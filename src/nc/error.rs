@@ -3,7 +3,8 @@ use super::Place;
 use core::fmt;
 use heapless::String;
 
-/// A refusal: what was found where, and what was expected. The decoder stops at it, until it is told to go on behind the line.
+/// A refusal: what was found where, and what was expected. The decoder stops at it, until it is told to go on
+/// behind the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcError {

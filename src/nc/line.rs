@@ -476,7 +476,8 @@ impl<T: Text> LineReader<T> {
         Ok(true)
     }
 
-    /// The line at hand is refused before it is complete: what is left of it is passed over when the program goes on.
+    /// The line at hand is refused before it is complete: what is left of it is passed over when the program
+    /// goes on.
     #[cold]
     fn refuse(&mut self, place: Place, kind: NcErrorKind) -> NcError {
         (self.refused, self.continued) = (true, false);

@@ -19,7 +19,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.drop_line();
     }
 
-    /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was assigned to them.
+    /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was
+    /// assigned to them.
     pub fn refuse(&mut self) {
         match core::mem::replace(&mut self.before, Before::Alike) {
             Before::Alike => {}
@@ -39,7 +40,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.quiet = 0;
     }
 
-    /// Behind a refusal at an earlier place, or at the end of the running program: where it goes on, if not with the next line.
+    /// Behind a refusal at an earlier place, or at the end of the running program: where it goes on, if not
+    /// with the next line.
     pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
         match (kind, self.flow.passing) {
             (NcErrorKind::NoLabel, _) => {

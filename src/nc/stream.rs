@@ -5,13 +5,14 @@
 //!  Feeder::push → [ kept: up to N/2 bytes | line at hand, text ahead ] → Stream (a Text)
 //! ```
 //!
-//! The window is a ring of bytes with one writer for each word, so that both ends may run in different contexts or on different
-//! cores, without a lock and without compare-and-swap.
+//! The window is a ring of bytes with one writer for each word, so that both ends may run in different
+//! contexts or on different cores, without a lock and without compare-and-swap.
 //!
-//! What lies more than `N`/2 bytes before the furthest line that the decoder has come to is forgotten, and makes room for
-//! text that follows. The rule depends on the text alone: whether a loop, a jump back or a call of a subprogram in the same stream
-//! finds its text does not depend on when bytes arrive. Where it does not, the line is refused
-//! ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than `N`/2 bytes with its comments.
+//! What lies more than `N`/2 bytes before the furthest line that the decoder has come to is forgotten, and
+//! makes room for text that follows. The rule depends on the text alone: whether a loop, a jump back or a
+//! call of a subprogram in the same stream finds its text does not depend on when bytes arrive. Where it does
+//! not, the line is refused ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than `N`/2 bytes
+//! with its comments.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
@@ -41,7 +42,8 @@ pub struct Window<const N: usize> {
     kept: AtomicU32,
 }
 
-/// The end of a [`Window`] where text comes in. It may be moved to another task, an interrupt, or another core.
+/// The end of a [`Window`] where text comes in. It may be moved to another task, an interrupt, or another
+/// core.
 pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
@@ -102,8 +104,8 @@ impl<const N: usize> Feeder<'_, N> {
         Window::<N>::BYTES.saturating_sub(used) as usize
     }
 
-    /// Puts bytes in, as many as there is room for, and says how many: the others are to be given again. Bounded by the length of
-    /// `bytes`.
+    /// Puts bytes in, as many as there is room for, and says how many: the others are to be given again.
+    /// Bounded by the length of `bytes`.
     pub fn push(&mut self, bytes: &[u8]) -> usize {
         let put = self.window.put.load(Ordering::Relaxed);
         let count = bytes.len().min(self.room());
@@ -121,8 +123,8 @@ impl<const N: usize> Feeder<'_, N> {
         self.window.ended.store(true, Ordering::Release);
     }
 
-    /// Another program follows: what was put in before and is not read yet does not belong to it. For the rest of a program that
-    /// was aborted. It counts from [`crate::channel::Planner::load_next`] on.
+    /// Another program follows: what was put in before and is not read yet does not belong to it. For the
+    /// rest of a program that was aborted. It counts from [`crate::channel::Planner::load_next`] on.
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);

@@ -20,13 +20,14 @@ pub trait Text {
         Ok(None)
     }
 
-    /// The decoder has come to the line that begins at `offset` of a file. A text that forgets may forget what lies far enough before
-    /// it: see [`super::Window`].
+    /// The decoder has come to the line that begins at `offset` of a file. A text that forgets may forget
+    /// what lies far enough before it: see [`super::Window`].
     fn pass(&mut self, file: u16, offset: u32) {
         let _ = (file, offset);
     }
 
-    /// Whether the line that begins at `offset` of a file can be read again. Asked before the decoder jumps there.
+    /// Whether the line that begins at `offset` of a file can be read again. Asked before the decoder jumps
+    /// there.
     fn holds(&self, file: u16, offset: u32) -> bool {
         let _ = (file, offset);
         true

@@ -12,7 +12,7 @@ const QUARTER: u64 = 1 << 62;
 
 /// How often a polynomial is halved, and how many halvings there are in all.
 const DEPTH: u32 = 8;
-const SPLITS: u32 = 16;
+const SPLITS: u32 = 12;
 
 /// A nanometre: rounding of a curve's end and of its direction there is less.
 const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
@@ -21,8 +21,8 @@ const LSB_32: f64 = 1.0 / (1u64 << 32) as f64;
 const ONE_32: f64 = (1u64 << 32) as f64;
 
 impl<const AXES: usize> Element<AXES> {
-    /// The least and the greatest coordinate of an axis on an arc from `from` to `to` about `centre`. Where the radius changes from start to
-    /// end, the larger one counts.
+    /// The least and the greatest coordinate of an axis on an arc from `from` to `to` about `centre`. Where
+    /// the radius changes from start to end, the larger one counts.
     pub fn arc_range(
         &self,
         axis: usize,
@@ -67,8 +67,9 @@ impl<const AXES: usize> Element<AXES> {
         range.map(Some)
     }
 
-    /// How far an axis comes on a polynomial that begins at `from`, below and above: a coordinate beyond `limits`, if it comes there, else
-    /// its start. An extreme between the ends counts as beyond where it comes nearer than a 2^18th of what the curvature bends it by.
+    /// How far an axis comes on a polynomial that begins at `from`, below and above: a coordinate beyond
+    /// `limits`, if it comes there, else its start. An extreme between the ends counts as beyond where the
+    /// hull of the part around it, a 64th of the curve or less, reaches beyond.
     pub fn bent_range(
         &self,
         axis: usize,
@@ -115,8 +116,8 @@ impl<const AXES: usize> Element<AXES> {
     }
 }
 
-/// Where a polynomial is above `most`, if it is anywhere: it lies in the hull of its Bernstein coefficients. Where that reaches further, the
-/// halves are looked at, down to a 256th.
+/// Where a polynomial is above `most`, if it is anywhere: it lies in the hull of its Bernstein coefficients.
+/// Where that reaches further, the halves are looked at, down to a 256th.
 fn above(whole: &[f64; 6], most: f64) -> Option<f64> {
     let most = most + NEAR;
     let mut open: Vec<([f64; 6], u32), { DEPTH as usize + 2 }> = Vec::new();

@@ -231,7 +231,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.travel.curve(from, |axis| element.arc_range(axis, from, to, centre))
     }
 
-    /// Whether a motion has a path that it may take. For a line in which other commands come before its motion.
+    /// Whether a motion has a path that it may take. For a line in which other commands come before its
+    /// motion.
     ///
     /// # Errors
     /// Why it has none.
@@ -248,7 +249,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put out.
+    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put
+    /// out.
     pub fn drop_motion(&mut self) {
         self.functions.drop_unsettled(self.queue.control);
     }
@@ -390,8 +392,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         emitted
     }
 
-    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was taken in behind is
-    /// forgotten.
+    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was
+    /// taken in behind is forgotten.
     #[cold]
     #[inline(never)]
     fn drop_curve(&mut self, place: Place, beyond: Beyond) {

@@ -62,7 +62,8 @@ pub enum Work {
     Late,
     /// It stands still, and what was taken in is forgotten, as the operator wanted.
     Aborted,
-    /// The curve of a corner leads beyond a software limit. The motion ends before it: [`Planning::take_refused`].
+    /// The curve of a corner leads beyond a software limit. The motion ends before it:
+    /// [`Planning::take_refused`].
     Refused,
 }
 

@@ -34,7 +34,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs no other one.
+    /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs
+    /// no other one.
     pub fn begin(&mut self) {
         self.task.stood |= self.flights.len() > 0;
     }
@@ -56,14 +57,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.forget();
     }
 
-    /// The point where the axes stand, as a curve without length: what comes next begins on it. There is room.
+    /// The point where the axes stand, as a curve without length: what comes next begins on it. There is
+    /// room.
     pub(super) fn stay_here(&mut self, block: u32) {
         let _ = self.queue.segments.push(&Shape::BLANK, &self.intake.entered, 0, block);
         self.queue.segments.hand_on(1);
     }
 
-    /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings it to the interrupt, whose
-    /// set point is the new one from its next tick on. Only at rest. `false`, and nothing has changed, if there is no room.
+    /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings
+    /// it to the interrupt, whose set point is the new one from its next tick on. Only at rest. `false`, and
+    /// nothing has changed, if there is no room.
     #[must_use]
     pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
         if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + RESERVE {

@@ -1,5 +1,6 @@
-//! One channel from power-up to power-off: program, M30, next program, refused line, next line, abort, set position, next program, feed
-//! hold. Its text lies in memory, or arrives over a line with so many bytes a tick: the set points are the same.
+//! One channel from power-up to power-off: program, M30, next program, refused line, next line, abort, set
+//! position, next program, feed hold. Its text lies in memory, or arrives over a line with so many bytes a
+//! tick: the set points are the same.
 use super::run::{Failure, Outcome, Watch, poll, tick};
 use glidepath::channel::{Channel, Error, Handles, Planner, Progress};
 use glidepath::digest::Digest;
@@ -13,8 +14,8 @@ use glidepath::tick::{Interpolator, State};
 pub const WINDOW: usize = 256;
 const BYTES: usize = 11;
 
-/// Two programs, one behind the other; the second one has a line that no machine understands. Each begins with a dwell, in which the
-/// line brings what follows: text that comes late would slow the motion down.
+/// Two programs, one behind the other; the second one has a line that no machine understands. Each begins
+/// with a dwell, in which the line brings what follows: text that comes late would slow the motion down.
 const TWO: &[u8] = b"%FIRST
 N10 G04 0.5
 N20 G54 G01 X20 Y5 F12000

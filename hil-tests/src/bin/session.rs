@@ -1,4 +1,5 @@
-//! One channel from power-up to power-off, every set point of every tick: with its text in memory, and over a line.
+//! One channel from power-up to power-off, every set point of every tick: with its text in memory, and over a
+//! line.
 #![no_std]
 #![no_main]
 use cortex_m_rt::entry;
