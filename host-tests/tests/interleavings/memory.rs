@@ -111,10 +111,8 @@ pub fn access(access: Access) -> Value {
             world.given += 1;
             return Some(*answer);
         }
-        if !world.is_own(side, access) {
-            if !std::mem::take(&mut world.may) {
-                return None;
-            }
+        if !world.is_own(side, access) && !std::mem::take(&mut world.may) {
+            return None;
         }
         let answer = world.make(side, access);
         match answer {

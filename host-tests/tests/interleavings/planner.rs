@@ -1,9 +1,7 @@
 //! What the planner's side does in a scenario, by the functions that the planner itself uses.
 use crate::memory::{Model, WORLD, piece};
 use glidepath::queue::word::Memory;
-use glidepath::queue::{
-    Change, Clock, Display, Keeper, Phase, Pieces, Slot, Snapshot, TooLate, Words, clock,
-};
+use glidepath::queue::{Change, Clock, Display, Keeper, Phase, Pieces, Slot, Snapshot, Words, clock};
 
 /// One thing that the planner does.
 #[derive(Clone, Copy, Debug)]
@@ -70,12 +68,9 @@ impl Planner {
                 for piece in [piece(self.law(), at, 1), piece(self.law(), at + 1, FAR)] {
                     assert!(pieces.push(piece).is_ok());
                 }
-                match change.commit(at * clock::TICK, pieces, clock) {
-                    Ok(_) => {
-                        self.laws.push((at, self.law()));
-                        (self.cut, self.end) = (Some(at), at + 1 + FAR);
-                    }
-                    Err(TooLate) => {}
+                if change.commit(at * clock::TICK, pieces, clock).is_ok() {
+                    self.laws.push((at, self.law()));
+                    (self.cut, self.end) = (Some(at), at + 1 + FAR);
                 }
             }
             Step::Retire => {
