@@ -156,6 +156,7 @@ impl Limits {
     }
 
     /// Becomes what both permit; of the speeds the higher one.
+    #[inline]
     pub(super) fn join(&mut self, other: &Self) {
         self.v = max(self.v, other.v);
         self.a_up = min(self.a_up, other.a_up);
@@ -423,6 +424,7 @@ impl Limits {
     }
 }
 
+#[inline]
 pub(super) fn lower<const N: usize>(values: &mut [f32; N], others: [f32; N]) {
     for (value, other) in values.iter_mut().zip(others) {
         *value = min(other, *value);
