@@ -77,6 +77,7 @@ impl<const AXES: usize, const BLOCKS: usize> Default for Channel<AXES, BLOCKS> {
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MachineError {
     /// A parameter of the axis with this index is out of range.
     Axis(usize, RangeError),
@@ -159,6 +160,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 
 /// What one call of [`Planner::poll`] achieved.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
@@ -183,6 +185,7 @@ pub enum Progress {
 
 /// The time law of one motion block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlannedBlock {
     /// Its first motion block, counted from 0 since program start.
     pub block: u32,
@@ -206,6 +209,7 @@ pub struct PlannedBlock {
 
 /// Why a program was refused.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error {
     /// The text is not a program.
     Nc(NcError),
@@ -268,6 +272,7 @@ impl core::error::Error for Error {}
 
 /// Why a zero offset was not set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ZeroOffsetError {
     /// Axes move or will move by blocks that are read already.
     NotAtRest,

@@ -74,3 +74,6 @@ pub mod digest;
 pub mod planning;
 
 pub mod channel;
+
+#[cfg(feature = "defmt")]
+mod logged;
