@@ -3,7 +3,7 @@ use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
-use glidepath::tick::State;
+use glidepath::tick::{Interpolator, State};
 
 /// A program that has not ended after so many ticks never will.
 const TICK_LIMIT: u32 = 1_000_000;
@@ -14,6 +14,24 @@ pub trait Watch<const AXES: usize> {
     fn now(&mut self) -> u32 {
         0
     }
+
+    /// The channel is about to be split, and it is.
+    #[inline(always)]
+    fn starting(&mut self) {}
+    /// See [`Self::starting`].
+    #[inline(always)]
+    fn started(&mut self) {}
+
+    /// The interpolator is about to be called, and it was.
+    #[inline(always)]
+    fn ticking(&mut self) {}
+    /// See [`Self::ticking`].
+    #[inline(always)]
+    fn rested(&mut self) {}
+
+    /// The program has ended.
+    #[inline(always)]
+    fn ended(&mut self) {}
 
     /// The planner was called and needed `cost`.
     fn polled(&mut self, cost: u32, result: &Result<Progress, Error>);
@@ -54,6 +72,10 @@ pub enum Failure {
     Endless,
 }
 
+/// What an application holds.
+type Halves<'a, const AXES: usize, const BLOCKS: usize> =
+    Result<(Planner<'a, &'static [u8], AXES, BLOCKS>, Interpolator<'a, AXES>), MachineError>;
+
 /// Plans as far as the queue takes it, then makes one set point, and so on to the end.
 ///
 /// # Errors
@@ -65,7 +87,9 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
     // By reference: the stack holds the planner's half once.
-    let mut halves = channel.split(machine, [Position::ZERO; AXES], text);
+    watch.starting();
+    let mut halves = split(channel, machine, text);
+    watch.started();
     let (planner, interpolator) = match &mut halves {
         Ok((planner, interpolator)) => (planner, interpolator),
         Err(error) => return Err(Failure::Machine(*error)),
@@ -89,16 +113,21 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
                 | Progress::Warning(_) => {}
             }
         }
+        watch.ticking();
         let before = watch.now();
         let state = tick(interpolator);
         let cost = watch.now().wrapping_sub(before);
+        watch.rested();
         match state {
             State::Active => {
                 outcome.ticks += 1;
                 outcome.digest.add(interpolator.set_points());
                 watch.ticked(cost, interpolator.set_points());
             }
-            State::Idle if done => return Ok(outcome),
+            State::Idle if done => {
+                watch.ended();
+                return Ok(outcome);
+            }
             State::Idle => outcome.starved += 1,
         }
     }
@@ -107,6 +136,15 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
 
 // Calls, not inlined into the loop: what is counted is what an application pays.
 #[inline(never)]
+fn split<'a, const AXES: usize, const BLOCKS: usize>(
+    channel: &'a mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    text: &'static [u8],
+) -> Halves<'a, AXES, BLOCKS> {
+    channel.split(machine, [Position::ZERO; AXES], text)
+}
+
+#[inline(never)]
 fn poll<const AXES: usize, const BLOCKS: usize>(
     planner: &mut Planner<'_, &'static [u8], AXES, BLOCKS>,
 ) -> Result<Progress, Error> {
@@ -114,6 +152,6 @@ fn poll<const AXES: usize, const BLOCKS: usize>(
 }
 
 #[inline(never)]
-fn tick<const AXES: usize>(interpolator: &mut glidepath::tick::Interpolator<'_, AXES>) -> State {
+fn tick<const AXES: usize>(interpolator: &mut Interpolator<'_, AXES>) -> State {
     interpolator.tick()
 }

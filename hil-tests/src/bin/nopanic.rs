@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use glidepath::axis::Axes;
-use glidepath::channel::{Channel, Progress};
+use glidepath::channel::{Channel, Error, MachineError, Planner, Progress};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{AXES_3, BLOCKS, CASES_3};
@@ -20,6 +20,9 @@ static CHANNEL: ConstStaticCell<Channel<3, BLOCKS>> = ConstStaticCell::new(Chann
 static TO_INTERRUPT: Mutex<Cell<Option<Interpolator<'static, 3>>>> = Mutex::new(Cell::new(None));
 static OUTPUT: Output = Output([const { AtomicU32::new(0) }; 3]);
 static FAILED: AtomicU32 = AtomicU32::new(0);
+
+/// What an application holds.
+type Halves = Result<(Planner<'static, &'static [u8], 3, BLOCKS>, Interpolator<'static, 3>), MachineError>;
 
 struct Output([AtomicU32; 3]);
 
@@ -43,16 +46,27 @@ fn SysTick() {
     }
 }
 
+// Calls of their own: how deep the stack gets below each of them is read from the machine code.
+#[inline(never)]
+fn start(channel: &'static mut Channel<3, BLOCKS>, program: &'static [u8]) -> Halves {
+    channel.split(&AXES_3, [Position::ZERO; 3], program)
+}
+
+#[inline(never)]
+fn poll(planner: &mut Planner<'static, &'static [u8], 3, BLOCKS>) -> Result<Progress, Error> {
+    planner.poll()
+}
+
 #[entry]
 fn main() -> ! {
-    // What the compiler cannot know, as with a program loaded later.
-    let case = core::hint::black_box(0);
-    if let (Some(channel), Some(case)) = (CHANNEL.try_take(), CASES_3.get(case))
-        && let Ok((mut planner, interpolator)) = channel.split(&AXES_3, [Position::ZERO; 3], case.text)
+    // One program. The compiler cannot know it, as with one loaded later.
+    let program = CASES_3.first().map(|case| core::hint::black_box(case.text));
+    if let (Some(channel), Some(program)) = (CHANNEL.try_take(), program)
+        && let Ok((mut planner, interpolator)) = start(channel, program)
     {
         critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(interpolator)));
         loop {
-            match planner.poll() {
+            match poll(&mut planner) {
                 Ok(Progress::Waiting) => cortex_m::asm::wfi(),
                 Ok(Progress::Done) => break,
                 Ok(_) => {}
