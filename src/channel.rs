@@ -24,6 +24,7 @@ use crate::technology::Function;
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MachineError {
     /// A parameter of the axis with this index is out of range.
     Axis(usize, RangeError),
@@ -106,6 +107,7 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 
 /// What one call of [`Planner::poll`] achieved.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
@@ -130,6 +132,7 @@ pub enum Progress {
 
 /// Why a program was refused.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error {
     /// The text is not a program.
     Nc(NcError),

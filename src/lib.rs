@@ -169,3 +169,6 @@ pub mod operator;
 pub mod digest;
 
 pub mod channel;
+
+#[cfg(feature = "defmt")]
+mod logged;

@@ -1,4 +1,5 @@
 //! Runs a case and reports every set point of every tick, and what tick and planner cost.
+use crate::stack::Watched;
 use crate::{Counter, Report, UNIT, exit, stack};
 use core::fmt::Write;
 use core::mem::size_of;
@@ -25,9 +26,21 @@ impl Cost {
     }
 }
 
+/// More than a tick needs of the stack, bytes.
+const TICK_STACK: usize = 1024;
+
+/// How deep the stack of each kind of call was.
+#[derive(Clone, Copy, Default)]
+struct Stacks {
+    start: Watched,
+    poll: Watched,
+    tick: Watched,
+}
+
 struct Recorder<'a> {
     counter: &'a Counter,
     report: &'a mut Report,
+    stacks: &'a mut Stacks,
     tick: Cost,
     plan: Cost,
     wait: Cost,
@@ -37,6 +50,32 @@ impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
     #[inline(always)]
     fn now(&mut self) -> u32 {
         self.counter.now()
+    }
+
+    #[inline(always)]
+    fn starting(&mut self) {
+        self.stacks.start.paint(usize::MAX);
+    }
+
+    #[inline(always)]
+    fn started(&mut self) {
+        self.stacks.start.look(usize::MAX);
+        self.stacks.poll.paint(usize::MAX);
+    }
+
+    #[inline(always)]
+    fn ticking(&mut self) {
+        self.stacks.tick.paint(TICK_STACK);
+    }
+
+    #[inline(always)]
+    fn rested(&mut self) {
+        self.stacks.tick.look(TICK_STACK);
+    }
+
+    #[inline(always)]
+    fn ended(&mut self) {
+        self.stacks.poll.look(usize::MAX);
     }
 
     fn polled(&mut self, cost: u32, result: &Result<Progress, Error>) {
@@ -62,10 +101,13 @@ pub fn record_all<const AXES: usize, const BLOCKS: usize>(
     let mut report = Report::open();
     let counter = Counter::start();
     let _ = writeln!(report, "unit {UNIT}");
+    let mut stacks = Stacks::default();
     let mut good = true;
     for case in cases {
-        good &= record(channel, machine, case, &counter, &mut report);
+        good &= record(channel, machine, case, &counter, &mut report, &mut stacks);
     }
+    let [start, poll, tick] = [stacks.start, stacks.poll, stacks.tick].map(|stack| stack.deepest);
+    let _ = writeln!(report, "stacks axes {AXES} blocks {BLOCKS} start {start} poll {poll} tick {tick}");
     report_memory::<AXES, BLOCKS>(&mut report);
     report.flush();
     exit(good)
@@ -139,10 +181,11 @@ fn record<const AXES: usize, const BLOCKS: usize>(
     case: &Case,
     counter: &Counter,
     report: &mut Report,
+    stacks: &mut Stacks,
 ) -> bool {
     let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
     let (tick, plan, wait) = Default::default();
-    let mut recorder = Recorder { counter, report, tick, plan, wait };
+    let mut recorder = Recorder { counter, report, stacks, tick, plan, wait };
     let result = run(channel, machine, case.text, &mut recorder);
     let Recorder { report, tick, plan, wait, .. } = recorder;
     let decode = decode(channel, machine, case, counter);

@@ -1,5 +1,6 @@
 //! How deep the stack was: what is left of the paint that the start-up code puts on it.
 use core::ptr::addr_of;
+use cortex_m::register::msp;
 use cortex_m_rt::STACK_PAINT_VALUE;
 
 unsafe extern "C" {
@@ -29,4 +30,42 @@ pub fn statics() -> usize {
 /// Whether `stack`, a stack pointer, is below the stack.
 pub fn is_below(stack: usize) -> bool {
     stack < addr_of!(_stack_end).addr() + core::mem::size_of::<cortex_m_rt::ExceptionFrame>()
+}
+
+/// How deep some calls go below the one that watches them.
+#[derive(Clone, Copy, Default)]
+pub struct Watched {
+    /// Bytes at the deepest.
+    pub deepest: usize,
+    from: usize,
+}
+
+impl Watched {
+    /// Paints what is free of the stack, at most `bytes` of it, before a call.
+    #[inline(always)]
+    pub fn paint(&mut self, bytes: usize) {
+        self.from = msp::read() as usize;
+        let mut at = self.below(bytes);
+        while at < self.from {
+            // SAFETY: a word of the stack below all frames, in which no interrupt comes.
+            unsafe { (at as *mut u32).write_volatile(STACK_PAINT_VALUE) };
+            at += 4;
+        }
+    }
+
+    /// Looks behind the call, in the function that painted, how much of that was in use.
+    #[inline(always)]
+    pub fn look(&mut self, bytes: usize) {
+        let mut at = self.below(bytes);
+        // SAFETY: as above.
+        while at < self.from && unsafe { (at as *const u32).read_volatile() } == STACK_PAINT_VALUE {
+            at += 4;
+        }
+        self.deepest = self.deepest.max(self.from - at);
+    }
+
+    #[inline(always)]
+    fn below(&self, bytes: usize) -> usize {
+        self.from.saturating_sub(bytes).max(addr_of!(_stack_end).addr()) & !3
+    }
 }

@@ -171,8 +171,8 @@ fn target(text: &mut String) {
     let get = |key: &str| *values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet"));
     let _ = write!(
         text,
-        "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3`, look-ahead 120, over all programs \
-         of\n`hil-tests`, those in contour mode included. Program by program: [docs/figures.md](docs/figures.md). Repeat \
+        "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3` as in [boards](boards/README.md), look-ahead 120, over all \
+         programs of\n`hil-tests`, those in contour mode included. Program by program: [docs/figures.md](docs/figures.md). Repeat \
          with\n`cargo xtask bench`, asserted by `cargo xtask hil`.\n\n\
          | | 3 axes | 4 axes | 6 axes |\n|---|---:|---:|---:|\n",
         get(".compiler")
@@ -212,7 +212,7 @@ fn target(text: &mut String) {
         "\nA block of look-ahead takes {} bytes with 3 axes, {} with 6. Flash for 3 axes: {} bytes.",
         get("ram.bytes_per_block_3_axes"),
         get("ram.bytes_per_block_6_axes"),
-        get("flash.opt_3")
+        get("flash.reference")
     );
 }
 

@@ -177,6 +177,7 @@ impl Law {
     }
 
     /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
+    #[inline]
     pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
             return true;

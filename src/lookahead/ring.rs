@@ -174,6 +174,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     }
 
     /// Whether there is no room for another block, or what is there is long enough for any speed.
+    #[inline]
     pub fn is_full(&self) -> bool {
         self.blocks.len() + self.counts.spare >= self.depth || self.counts.long >= LONG_BLOCKS
     }

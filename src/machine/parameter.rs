@@ -259,6 +259,7 @@ const fn channel(
 
 /// A value outside a range that depends on another parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeError {
     /// ISG id of the parameter refused.
     pub id: &'static str,

@@ -179,7 +179,9 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         if let Some(axis) = self.axis_here(c) {
-            if let Some(command) = self.axis_command(c, line, axis, mark)? {
+            if c.peek() == b'['
+                && let Some(command) = self.axis_command(c, line, axis, mark)?
+            {
                 self.single = Some(command);
                 return Ok(Some(c.since(mark)));
             }

@@ -62,17 +62,20 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next byte that is no blank; 0 at the end.
+    #[inline(never)]
     pub fn peek(&mut self) -> u8 {
         self.skip_blanks();
         self.raw()
     }
 
     /// The letter in upper case, or the byte, after skipping blanks.
+    #[inline(never)]
     pub fn peek_upper(&mut self) -> u8 {
         self.peek().to_ascii_uppercase()
     }
 
     /// Steps over `byte` if it is next.
+    #[inline(never)]
     pub fn eat(&mut self, byte: u8) -> bool {
         let hit = self.peek() == byte;
         if hit {
@@ -86,7 +89,14 @@ impl<'a> Cursor<'a> {
     }
 
     /// Index of the next byte that is no blank.
+    #[inline(never)]
     pub fn mark(&mut self) -> usize {
+        self.mark_at_once()
+    }
+
+    /// The same for where it has to be quick.
+    #[inline(always)]
+    pub fn mark_at_once(&mut self) -> usize {
         self.skip_blanks();
         self.at
     }
@@ -97,6 +107,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// From `mark` to here, without blanks at the end.
+    #[inline(never)]
     pub fn since(&self, mark: usize) -> Span {
         let mut end = self.at;
         while end > mark && self.bytes.get(end - 1) == Some(&b' ') {
@@ -111,6 +122,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The word at the cursor: letters and digits, or one byte; empty at the end.
+    #[inline(never)]
     pub fn here(&mut self) -> Span {
         let mark = self.mark();
         let mut end = mark;
@@ -124,6 +136,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The word at the cursor with the sign or bracket in front, to the next blank.
+    #[inline(never)]
     pub fn rest_of_word(&mut self) -> Span {
         let mark = self.mark();
         let mut end = mark;
@@ -149,6 +162,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Letters only (functions, operators, `$` words).
+    #[inline(never)]
     pub fn letters(&mut self) -> Word {
         self.skip_blanks();
         let mut word = Word { letters: [0; 24], len: 0 };
@@ -160,6 +174,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Letters, digits and underscores, at most `limit`.
+    #[inline(never)]
     pub fn identifier(&mut self, limit: usize) -> Word {
         self.skip_blanks();
         let mut word = Word { letters: [0; 24], len: 0 };
@@ -173,6 +188,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Steps over `words` (upper case, blanks of no account) if they stand here and no word goes on.
+    #[inline(never)]
     pub fn eat_words(&mut self, words: &str) -> bool {
         let mark = self.mark();
         for expected in words.bytes() {
@@ -194,6 +210,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Digits as a whole number.
+    #[inline(never)]
     pub fn whole(&mut self, what: &'static str) -> Result<u32, Fault> {
         let mark = self.mark();
         let mut value = 0_u32;
@@ -217,6 +234,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// An unsigned decimal literal. Decimals beyond the 19th significant digit and the 19th place are cut.
+    #[inline(never)]
     pub fn decimal(&mut self) -> Result<Number, Fault> {
         self.skip_blanks();
         match self.plain_decimal() {

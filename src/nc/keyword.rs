@@ -111,25 +111,35 @@ pub(super) fn list_inside<K: Keywords>(
     target: &mut K,
 ) -> Result<(), Fault> {
     let mut first = true;
-    loop {
-        while c.eat(b',') {}
-        if c.eat(b']') {
-            return Ok(());
-        }
-        if c.at_end() {
-            return c.expected("]");
-        }
-        let mark = c.mark();
-        calculator.charge(KEYWORD);
-        let Some(keyword) = keyword(c, K::LIST) else {
-            c.back_to(mark);
-            let span = c.here();
-            return span.fault(NcErrorKind::UnknownKeyword { command: K::COMMAND, keywords: K::LIST });
-        };
-        let name = c.since(mark);
+    while let Some((keyword, mark, name)) = next(c, calculator, K::COMMAND, K::LIST)? {
         value(c, calculator, target.slot(keyword, first, units), mark, name)?;
         first = false;
     }
+    Ok(())
+}
+
+/// The next keyword, where it begins, and its place; `None` behind the closing bracket.
+#[inline(never)]
+fn next(
+    c: &mut Cursor<'_>,
+    calculator: &Calculator,
+    command: &'static str,
+    keywords: &'static [&'static str],
+) -> Result<Option<(&'static str, usize, Span)>, Fault> {
+    while c.eat(b',') {}
+    if c.eat(b']') {
+        return Ok(None);
+    }
+    if c.at_end() {
+        return c.expected("]");
+    }
+    let mark = c.mark();
+    calculator.charge(KEYWORD);
+    let Some(keyword) = keyword(c, keywords) else {
+        c.back_to(mark);
+        return c.here().fault(NcErrorKind::UnknownKeyword { command, keywords });
+    };
+    Ok(Some((keyword, mark, c.since(mark))))
 }
 
 /// The keyword here; its value may follow without a blank (`X110`, `XP5`).
@@ -153,6 +163,7 @@ fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
 }
 
 /// Reads the value of a keyword into its slot.
+#[inline(never)]
 fn value(
     c: &mut Cursor<'_>,
     calculator: &Calculator,

@@ -55,7 +55,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut given = 0;
         let mut work = 0;
         loop {
-            let mark = c.mark();
+            let mark = c.mark_at_once();
             let letter = c.raw().to_ascii_uppercase();
             if letter == 0 {
                 break;

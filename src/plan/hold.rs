@@ -193,6 +193,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
+    #[inline]
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
         if self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {

@@ -200,6 +200,7 @@ struct Report {
 
 /// The time law of one motion block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlannedBlock {
     /// Its first motion block, counted from 0 since the split.
     pub block: u32,

@@ -93,6 +93,7 @@ impl Limits {
     }
 
     /// Becomes what both permit; of the speeds the higher one.
+    #[inline]
     pub(crate) fn join(&mut self, other: &Self) {
         self.v = max(self.v, other.v);
         self.a_up = min(self.a_up, other.a_up);
@@ -246,6 +247,7 @@ impl Limits {
     }
 }
 
+#[inline]
 pub(crate) fn lower<const N: usize>(values: &mut [f32; N], others: [f32; N]) {
     for (value, other) in values.iter_mut().zip(others) {
         *value = min(other, *value);

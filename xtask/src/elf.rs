@@ -1,30 +1,155 @@
-//! What the panic proof wants to know of a 32-bit little-endian ELF file.
+//! What proofs and figures want to know of a 32-bit little-endian ELF file.
+use std::collections::BTreeMap;
+
+/// A section's header: kind, flags, address, place in the file, size, and the number of a section that goes with it.
+struct Section {
+    kind: u32,
+    flags: u32,
+    address: u32,
+    offset: u32,
+    size: u32,
+    link: u32,
+}
+
+impl Section {
+    fn contents<'a>(&self, file: &'a [u8]) -> Option<&'a [u8]> {
+        file.get(self.offset as usize..self.offset.checked_add(self.size)? as usize)
+    }
+}
+
+/// A line of the symbol table.
+struct Symbol {
+    /// As the compiler mangled it.
+    name: String,
+    value: u32,
+    size: u32,
+    is_function: bool,
+}
+
+/// Code under a name.
+pub struct Function {
+    /// Mangled.
+    pub name: String,
+    /// Of its first instruction.
+    pub address: u32,
+    /// Its bytes.
+    pub code: Vec<u8>,
+    /// Addresses from which on there is data between the instructions, and to where.
+    pub data: Vec<(u32, u32)>,
+}
+
+impl Function {
+    /// Whether there is no instruction at this address.
+    pub fn is_data(&self, address: u32) -> bool {
+        self.data.iter().any(|&(from, to)| (from..to).contains(&address))
+    }
+}
 
 /// Names in `.symtab`, mangled; `None` where the file is not what it should be.
 pub fn symbols(file: &[u8]) -> Option<Vec<String>> {
-    const SYMTAB: u32 = 2;
+    Some(symbol_table(file)?.into_iter().map(|symbol| symbol.name).collect())
+}
+
+/// All functions, by address, each once.
+pub fn functions(file: &[u8]) -> Option<Vec<Function>> {
+    const NO_BITS: u32 = 8;
+    const EXECUTABLE: u32 = 4;
+    let mut symbols = symbol_table(file)?;
+    symbols.sort_by_key(|symbol| symbol.value & !1);
+    // `$d` and `$t` say where data and Thumb code begin.
+    let marks: Vec<(u32, bool)> = symbols
+        .iter()
+        .filter(|symbol| symbol.name.starts_with("$d") || symbol.name.starts_with("$t"))
+        .map(|symbol| (symbol.value, symbol.name.starts_with("$d")))
+        .collect();
+    let code = sections(file)?.into_iter().filter(|s| s.flags & EXECUTABLE != 0 && s.kind != NO_BITS);
+    let code: Vec<Section> = code.collect();
+    let mut found: Vec<Function> = Vec::new();
+    for symbol in symbols.iter().filter(|symbol| symbol.is_function && symbol.size > 0) {
+        let (address, size) = (symbol.value & !1, symbol.size);
+        let section = code.iter().find(|s| (s.address..s.address + s.size).contains(&address))?;
+        let from = (address - section.address) as usize;
+        let bytes = section.contents(file)?.get(from..from + size as usize)?;
+        let ends = marks.iter().skip(1).map(|&(to, _)| to).chain([u32::MAX]);
+        let data = marks
+            .iter()
+            .zip(ends)
+            .filter(|&(&(at, is_data), to)| is_data && to > address && at < address + size);
+        let data = data.map(|(&(at, _), to)| (at, to)).collect();
+        if found.last().is_none_or(|last| last.address != address) {
+            found.push(Function { name: symbol.name.clone(), address, code: bytes.to_vec(), data });
+        }
+    }
+    Some(found)
+}
+
+/// Bytes of flash by the crate's module that they are made from; the rest of it as `other`. The tables of a crate without a name of
+/// their own are among that.
+pub fn by_module(file: &[u8]) -> Option<BTreeMap<String, u64>> {
+    const NAME: &str = "9glidepath";
+    const RAM: u32 = 0x2000_0000;
+    let mut symbols = symbol_table(file)?;
+    symbols.retain(|symbol| symbol.value < RAM && symbol.size > 0);
+    symbols.sort_by_key(|symbol| symbol.value & !1);
+    symbols.dedup_by_key(|symbol| symbol.value & !1);
+    let mut bytes = BTreeMap::new();
+    for symbol in &symbols {
+        let module = symbol.name.split_once(NAME).and_then(|(_, rest)| {
+            let digits = rest.find(|c: char| !c.is_ascii_digit())?;
+            rest.get(digits..digits + rest.get(..digits)?.parse::<usize>().ok()?)
+        });
+        *bytes.entry(module.unwrap_or("other").to_owned()).or_default() += u64::from(symbol.size);
+    }
+    let named: u64 = bytes.values().sum();
+    *bytes.entry("other".to_owned()).or_default() += flash(file)?.saturating_sub(named);
+    Some(bytes)
+}
+
+/// Constant data in which addresses of functions may be: all that is loaded but code and the vector table.
+pub fn tables(file: &[u8]) -> Option<Vec<&[u8]>> {
+    const LOADED: u32 = 2;
+    const EXECUTABLE: u32 = 4;
+    const PROGRAM_BITS: u32 = 1;
+    let mut sections = sections(file)?;
+    sections.retain(|s| s.kind == PROGRAM_BITS && s.flags & LOADED != 0 && s.flags & EXECUTABLE == 0);
+    // The vector table comes first.
+    let first = sections.iter().map(|section| section.address).min();
+    sections.iter().filter(|s| Some(s.address) != first).map(|section| section.contents(file)).collect()
+}
+
+fn sections(file: &[u8]) -> Option<Vec<Section>> {
     if file.get(..6)? != b"\x7fELF\x01\x01" {
         return None;
     }
     let (table, size, count) = (word(file, 0x20)?, half(file, 0x2e)?, half(file, 0x30)?);
-    let section = |index: u32| Some(table as usize + index as usize * size as usize);
-    let header = (0..u32::from(count)).find_map(|i| {
-        let header = section(i)?;
-        (word(file, header + 4)? == SYMTAB).then_some(header)
-    })?;
-    let contents = |header: usize| {
-        let start = word(file, header + 16)? as usize;
-        file.get(start..start + word(file, header + 20)? as usize)
-    };
-    let names = contents(section(word(file, header + 24)?)?)?;
-    contents(header)?
-        .chunks_exact(16)
-        .map(|symbol| {
-            let name = names.get(word(symbol, 0)? as usize..)?;
-            let name = name.split(|&byte| byte == 0).next()?;
-            Some(String::from_utf8_lossy(name).into_owned())
+    let headers = (0..u32::from(count)).map(|i| (table + i * u32::from(size)) as usize);
+    headers
+        .map(|header| {
+            Some(Section {
+                kind: word(file, header + 4)?,
+                flags: word(file, header + 8)?,
+                address: word(file, header + 12)?,
+                offset: word(file, header + 16)?,
+                size: word(file, header + 20)?,
+                link: word(file, header + 24)?,
+            })
         })
         .collect()
+}
+
+fn symbol_table(file: &[u8]) -> Option<Vec<Symbol>> {
+    const SYMTAB: u32 = 2;
+    const FUNCTION: u8 = 2;
+    let sections = sections(file)?;
+    let table = sections.iter().find(|section| section.kind == SYMTAB)?;
+    let names = sections.get(table.link as usize)?.contents(file)?;
+    let symbols = table.contents(file)?.chunks_exact(16).map(|symbol| {
+        let name = names.get(word(symbol, 0)? as usize..)?;
+        let name = String::from_utf8_lossy(name.split(|&byte| byte == 0).next()?).into_owned();
+        let is_function = symbol.get(12)? & 15 == FUNCTION;
+        Some(Symbol { name, value: word(symbol, 4)?, size: word(symbol, 8)?, is_function })
+    });
+    symbols.collect()
 }
 
 /// `core::panic::Location`s in a file that holds them: pointer and length of a source path, line, column.

@@ -11,6 +11,32 @@ const LIMIT: Duration = Duration::from_secs(1800);
 /// Chip of the reference board.
 const CHIP: &str = "STM32F405RGTx";
 
+/// A core in an emulated machine.
+pub struct Core {
+    /// What it is.
+    pub name: &'static str,
+    target: &'static str,
+    machine: &'static str,
+    /// Memory map, below the root.
+    map: &'static str,
+}
+
+/// Cores beside the reference target's.
+pub const CORES: [Core; 2] = [
+    Core {
+        name: "Cortex-M3",
+        target: "thumbv7m-none-eabi",
+        machine: "mps2-an385",
+        map: "hil-tests/maps/mps2-an385.x",
+    },
+    Core {
+        name: "Cortex-M33",
+        target: "thumbv8m.main-none-eabi",
+        machine: "mps2-an505",
+        map: "hil-tests/maps/mps2-an505.x",
+    },
+];
+
 /// Where firmware runs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -52,14 +78,14 @@ impl Firmware {
 
     /// Builds the package in `folder` (below the root) with `features`.
     pub fn build(&self, folder: &str, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {
-        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build");
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
         command.args(arguments).envs(variables.iter().copied());
         shell::run(&mut command)
     }
 
     /// The compiler's messages where a build must fail; an error if it does not.
     pub fn build_fails(&self, folder: &str, arguments: &[&str]) -> Result<String, String> {
-        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build");
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
         let output = shell::capture(command.args(arguments), LIMIT)?;
         if output.success {
             Err(format!("{folder} {arguments:?} builds and must not"))
@@ -68,25 +94,43 @@ impl Firmware {
         }
     }
 
+    /// Builds a binary of the package in `folder` for another core and runs it there; the text it wrote. `None` if there is no
+    /// library for that core.
+    pub fn elsewhere(&self, core: &Core, folder: &str, name: &str) -> Result<Option<String>, String> {
+        if !self.toolchain.has(core.target) {
+            eprintln!("   {}: off, no library for {} (`rustup target add`)", core.name, core.target);
+            return Ok(None);
+        }
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", core.target);
+        command.args(["--bin", name]).env("HIL_MEMORY_X", core.map);
+        shell::run(&mut command)?;
+        let file = toolchain::folder_of_artifacts().join(core.target).join("release").join(name);
+        let mut command = emulator(&self.runner, core.machine);
+        let output = shell::capture(command.arg("-kernel").arg(&file), LIMIT)?;
+        let text = String::from_utf8_lossy(&output.out).into_owned();
+        if output.success {
+            Ok(Some(text))
+        } else {
+            Err(format!("{name} on {}: {text}{}", core.name, output.err))
+        }
+    }
+
     /// Runs a binary to its end and gives what it wrote.
     pub fn run(&self, name: &str) -> Result<Output, String> {
         let file = artifact(name);
-        let mut command = Command::new(&self.runner);
-        match self.place {
+        let mut command = match self.place {
             Place::Emulator => {
-                command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"]);
-                command.args([
-                    "-semihosting-config",
-                    "enable=on,target=native",
-                    "-icount",
-                    "shift=0,sleep=off",
-                ]);
-                command.arg("-kernel").arg(&file);
+                let mut command = emulator(&self.runner, "netduinoplus2");
+                command.args(["-icount", "shift=0,sleep=off", "-kernel"]);
+                command
             }
             Place::Probe => {
-                command.args(["run", "--chip", CHIP]).arg(&file);
+                let mut command = Command::new(&self.runner);
+                command.args(["run", "--chip", CHIP]);
+                command
             }
-        }
+        };
+        command.arg(&file);
         let output = shell::capture(&mut command, LIMIT)?;
         if output.timed_out {
             return Err(format!("{name} did not end within {} s", LIMIT.as_secs()));
@@ -105,6 +149,14 @@ impl Firmware {
         let tail = tail.into_iter().rev().collect::<Vec<_>>().join("\n");
         Err(format!("{name} failed on the target:\n{tail}\n{}", output.err))
     }
+}
+
+/// QEMU with a machine that talks by semihosting alone.
+fn emulator(runner: &Path, machine: &str) -> Command {
+    let mut command = Command::new(runner);
+    command.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"]);
+    command.args(["-semihosting-config", "enable=on,target=native"]);
+    command
 }
 
 /// A binary in the folder of firmware artifacts.

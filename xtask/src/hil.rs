@@ -1,8 +1,9 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
 use crate::figures::{self, Figures, MemoryFigures};
-use crate::firmware::{Firmware, Place, artifact};
+use crate::firmware::{CORES, Firmware, Place, artifact};
 use crate::host::{self, HostRun};
 use crate::shell::step;
+use crate::stack::Calls;
 use crate::target::{self, TargetRun};
 use crate::{elf, shell};
 
@@ -16,6 +17,14 @@ pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "de
 /// What counts instructions and bytes, besides.
 const COUNTED: [&str; 2] = ["counts", "nopanic"];
 
+/// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its function.
+type Bounded = (u64, &'static str, &'static [(&'static str, &'static str)]);
+const BOUND: [Bounded; 3] = [
+    (3, "nopanic", &[("start", "7nopanic5start"), ("poll", "7nopanic4poll"), ("interrupt", "SysTick")]),
+    (3, "same", &[("tick", "9hil_cases3run4tick")]),
+    (6, "same_six", &[("poll", "9hil_cases3run4poll"), ("tick", "9hil_cases3run4tick")]),
+];
+
 /// Arguments of a build.
 fn binaries(names: &[&'static str]) -> Vec<&'static str> {
     names.iter().flat_map(|name| ["--bin", name]).collect()
@@ -26,6 +35,9 @@ const COPIED: u64 = 512;
 
 /// Most instructions of the board's interrupt: frame, tick and functions.
 const INTERRUPT: u64 = 600;
+
+/// Fewest programs that another core runs.
+const OTHER_CORES: usize = 3;
 
 /// Programs that the board's own firmware runs, besides the test firmware.
 const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
@@ -54,6 +66,8 @@ pub fn all(place: Place) -> Result<(), String> {
         eprint!("{}", measured.table());
         return Ok(());
     }
+    step("other cores");
+    cores(&firmware, &host)?;
     step("the board's firmware");
     board(&firmware, &host)?;
     step("no panicking path");
@@ -93,6 +107,7 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, Mem
         let report = String::from_utf8_lossy(&output.out);
         runs.extend(target::read_runs(&report)?);
         memory.plain.extend(target::read_memory(&report)?);
+        memory.painted.extend(target::read_stacks(&report)?);
         static_memory(name)?;
         said = said + "\n" + &output.err;
         success &= output.success;
@@ -120,7 +135,16 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, Mem
     if !success {
         return Err(format!("{} ended with an error", SAME.join(" or ")));
     }
-    memory.flash = elf::flash(&binary("nopanic")?).ok_or("nopanic: no load segments")?;
+    let reference = binary("nopanic")?;
+    memory.flash = elf::flash(&reference).ok_or("nopanic: no load segments")?;
+    memory.modules = elf::by_module(&reference).ok_or("nopanic: no symbols")?;
+    for (axes, name, calls) in BOUND {
+        let read = Calls::read(&binary(name)?).map_err(|e| format!("{name}: {e}"))?;
+        for (call, function) in calls {
+            let depth = read.depth(function).map_err(|e| format!("{name}: {e}"))?;
+            memory.bounds.insert(format!("{call}_{axes}_axes"), depth);
+        }
+    }
     Ok((runs, memory))
 }
 
@@ -247,6 +271,35 @@ fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     }
     if lines == 0 || preempted == 0 {
         return Err("no interrupt came while the planner worked: the test shows nothing".into());
+    }
+    Ok(())
+}
+
+/// The digests of some programs on other cores.
+fn cores(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
+    for core in &CORES {
+        let Some(report) = firmware.elsewhere(core, TESTS, "core")? else { continue };
+        let mut same = 0;
+        for line in report.lines().filter_map(|line| line.strip_prefix("core ")) {
+            let (name, rest) = line.split_once(' ').ok_or(line)?;
+            let values = target::fields(rest);
+            let (digest, ticks) = (target::digest(&values, line)?, target::number(&values, "ticks", line)?);
+            let is_it = |run: &&HostRun| (run.name, run.axes, run.blocks) == (name, 3, hil_cases::SHORT);
+            let ours = host.iter().find(is_it).ok_or(line)?.outcome;
+            if (digest, ticks) != (ours.digest.value(), u64::from(ours.ticks)) {
+                return Err(format!(
+                    "{}: {line}; host: {} ticks, digest {:016x}",
+                    core.name,
+                    ours.ticks,
+                    ours.digest.value()
+                ));
+            }
+            same += 1;
+        }
+        if same < OTHER_CORES {
+            return Err(format!("{}: {same} programs ran, expected {OTHER_CORES} at least", core.name));
+        }
+        eprintln!("   {}: {same} programs, digests as on the host", core.name);
     }
     Ok(())
 }

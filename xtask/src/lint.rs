@@ -1,11 +1,22 @@
 //! Formatting, clippy and documentation; every warning is an error.
 use crate::shell::{cargo, root, run, step};
-use crate::toolchain::{Toolchain, clippy_driver};
+use crate::toolchain::{TARGET, Toolchain, clippy_driver};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 const FIRMWARE: [&str; 2] = ["hil-tests", "boards/stm32f405"];
 
-/// Targets that can only load and store words.
-const SMALL: [&str; 2] = ["thumbv6m-none-eabi", "riscv32imc-unknown-none-elf"];
+/// Other cores. Those of the first and the last kind can only load and store words.
+const CORES: [&str; 5] = [
+    "thumbv6m-none-eabi",
+    "thumbv7m-none-eabi",
+    "thumbv8m.main-none-eabi",
+    "riscv32imac-unknown-none-elf",
+    "riscv32imc-unknown-none-elf",
+];
+
+/// Features with which the library is checked.
+const FEATURES: [&[&str]; 2] = [&["--no-default-features"], &["--features", "defmt"]];
 
 /// All of it.
 pub fn all() -> Result<(), String> {
@@ -29,9 +40,20 @@ pub fn all() -> Result<(), String> {
     for folder in FIRMWARE {
         firmware(&toolchain, folder)?;
     }
-    step("cores without compare-and-swap");
-    for target in SMALL {
-        if !toolchain.check(target)? {
+    step("features of the library");
+    for features in FEATURES {
+        run(cargo(&root())
+            .args(["clippy", "--package", "glidepath", "--lib", "--release"])
+            .args(features)
+            .args(["--", "-D", "warnings"]))?;
+    }
+    step("oldest compiler");
+    oldest()?;
+    step("other cores");
+    for target in CORES {
+        if toolchain.has(target) {
+            toolchain.check(target)?;
+        } else {
             eprintln!("   off: no library for {target} (`rustup target add {target}`)");
         }
     }
@@ -39,11 +61,41 @@ pub fn all() -> Result<(), String> {
     run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
+/// The compiler of `rust-version`, where it is installed: what is newer is refused. Without it clippy's `incompatible_msrv`, which is on,
+/// finds what the library takes from a newer core, but not a newer language.
+fn oldest() -> Result<(), String> {
+    let version = env!("CARGO_PKG_RUST_VERSION");
+    let Some(cargo) = toolchain_of(version) else {
+        eprintln!(
+            "   off: Rust {version} is not installed (`rustup toolchain install {version}`); clippy's incompatible_msrv is on"
+        );
+        return Ok(());
+    };
+    let mut command = Command::new(&cargo);
+    command.current_dir(root()).stdin(Stdio::null());
+    command.args(["check", "--package", "glidepath", "--lib", "--features", "defmt"]);
+    command.env("RUSTC", cargo.with_file_name("rustc")).env("CARGO_TARGET_DIR", root().join("target/oldest"));
+    run(&mut command)
+}
+
+/// Cargo of a version that rustup has installed.
+fn toolchain_of(version: &str) -> Option<PathBuf> {
+    let home = std::env::var_os("RUSTUP_HOME").map(PathBuf::from);
+    let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".rustup")))?;
+    let is_it = |name: &str| {
+        let number = name.split('-').next().unwrap_or(name);
+        number == version || number.strip_prefix(version).is_some_and(|rest| rest.starts_with('.'))
+    };
+    let toolchains = std::fs::read_dir(home.join("toolchains")).ok()?.flatten();
+    let found = toolchains.filter(|entry| entry.file_name().to_str().is_some_and(is_it));
+    found.map(|entry| entry.path().join("bin/cargo")).find(|cargo| cargo.is_file())
+}
+
 fn firmware(toolchain: &Toolchain, folder: &str) -> Result<(), String> {
     let folder = root().join(folder);
     match toolchain {
         Toolchain::Prebuilt { .. } => {
-            run(toolchain.cargo(&folder, "clippy").args(["--workspace", "--", "-D", "warnings"]))
+            run(toolchain.cargo(&folder, "clippy", TARGET).args(["--workspace", "--", "-D", "warnings"]))
         }
         Toolchain::FromSource { rustc, .. } => {
             let Some(driver) = clippy_driver(rustc) else {
@@ -51,7 +103,7 @@ fn firmware(toolchain: &Toolchain, folder: &str) -> Result<(), String> {
                 return Ok(());
             };
             // What `cargo clippy` does, with the clippy of this compiler instead of the host toolchain's.
-            let mut command = toolchain.cargo(&folder, "check");
+            let mut command = toolchain.cargo(&folder, "check", TARGET);
             command.arg("--workspace").env("RUSTC_WORKSPACE_WRAPPER", driver);
             run(command.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__"))
         }

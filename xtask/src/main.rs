@@ -1,4 +1,5 @@
 //! The project's commands. Each prints what it does and leaves with a code other than 0 when something is wrong.
+mod document;
 mod elf;
 mod figures;
 mod firmware;
@@ -6,7 +7,9 @@ mod hil;
 mod host;
 mod lint;
 mod shell;
+mod stack;
 mod target;
+mod thumb;
 mod toolchain;
 
 use std::process::ExitCode;
@@ -21,6 +24,7 @@ cargo xtask COMMAND
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
+  depth FILE FUNCTION…  the deepest way down the stack from functions of a firmware; parts of their mangled names
   lint          formatting, clippy and documentation of host and firmware
 ";
 
@@ -36,6 +40,7 @@ fn main() -> ExitCode {
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),
         ["lint"] => lint::all(),
+        ["depth", file, roots @ ..] => stack::show(file, roots),
         _ => {
             eprint!("{USAGE}");
             return ExitCode::from(2);

@@ -48,7 +48,7 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
     let mut runs: Vec<TargetRun> = Vec::new();
     for line in report.lines() {
         let (kind, rest) = line.split_once(' ').unwrap_or((line, ""));
-        if kind == "unit" || kind == "memory" {
+        if kind == "unit" || kind == "memory" || kind == "stacks" {
             continue;
         }
         if kind == "case" {
@@ -127,6 +127,35 @@ pub fn read_memory(report: &str) -> Result<Vec<Memory>, String> {
             interpolator: value("interpolator")?,
             stack: value("stack")?,
             depth: value("depth")?,
+        })
+    };
+    lines.map(read).collect()
+}
+
+/// How deep the stack was below each kind of call, bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stacks {
+    /// Number of axes.
+    pub axes: u64,
+    /// `Channel::split`.
+    pub start: u64,
+    /// `Planner::poll`.
+    pub poll: u64,
+    /// `Interpolator::tick`.
+    pub tick: u64,
+}
+
+/// The lines of a report that tell of them.
+pub fn read_stacks(report: &str) -> Result<Vec<Stacks>, String> {
+    let lines = report.lines().filter_map(|line| line.strip_prefix("stacks "));
+    let read = |line: &str| {
+        let values = fields(line);
+        let value = |key| number(&values, key, line);
+        Ok(Stacks {
+            axes: value("axes")?,
+            start: value("start")?,
+            poll: value("poll")?,
+            tick: value("tick")?,
         })
     };
     lines.map(read).collect()

@@ -73,35 +73,39 @@ impl Toolchain {
         }
     }
 
-    /// Checks the crate for another target: it compiles there. `false` if this toolchain has no library for it.
-    pub fn check(&self, target: &str) -> Result<bool, String> {
-        let mut command = shell::cargo(&shell::root());
-        command.args(["check", "--package", "glidepath", "--lib", "--release", "--target", target]);
-        command.env("CARGO_TARGET_DIR", folder_of_artifacts());
+    /// Whether there is a library for this target, or its source.
+    pub fn has(&self, target: &str) -> bool {
         match self {
-            Self::FromSource { rustc, .. } => {
-                command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
-            }
+            Self::FromSource { .. } => true,
             Self::Prebuilt { .. } => {
                 let rustc = PathBuf::from(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
                 let sysroot = query(&rustc, &["--print", "sysroot"]).unwrap_or_default();
-                if !Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir() {
-                    return Ok(false);
-                }
+                Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir()
             }
         }
-        shell::run(&mut command).map(|()| true)
     }
 
-    /// `cargo SUBCOMMAND` in `folder` for the target, in release.
-    pub fn cargo(&self, folder: &Path, subcommand: &str) -> Command {
+    /// Checks the crate for another target: it compiles there.
+    pub fn check(&self, target: &str) -> Result<(), String> {
+        let mut command = shell::cargo(&shell::root());
+        command.args(["check", "--package", "glidepath", "--lib", "--release", "--target", target]);
+        command.env("CARGO_TARGET_DIR", folder_of_artifacts());
+        if let Self::FromSource { rustc, .. } = self {
+            command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
+        }
+        shell::run(&mut command)
+    }
+
+    /// `cargo SUBCOMMAND` in `folder` for a target, in release.
+    pub fn cargo(&self, folder: &Path, subcommand: &str, target: &str) -> Command {
         let mut command = shell::cargo(folder);
-        command.args([subcommand, "--release", "--target", TARGET]);
+        command.args([subcommand, "--release", "--target", target]);
         // Incremental builds are cut into other pieces: instructions and stack would depend on the user's settings.
         command.env("CARGO_TARGET_DIR", folder_of_artifacts()).env("CARGO_INCREMENTAL", "0");
         if let Self::FromSource { rustc, linker, .. } = self {
             command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
-            command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+            let target = target.to_uppercase().replace(['-', '.'], "_");
+            command.env(format!("CARGO_TARGET_{target}_LINKER"), linker);
         }
         command
     }

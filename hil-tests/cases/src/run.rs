@@ -4,7 +4,7 @@ use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
 use glidepath::nc::Text;
 use glidepath::quantity::Position;
-use glidepath::tick::State;
+use glidepath::tick::{Interpolator, State};
 
 /// A program that has not ended after so many ticks never will.
 const TICK_LIMIT: u32 = 1_000_000;
@@ -15,6 +15,24 @@ pub trait Watch<const AXES: usize> {
     fn now(&mut self) -> u32 {
         0
     }
+
+    /// The channel is about to be split, and it is.
+    #[inline(always)]
+    fn starting(&mut self) {}
+    /// See [`Self::starting`].
+    #[inline(always)]
+    fn started(&mut self) {}
+
+    /// The interpolator is about to be called, and it was.
+    #[inline(always)]
+    fn ticking(&mut self) {}
+    /// See [`Self::ticking`].
+    #[inline(always)]
+    fn rested(&mut self) {}
+
+    /// The program has ended.
+    #[inline(always)]
+    fn ended(&mut self) {}
 
     /// The planner was called and needed `cost`.
     fn polled(&mut self, cost: u32, result: &Result<Progress, Error>);
@@ -71,6 +89,10 @@ pub enum Failure {
     Session(&'static str),
 }
 
+/// What an application holds.
+type Split<'a, const AXES: usize, const BLOCKS: usize> =
+    Result<Handles<'a, &'static [u8], AXES, BLOCKS>, MachineError>;
+
 /// Plans as far as the queue takes it, then makes one set point, and so on to the end.
 ///
 /// # Errors
@@ -82,7 +104,9 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
     // By reference: the stack holds the planner's handle once.
-    let mut handles = channel.split(machine, [Position::ZERO; AXES], text);
+    watch.starting();
+    let mut handles = split(channel, machine, text);
+    watch.started();
     let Handles { planner, interpolator, .. } = match &mut handles {
         Ok(handles) => handles,
         Err(error) => return Err(Failure::Machine(*error)),
@@ -106,16 +130,21 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
                 | Progress::Warning(_) => {}
             }
         }
+        watch.ticking();
         let before = watch.now();
         let state = tick(interpolator);
         let cost = watch.now().wrapping_sub(before);
+        watch.rested();
         match state {
             State::Active | State::Settling => {
                 outcome.ticks += 1;
                 outcome.digest.add(interpolator.set_points());
                 watch.ticked(cost, interpolator.set_points());
             }
-            State::Idle if done => return Ok(outcome),
+            State::Idle if done => {
+                watch.ended();
+                return Ok(outcome);
+            }
             State::Idle => outcome.starved += 1,
         }
     }
@@ -124,6 +153,15 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
 
 // Calls, not inlined into the loop: what is counted is what an application pays.
 #[inline(never)]
+fn split<'a, const AXES: usize, const BLOCKS: usize>(
+    channel: &'a mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    text: &'static [u8],
+) -> Split<'a, AXES, BLOCKS> {
+    channel.split(machine, [Position::ZERO; AXES], text)
+}
+
+#[inline(never)]
 pub(crate) fn poll<T: Text, const AXES: usize, const BLOCKS: usize>(
     planner: &mut Planner<'_, T, AXES, BLOCKS>,
 ) -> Result<Progress, Error> {
@@ -131,6 +169,6 @@ pub(crate) fn poll<T: Text, const AXES: usize, const BLOCKS: usize>(
 }
 
 #[inline(never)]
-pub(crate) fn tick<const AXES: usize>(interpolator: &mut glidepath::tick::Interpolator<'_, AXES>) -> State {
+pub(crate) fn tick<const AXES: usize>(interpolator: &mut Interpolator<'_, AXES>) -> State {
     interpolator.tick()
 }

@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use glidepath::axis::Axes;
-use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::channel::{Channel, Error, Handles, MachineError, Planner, Progress};
 use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
@@ -22,6 +22,9 @@ static TO_INTERRUPT: Mutex<Cell<Option<Interpolator<'static, 3>>>> = Mutex::new(
 static STATUS: AtomicU32 = AtomicU32::new(0);
 static OUTPUT: Output = Output([const { AtomicU32::new(0) }; 3]);
 static FAILED: AtomicU32 = AtomicU32::new(0);
+
+/// What an application holds.
+type Split = Result<Handles<'static, &'static [u8], 3, BLOCKS>, MachineError>;
 
 struct Output([AtomicU32; 3]);
 
@@ -63,18 +66,29 @@ fn operate(operator: &Operator<'static, 3>) {
     }
 }
 
+// Calls of their own: how deep the stack gets below each of them is read from the machine code.
+#[inline(never)]
+fn start(channel: &'static mut Channel<3, BLOCKS>, program: &'static [u8]) -> Split {
+    channel.split(&AXES_3, [Position::ZERO; 3], program)
+}
+
+#[inline(never)]
+fn poll(planner: &mut Planner<'static, &'static [u8], 3, BLOCKS>) -> Result<Progress, Error> {
+    planner.poll()
+}
+
 #[entry]
 fn main() -> ! {
-    // What the compiler cannot know, as with a program loaded later.
-    let case = core::hint::black_box(0);
-    if let (Some(channel), Some(case)) = (CHANNEL.try_take(), CASES_3.get(case))
-        && let Ok(handles) = channel.split(&AXES_3, [Position::ZERO; 3], case.text)
+    // One program. The compiler cannot know it, as with one loaded later.
+    let program = CASES_3.first().map(|case| core::hint::black_box(case.text));
+    if let (Some(channel), Some(program)) = (CHANNEL.try_take(), program)
+        && let Ok(handles) = start(channel, program)
     {
         let Handles { mut planner, interpolator, operator } = handles;
         critical_section::with(|cs| TO_INTERRUPT.borrow(cs).set(Some(interpolator)));
         loop {
             operate(&operator);
-            match planner.poll() {
+            match poll(&mut planner) {
                 Ok(Progress::Waiting) => cortex_m::asm::wfi(),
                 Ok(Progress::Done) => break,
                 Ok(_) => {}

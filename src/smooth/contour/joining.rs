@@ -245,69 +245,124 @@ impl<const AXES: usize> Joining<AXES> {
         }
     }
 
-    /// Goes on; when it is done the curve if there is one, and both blocks are what is left of them.
+    /// Goes on. Whether it is done: then `turning` is the curve if there is one, and both blocks are what is left of them.
+    #[inline(never)]
     pub fn go_on(
         &mut self,
         next: &mut Held<AXES>,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Option<Turning<AXES>>> {
+        turning: &mut Option<Turning<AXES>>,
+    ) -> bool {
         let Self { held, stage } = self;
-        let Some(rule) = held.rule else { return Some(None) };
-        let following = match stage {
-            Stage::Choosing(room) => Self::choose(held, next, &rule, *room, setting),
-            Stage::Reaching { room, reach, rivals } => {
-                let found = reach.go_on(&corner(held, next, setting.measure))?;
-                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
-            }
-            Stage::Comparing { room, rivals, found } => {
-                Self::compare(held, next, &rule, (*room, *rivals, *found), setting)
+        let Some(rule) = held.rule else {
+            *turning = None;
+            return true;
+        };
+        match stage {
+            Stage::Choosing(_) | Stage::Reaching { .. } | Stage::Comparing { .. } => {
+                Self::decide(held, next, &rule, setting, stage);
             }
             Stage::Cutting { cut, slack, smaller } => {
-                let (cut, slack, smaller) = (*cut, *slack, *smaller);
-                Self::course(held, next, cut, &rule, setting).map(|course| match course {
-                    Some(course) => Stage::Fitting { cut, slack, smaller, course },
-                    None => cut.smaller(slack, smaller),
-                })
+                let (cut, tried) = (*cut, (*slack, *smaller));
+                Self::cut(held, next, (cut, tried), &rule, setting, stage);
             }
-            Stage::Fitting { cut, slack, smaller, course } => {
-                let even = if setting.parameters.const_vel { CONSTANT } else { EVEN };
-                match course.fit(even, *slack) {
-                    Fit::Working => return None,
-                    Fit::Failed => Some(cut.smaller(*slack, *smaller)),
-                    Fit::Ready if setting.parameters.const_vel => {
-                        let steady = Steady { length: 0.0, ..Steady::FREE };
-                        Some(Stage::Timing { cut: *cut, course: *course, element: 0, steady })
-                    }
-                    Fit::Ready => Some(Stage::Joining { cut: *cut, course: *course, steady: None }),
-                }
-            }
-            Stage::Timing { cut, course, element: i, steady } => {
-                let Some((is_before, element)) = course.rehearse(*i) else {
-                    *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
-                    return None;
-                };
-                let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
-                let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
-                if let Some(bounds) = &element.bounds {
-                    let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
-                    let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
-                    steady.v = min(steady.v, limits.v);
-                    steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
-                }
-                *i += 1;
-                return None;
-            }
+            Stage::Fitting { .. } => Self::fit(stage, setting.parameters.const_vel),
+            Stage::Timing { .. } => Self::time(held, next, setting, stage),
             Stage::Joining { cut, course, steady } => {
-                return Some(Self::join(held, next, *cut, (course, *steady), setting));
+                *turning = Self::join(held, next, *cut, (course, *steady), setting);
+                return true;
             }
-            Stage::Overlapping(overlap) => return Some(Self::overlap(held, next, *overlap, &rule, setting)),
-            Stage::Sharp => return Some(None),
-        };
-        *stage = following.unwrap_or(Stage::Sharp);
-        None
+            Stage::Overlapping(overlap) => {
+                *turning = Self::overlap(held, next, *overlap, &rule, setting);
+                return true;
+            }
+            Stage::Sharp => {
+                *turning = None;
+                return true;
+            }
+        }
+        false
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// Looks for the kind of curve and its distances.
+    #[inline(never)]
+    fn decide(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        stage: &mut Stage<AXES>,
+    ) {
+        let following = match stage {
+            Stage::Choosing(room) => Self::choose(held, next, rule, *room, setting),
+            Stage::Reaching { room, reach, rivals } => {
+                let Some(found) = reach.go_on(&corner(held, next, setting.measure)) else { return };
+                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
+            }
+            Stage::Comparing { room, rivals, found } => {
+                Self::compare(held, next, rule, (*room, *rivals, *found), setting)
+            }
+            _ => None,
+        };
+        match following {
+            Some(following) => *stage = following,
+            None => *stage = Stage::Sharp,
+        }
+    }
+
+    /// Makes the curve over arc length.
+    #[inline(never)]
+    fn cut(
+        held: &Held<AXES>,
+        next: &Held<AXES>,
+        (cut, (slack, smaller)): (Cut, (f32, u8)),
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        stage: &mut Stage<AXES>,
+    ) {
+        *stage = match Self::course(held, next, cut, rule, setting) {
+            Some(Some(course)) => Stage::Fitting { cut, slack, smaller, course },
+            Some(None) => cut.smaller(slack, smaller),
+            None => Stage::Sharp,
+        };
+    }
+
+    /// Cuts it into elements.
+    #[inline(never)]
+    fn fit(stage: &mut Stage<AXES>, const_vel: bool) {
+        let Stage::Fitting { cut, slack, smaller, course } = stage else { return };
+        let (cut, slack, smaller) = (*cut, *slack, *smaller);
+        match course.fit(if const_vel { CONSTANT } else { EVEN }, slack) {
+            Fit::Working => {}
+            Fit::Failed => *stage = cut.smaller(slack, smaller),
+            Fit::Ready if const_vel => {
+                let steady = Steady { length: 0.0, ..Steady::FREE };
+                *stage = Stage::Timing { cut, course: *course, element: 0, steady };
+            }
+            Fit::Ready => *stage = Stage::Joining { cut, course: *course, steady: None },
+        }
+    }
+
+    /// Takes one of its elements into account for the speed of all of them.
+    #[inline(never)]
+    fn time(held: &Held<AXES>, next: &Held<AXES>, setting: &Setting<'_, AXES>, stage: &mut Stage<AXES>) {
+        let Stage::Timing { cut, course, element: i, steady } = stage else { return };
+        let Some((is_before, element)) = course.rehearse(*i) else {
+            *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+            return;
+        };
+        let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
+        let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
+        if let Some(bounds) = &element.bounds {
+            let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
+            let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
+            steady.v = min(steady.v, limits.v);
+            steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
+        }
+        *i += 1;
+    }
 
     /// The curve over arc length, and both blocks without what it takes of them.
     #[inline(never)]

@@ -246,46 +246,66 @@ impl<const AXES: usize> Contouring<AXES> {
     /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`: length of the one
     /// after it, LSB 2^-44 mm, if the corner between them is rounded and that is known.
     fn enter(&mut self, mut next: Held<AXES>, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
-        let (block, rounds) = (next.block, next.rule.is_some());
-        if let Some(held) = &mut self.held
-            && let Some(rule) = held.rule
+        if self.left_out(&mut next) || !parted && self.merges(&next, dynamics) {
+            return;
+        }
+        self.join(&mut next, behind, dynamics);
+        self.held = Some(next);
+    }
+
+    /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over both.
+    #[inline(never)]
+    fn left_out(&mut self, next: &mut Held<AXES>) -> bool {
+        let Some(held) = &mut self.held else { return false };
+        let Some(rule) = held.rule else { return false };
+        if next.rule.is_some()
+            && let Some(skipped) = held.leave_out(&next.block, &rule, &self.measure)
         {
-            if rounds && let Some(skipped) = held.leave_out(&next.block, &rule, &self.measure) {
-                held.skipped = Some(skipped);
-                return;
-            }
-            if let Some(standing) = held.stands(&next, &rule, &self.measure) {
-                let from = if standing.whole { held.block.from } else { held.block.to };
-                if let Ok(Some(element)) = line(&from, &block.to, &self.measure) {
-                    next.block = ProgrammedBlock { element, from, form: Form::Line, ..block };
-                    next.length = element.shape.length.to_bits();
-                    next.stray = standing.stray;
-                    held.skipped = None;
-                    if standing.whole {
-                        // The short one to begin with is part of it.
-                        self.held = None;
-                    }
+            held.skipped = Some(skipped);
+            return true;
+        }
+        if let Some(standing) = held.stands(next, &rule, &self.measure) {
+            let from = if standing.whole { held.block.from } else { held.block.to };
+            if let Ok(Some(element)) = line(&from, &next.block.to, &self.measure) {
+                next.block.element = element;
+                next.block.from = from;
+                next.block.form = Form::Line;
+                next.length = next.block.element.shape.length.to_bits();
+                next.stray = standing.stray;
+                held.skipped = None;
+                if standing.whole {
+                    // The short one to begin with is part of it.
+                    self.held = None;
                 }
             }
         }
-        let merged =
-            self.held.as_ref().filter(|_| !parted).and_then(|held| {
-                held.rule.and_then(|rule| held.merged(&next, &rule, dynamics, &self.measure))
-            });
-        if let Some(merged) = merged {
-            self.held = Some(merged);
-            return;
+        false
+    }
+
+    /// Whether the block held back and the next one become one.
+    #[inline(never)]
+    fn merges(&mut self, next: &Held<AXES>, dynamics: &Dynamics<AXES>) -> bool {
+        let Some(held) = &self.held else { return false };
+        let merged = held.rule.and_then(|rule| held.merged(next, &rule, dynamics, &self.measure));
+        if merged.is_some() {
+            self.held = merged;
+            return true;
         }
-        if let Some(held) = self.held.take() {
-            let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
-            next.previous = held.rule.map(|_| held.length);
-            let (joining, remark) = Joining::new(&held, &next, behind, &setting);
-            self.joining = Some(joining);
-            if remark.is_some() {
-                self.remark = remark;
-            }
+        false
+    }
+
+    /// The corner between the block held back and the next one.
+    #[inline(never)]
+    fn join(&mut self, next: &mut Held<AXES>, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
+        let Some(held) = &self.held else { return };
+        let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
+        next.previous = held.rule.map(|_| held.length);
+        let (joining, remark) = Joining::new(held, next, behind, &setting);
+        self.joining = Some(joining);
+        self.held = None;
+        if remark.is_some() {
+            self.remark = remark;
         }
-        self.held = Some(next);
     }
 
     /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no curve.
@@ -318,10 +338,11 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.before.is_some() || self.bridge.is_some() {
             return false;
         }
-        let over = self.held.as_mut().filter(|held| held.skipped.is_some_and(|skipped| skipped.over));
+        let over =
+            self.held.as_mut().filter(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over));
         let next = match over {
             Some(held) => held.behind(&self.measure),
-            None if self.waiting.is_none_or(|waiting| waiting.weighs()) => return false,
+            None if self.waiting.as_ref().is_none_or(Held::weighs) => return false,
             None => self.waiting.take(),
         };
         if let Some(next) = next {
@@ -367,8 +388,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
             let parameters = &self.parameters.by(method);
             let setting = Setting { measure: &self.measure, parameters, dynamics };
-            if let Some(course) = joining.go_on(next, &setting) {
-                self.course = course;
+            if joining.go_on(next, &setting, &mut self.course) {
                 self.joined();
             }
             return true;
