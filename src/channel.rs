@@ -335,7 +335,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_holding()
     }
 
-    /// Whether the motion stands still because a function is not acknowledged: [`Operator::awaited`](crate::operator::Operator::awaited).
+    /// Whether the motion stands still because a function is not acknowledged:
+    /// [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting()
     }

@@ -1,9 +1,10 @@
 //! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an operator,
 //! acknowledgements of functions.
 //!
-//! The words behind [`crate::operator::Operator`], which gives the commands. Each word has one writer, the operator or the planner:
-//! commands can be given at any time, without a lock, without waiting and without compare-and-swap, which small cores do not
-//! have. The planner follows them from a few ticks behind its next call on, see [`crate::plan`].
+//! The words behind [`crate::operator::Operator`], which gives the commands. Each word has one writer, the
+//! operator or the planner: commands can be given at any time, without a lock, without waiting and without
+//! compare-and-swap, which small cores do not have. The planner follows them from a few ticks behind its next
+//! call on, see [`crate::plan`].
 mod acknowledge;
 
 pub(crate) use acknowledge::OPEN;
@@ -30,7 +31,8 @@ const ANSWERED: u32 = 8 << 16;
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
-/// What is shared of commands and acknowledgements by the operator who gives them and the planner that follows them.
+/// What is shared of commands and acknowledgements by the operator who gives them and the planner that
+/// follows them.
 pub struct Control {
     /// The commands. This and the next two are written by the operator.
     given: AtomicU32,

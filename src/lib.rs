@@ -1,7 +1,7 @@
 //! Glidepath turns an NC program into axis set points, with the same bits on every machine.
 //!
-//! The tick calculates in integers. The planner uses IEEE + − × ÷ √ beside them; what it finds is verified in integers before it is
-//! used.
+//! The tick calculates in integers. The planner uses IEEE + − × ÷ √ beside them; what it finds is verified in
+//! integers before it is used.
 //!
 //! ```text
 //!         planner: a task or the main loop, bounded work per call                   |  interrupt: bounded work per tick
@@ -11,9 +11,9 @@
 //!                                                                            operator: PLC, serial line, other core
 //! ```
 //!
-//! An application holds three handles of one [`Channel`]. The [`Planner`] runs where time is not critical and is called again and
-//! again. The [`Interpolator`] is moved into the timer interrupt. The [`Operator`] gives commands, takes the functions that are due
-//! and sees the status, in any task or on another core.
+//! An application holds three handles of one [`Channel`]. The [`Planner`] runs where time is not critical and
+//! is called again and again. The [`Interpolator`] is moved into the timer interrupt. The [`Operator`] gives
+//! commands, takes the functions that are due and sees the status, in any task or on another core.
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
@@ -110,7 +110,8 @@
 //! | valley | Where a law is slowest inside, with acceleration on both sides of a slow block. |
 //! | way | A motion that leads to a standstill. |
 #![no_std]
-// Only the rings of `queue` may, and say why: `ring`, `course`, `reserve` and `actions`, and the cells they are made of (`word`).
+// Only the rings of `queue` may, and say why: `ring`, `curves`, `reserve` and `actions`, and the cells they
+// are made of (`word`).
 #![deny(unsafe_code)]
 
 pub use axis::Axes;
@@ -122,7 +123,8 @@ pub use quantity::Position;
 pub use technology::{Function, Output, Technology};
 pub use tick::{Interpolator, State};
 
-// The tower: each module uses those above it alone (`host-tests/tests/tower.rs`). Hidden are those that an application does not name.
+// The tower: each module uses those above it alone (`host-tests/tests/tower.rs`). Hidden are those that an
+// application does not name.
 
 #[doc(hidden)]
 pub mod math;

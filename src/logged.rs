@@ -1,4 +1,5 @@
-//! The proof that defmt can log what an application may want to log: every public error and every public event.
+//! The proof that defmt can log what an application may want to log: every public error and every public
+//! event.
 use crate::channel::{
     Error, GoOnError, MachineError, PlannedBlock, PositionError, Progress, ZeroOffsetError,
 };

@@ -1,7 +1,7 @@
 //! The third handle of a channel: commands, functions that are due, acknowledgements, and the status.
 //!
-//! It belongs to whoever watches the motion from outside: a PLC task, a serial task, another core. Nothing in it waits for the planner
-//! or the interrupt, and neither waits for it.
+//! It belongs to whoever watches the motion from outside: a PLC task, a serial task, another core. Nothing in
+//! it waits for the planner or the interrupt, and neither waits for it.
 use crate::control::{Commands, Control, Unexpected};
 use crate::quantity::{Distance, Position, Speed};
 use crate::queue::{Outlet, Panel};
@@ -25,17 +25,20 @@ pub struct Status<const AXES: usize> {
     pub speed: Speed,
     /// What the last tick said.
     pub state: State,
-    /// Pieces of time in the queue, 0…256: those the planner is ahead by. Two pieces that the planner puts in meanwhile may count or not.
+    /// Pieces of time in the queue, 0…256: those the planner is ahead by. Two pieces that the planner puts in
+    /// meanwhile may count or not.
     pub queued: u16,
-    /// Ticks since the split, whether the path moved in them or not; modulo 2^31. The last one has the number `ticks` − 1, as in
-    /// [`Output::tick`].
+    /// Ticks since the split, whether the path moved in them or not; modulo 2^31. The last one has the number
+    /// `ticks` − 1, as in [`Output::tick`].
     pub ticks: u32,
 }
 
-/// Gives commands to a channel and sees what it does. `Send`, not `Sync`: one context at a time holds it, so that every word has one writer.
+/// Gives commands to a channel and sees what it does. `Send`, not `Sync`: one context at a time holds it, so
+/// that every word has one writer.
 ///
-/// The usual way: a task takes functions by [`Self::output`] as often as it can and acknowledges those that wait. An application
-/// without such a task moves it into the interrupt, beside the interpolator, and calls [`Self::deliver`] behind every tick.
+/// The usual way: a task takes functions by [`Self::output`] as often as it can and acknowledges those that
+/// wait. An application without such a task moves it into the interrupt, beside the interpolator, and calls
+/// [`Self::deliver`] behind every tick.
 pub struct Operator<'a, const AXES: usize> {
     panel: Panel<'a, AXES>,
     sole: PhantomData<Cell<()>>,
@@ -51,8 +54,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.panel.control
     }
 
-    /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066 says how. With 0
-    /// the motion stands still on the path, as in a feed hold.
+    /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066
+    /// says how. With 0 the motion stands still on the path, as in a feed hold.
     pub fn set_override(&self, feed: u16) {
         self.control().set_override(feed);
     }
@@ -67,7 +70,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().set_hold(false);
     }
 
-    /// Stand still and forget the rest of the program. It ends a hold; a hold that is given behind it counts for what comes then.
+    /// Stand still and forget the rest of the program. It ends a hold; a hold that is given behind it counts
+    /// for what comes then.
     pub fn abort(&self) {
         self.control().abort();
     }
@@ -82,8 +86,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().commands()
     }
 
-    /// The next function whose point of the motion a tick has reached or passed. Call it until it says `None`: there is room for 32
-    /// in all, and the motion stands still where there is no more.
+    /// The next function whose point of the motion a tick has reached or passed. Call it until it says
+    /// `None`: there is room for 32 in all, and the motion stands still where there is no more.
     pub fn output(&self) -> Option<Output> {
         let outlet: &Outlet<'a> = &self.panel.actions;
         let (event, tick) = outlet.take()?;
@@ -112,8 +116,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().acknowledgements().awaited()
     }
 
-    /// What the last tick did. Reads again if a tick comes in between: on the interrupt's core at most once or twice, on another one
-    /// while a tick is at hand.
+    /// What the last tick did. Reads again if a tick comes in between: on the interrupt's core at most once
+    /// or twice, on another one while a tick is at hand.
     pub fn status(&self) -> Status<AXES> {
         let seen = self.panel.status.read();
         let (state, step) = if seen.moved { (State::Active, seen.step.to_bits()) } else { (State::Idle, 0) };

@@ -42,7 +42,8 @@ pub enum Action {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
-    /// The number of the tick that reached the point: ticks since the split, from 0, whether the path moved in them or not; modulo 2^31.
+    /// The number of the tick that reached the point: ticks since the split, from 0, whether the path moved
+    /// in them or not; modulo 2^31.
     pub tick: u32,
     /// Programmed N number.
     pub n: u32,

@@ -3,16 +3,17 @@
 //! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the elements
 //! the path distance has left, and evaluates the one it is on. Integers only; no division, square root or search.
 //!
-//! Which piece of time comes next, also where the planner has asked for a change or has come late: [`crate::queue::Timeline`].
-//! At its end the tick marks the actions that are due and shows its result to the operator ([`crate::operator::Operator`]).
+//! Which piece of time comes next, also where the planner has asked for a change or has come late:
+//! [`crate::queue::Timeline`]. At its end the tick marks the actions that are due and shows its result to the
+//! operator ([`crate::operator::Operator`]).
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
 //! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{MOST, Receiver};
+use crate::queue::{MAX_CURVES_PER_TICK, Receiver};
 
 /// Most elements one tick may pass.
-pub const SKIP_PER_TICK: u32 = MOST;
+pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
 
 /// What the tick just did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +21,8 @@ pub const SKIP_PER_TICK: u32 = MOST;
 pub enum State {
     /// Nothing is planned: the set points rest.
     Idle,
-    /// The path has ended and set points still move: filters that settle, motions of single axes. Nothing of the kind exists yet:
-    /// no tick says so in this version.
+    /// The path has ended and set points still move: filters that settle, motions of single axes. Nothing of
+    /// the kind exists yet: no tick says so in this version.
     Settling,
     /// A set point of the planned motion; dwell time counts.
     Active,
@@ -56,10 +57,11 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         Self { queue, set_points: start }
     }
 
-    /// Computes the next set point, marks the actions that are due, shows both to the operator. Instructions on a Cortex-M4F: see
-    /// `docs/figures.md`; each action that becomes due takes about a dozen more.
+    /// Computes the next set point, marks the actions that are due, shows both to the operator. Instructions
+    /// on a Cortex-M4F: see `docs/figures.md`; each action that becomes due takes about a dozen more.
     ///
-    /// The planner must not interrupt it: an interrupt of higher priority than the planner's on the same core, or any on another one.
+    /// The planner must not interrupt it: an interrupt of higher priority than the planner's on the same
+    /// core, or any on another one.
     pub fn tick(&mut self) -> State {
         let Some(distance) = self.queue.begin() else {
             return self.rest();

@@ -350,7 +350,7 @@ pub fn judge_with(
     let mut previous = (neighbour(before, shares[0]), [0.0; 2]);
     let kappa = curve
         .iter()
-        .map(|p| p.out.element.bounds.map_or(0.0, |b| b.bend.iter().fold(0.0_f32, |a, b| a.max(*b))))
+        .map(|p| p.out.element.bounds.map_or(0.0, |b| b.second.iter().fold(0.0_f32, |a, b| a.max(*b))))
         .fold(0.0, f32::max);
     for (i, piece) in curve.iter().enumerate() {
         let (ends, noise) = piece.ends(false);

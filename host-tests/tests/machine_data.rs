@@ -4,7 +4,7 @@ use glidepath::dynamics::Dynamics;
 use glidepath::machine::parameter::{AXIS, CHANNEL};
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
-use glidepath::slope::limits::Law;
+use glidepath::slope::limits::SlopeLaw;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
 use host_tests::corner::{blocks, dev, random, round};
@@ -348,11 +348,12 @@ fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
                 continue;
             }
             let (limits, ..) = dynamics.polynomial(element, &bounds, Some(60_000.0), curving);
-            let Law::Bowed { j, .. } = limits.law else { continue };
+            let SlopeLaw::JerkLimited { j, .. } = limits.law else { continue };
             let (v, a) = (f64::from(limits.v), f64::from(limits.a_up.max(limits.a_down)));
             let j = j.into_iter().fold(0.0, f32::max);
             for k in 0..3 {
-                let [slope, bend, twist] = [bounds.slope[k], bounds.bend[k], bounds.twist[k]].map(f64::from);
+                let [slope, bend, twist] =
+                    [bounds.first[k], bounds.second[k], bounds.third[k]].map(f64::from);
                 let jerk = |v: f64, a: f64, j: f64| twist * v.powi(3) + 3.0 * bend * v * a + slope * j;
                 let worst = if bounds.trades() {
                     let j = f64::from(j).max(a * a / (2.0 * v));

@@ -1,7 +1,9 @@
 //! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives back.
 use glidepath::path::{LONGEST, Shape};
 use glidepath::quantity::{Distance, Position};
-use glidepath::queue::{Course, Follower, Layer, MOST, Ring, SEGMENTS, Segment, Slot};
+use glidepath::queue::{
+    CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK, Ring, SEGMENTS, Segment, Slot,
+};
 use host_tests::cases::random::Random;
 
 /// Curves of the look-ahead.
@@ -18,7 +20,7 @@ fn shape(length: i64) -> Shape<1> {
 }
 
 /// Puts in a curve of that length, with its number as block; its start.
-fn put(layer: &mut Layer<'_, 1>, length: i64) -> i64 {
+fn put(layer: &mut CurveProducer<'_, 1>, length: i64) -> i64 {
     let (number, start) = (layer.count(), layer.end().to_bits());
     assert!(!layer.is_full());
     let base = [Position::from_bits(i64::from(number))];
@@ -27,7 +29,7 @@ fn put(layer: &mut Layer<'_, 1>, length: i64) -> i64 {
     start
 }
 
-fn found(follower: &mut Follower<'_, 1>, distance: i64) -> Option<(u32, i64)> {
+fn found(follower: &mut CurveConsumer<'_, 1>, distance: i64) -> Option<(u32, i64)> {
     let on = |segment: &Segment<1>, number: u32| {
         assert_eq!((segment.block, segment.n), (number, number.wrapping_mul(10)));
         assert_eq!(segment.base, [Position::from_bits(i64::from(number))]);
@@ -47,8 +49,8 @@ fn a_tick_passes_to_the_last_curve_that_has_begun() {
     const LENGTH: i64 = 10;
     for seam in [0, 1, 17, 53, 54, 55, 85, 86, 87, 88, 119, 120, 121, 122, 175] {
         for curves in (1..=ALL as u32).step_by(if seam % 2 == 0 { 1 } else { 3 }) {
-            for begun in 1..=curves.min(MOST + 1) {
-                let mut course = Course::<1, AHEAD>::new();
+            for begun in 1..=curves.min(MAX_CURVES_PER_TICK + 1) {
+                let mut course = CurveRing::<1, AHEAD>::new();
                 let (mut layer, mut follower) = course.split();
                 assert_eq!((layer.ahead(), layer.len(), layer.is_empty()), (AHEAD, 0, true));
                 assert_eq!(found(&mut follower, -1), None);
@@ -83,7 +85,7 @@ fn a_tick_passes_to_the_last_curve_that_has_begun() {
 
 #[test]
 fn a_full_ring_takes_nothing() {
-    let mut course = Course::<1, AHEAD>::new();
+    let mut course = CurveRing::<1, AHEAD>::new();
     let (mut layer, mut follower) = course.split();
     for _ in 0..ALL {
         put(&mut layer, 10);
@@ -99,7 +101,7 @@ fn a_full_ring_takes_nothing() {
 /// Where the motion ends with the last curve handed on, the interrupt is on the next one: it counts as on the last one.
 #[test]
 fn curves_handed_on_are_counted_apart_from_those_of_the_look_ahead() {
-    let mut course = Course::<1, 100>::new();
+    let mut course = CurveRing::<1, 100>::new();
     let (mut layer, mut follower) = course.split();
     for _ in 0..100 {
         put(&mut layer, 10);
@@ -123,15 +125,18 @@ fn curves_of_all_lengths_are_found() {
     let mut random = Random::new(7);
     let (mut fullest, mut withdrawn, mut passed, mut hidden, mut sated, mut alone) = (0, 0, 0, 0, 0, 0);
     for run in 0..300 {
-        let mut course = Course::<1, AHEAD>::new();
+        let mut course = CurveRing::<1, AHEAD>::new();
         let (mut layer, mut follower) = course.split();
         let mut list: Vec<(i64, i64)> = Vec::new();
         // The curve the motion is on, and those handed on.
         let (mut at, mut handed, mut distance) = (0, 0, 0);
         let lengths = [1, 1 << 20, 1 << 40, 1 << 54, 1 << 56, 1 << 60, LONGEST - 1];
         let usual = random.bits() as usize % lengths.len();
-        let steps =
-            1 + if random.once_in(2) { MOST as usize } else { random.bits() as usize % MOST as usize };
+        let steps = 1 + if random.once_in(2) {
+            MAX_CURVES_PER_TICK as usize
+        } else {
+            random.bits() as usize % MAX_CURVES_PER_TICK as usize
+        };
         for _ in 0..600 {
             while !layer.is_full() && !random.once_in(40) {
                 // As many as the look-ahead holds.
@@ -195,7 +200,7 @@ fn curves_of_all_lengths_are_found() {
     }
     assert!(
         fullest == ALL
-            && passed == MOST as usize
+            && passed == MAX_CURVES_PER_TICK as usize
             && [withdrawn, hidden, sated, alone].iter().all(|times| *times > 1000),
         "{fullest} {withdrawn} {passed} {hidden} {sated} {alone}"
     );
@@ -204,7 +209,7 @@ fn curves_of_all_lengths_are_found() {
 /// A planner that gets no time any more leaves the interrupt with a way ahead of it.
 #[test]
 fn a_way_to_a_standstill_is_known_as_far_as_distances_are_compared() {
-    let mut course = Course::<1, AHEAD>::new();
+    let mut course = CurveRing::<1, AHEAD>::new();
     let (mut layer, mut follower) = course.split();
     // One that is handed on, and the look-ahead behind it.
     for _ in 0..AHEAD {

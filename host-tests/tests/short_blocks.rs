@@ -1,12 +1,12 @@
 //! Blocks shorter than a tick, without a straight line among them.
 //!
 //! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop in the look-ahead.
-use glidepath::lookahead::Release;
+use glidepath::lookahead::ReleasedSpan;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Speed};
-use glidepath::slope::bend::Bend;
-use glidepath::slope::limits::{Joins, Law, Limits};
+use glidepath::slope::limits::{Joins, Limits, SlopeLaw};
 use glidepath::slope::profile::Profile;
+use glidepath::slope::ramp_shape::RampShape;
 use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines};
 use host_tests::properties::verify;
@@ -70,16 +70,16 @@ fn no_faster_than_a_tick_can_pass() {
 fn a_slope_that_fills_a_block_of_few_lsb() {
     let mut r = Random::new(7);
     let mut least = i64::MAX;
-    for bend in [Bend::Linear, Bend::SineSquare] {
+    for bend in [RampShape::Linear, RampShape::SineSquare] {
         for case in 0..20_000 {
             let length = r.magnitude(4096.0, 1e9) as i64;
             let v_out = Speed::from_bits(r.magnitude(1e6, 1e13) as i64);
             let [a, j] = [r.magnitude(1e-9, 1e-6), r.magnitude(1e-11, 1e-8)].map(|x| x as f32);
-            let law = Law::Bowed { bend, joins: Joins::Alike, j: [j; 4] };
+            let law = SlopeLaw::JerkLimited { shape: bend, joins: Joins::Alike, j: [j; 4] };
             let limits = Limits { v: 1.0, a_up: a, a_down: a, law };
             let length = Distance::from_bits(length);
             let v_in = Speed::from_bits(1 << 58);
-            let span = Release { limits, length, v_in, v_out, ..Release::BLANK };
+            let span = ReleasedSpan { limits, length, v_in, v_out, ..ReleasedSpan::BLANK };
             let mut profile = Profile::default();
             let [high, low] = [span.enter(), v_out];
             for [v_in, v_out] in [[high, low], [low, high]] {

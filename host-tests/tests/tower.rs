@@ -2,7 +2,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is that of `src/lib.rs`.
+/// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is
+/// that of `src/lib.rs`.
 const TOWER: [(&str, &str); 18] = [
     ("math", ""),
     ("quantity", "math"),

@@ -10,8 +10,8 @@ use crate::tick::Interpolator;
 
 /// All memory of planner, interrupt and operator, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
 ///
-/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes the handles in it: what they are beside that are
-/// some hundred bytes.
+/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes the handles in it:
+/// what they are beside that are some hundred bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize> {
     rings: Rings<AXES, BLOCKS>,
     decoder: DecoderMemory<AXES>,

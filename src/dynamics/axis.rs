@@ -5,8 +5,8 @@ use crate::machine::{AxisData, ChannelData, Stages};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
-use crate::slope::bend::Bend;
 use crate::slope::limits::Ramps;
+use crate::slope::ramp_shape::RampShape;
 
 /// What a slight transition takes of the largest acceleration.
 const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
@@ -24,7 +24,7 @@ pub struct Set {
     pub change_over: f32,
     /// The others: mean jerks.
     pub j: Ramps,
-    pub joint: Joint,
+    pub joint: TransitionLimits,
     /// The least a / ramp time, at most `B`.
     pub ramp_budget: f32,
     /// The least a / geometric ramp time: `B`, or less where that is longer than the ramp times.
@@ -37,14 +37,15 @@ pub struct Set {
 
 /// What an axis permits at a transition.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint {
+pub struct TransitionLimits {
     /// `B`.
     pub budget: f32,
     /// Speed step permitted at a knee (P-AXIS-00013).
     pub knee: f32,
     /// P-AXIS-00013 is given: the jerk of such a step is not limited.
     pub is_weighted: bool,
-    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` where it is not limited.
+    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` where it is not
+    /// limited.
     pub bend: f32,
     /// Acceleration for knee and curvature together: the slope has the rest within a tick of the transition.
     pub left: f32,
@@ -61,7 +62,7 @@ pub(super) struct Axis {
     pub(super) v_reduced: f32,
 }
 
-impl Joint {
+impl TransitionLimits {
     pub(super) fn restricted(&self, other: &Self) -> Self {
         Self {
             budget: min(self.budget, other.budget),
@@ -74,9 +75,10 @@ impl Joint {
     }
 }
 
-impl Joint {
-    /// Highest speed at which the step of speed at a knee, and the acceleration across the path on either side of it, are no more than
-    /// `left` together. The curvature acts at the speed that the slope has a tick later:
+impl TransitionLimits {
+    /// Highest speed at which the step of speed at a knee, and the acceleration across the path on either
+    /// side of it, are no more than `left` together. The curvature acts at the speed that the slope has a
+    /// tick later:
     ///
     /// knee·v + curvature·(v + gained)² ≤ left.
     pub(super) fn beside_turn(&self, knee: f32, curvature: f32) -> f32 {
@@ -206,8 +208,9 @@ impl Set {
         // Of `a`, in 0.1 %; 0: cycle time / ramp time.
         let weight = data.a_trans_weight;
         let knee = a * if weight == 0 { 1.0 / jerks.longest } else { weight as f32 * 1e-3 };
-        // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of it counts in the middle.
-        let peak = if slope == SlopeType::Sin2 { Bend::SineSquare.peak_jerk() } else { 1.0 };
+        // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of
+        // it counts in the middle.
+        let peak = if slope == SlopeType::Sin2 { RampShape::SineSquare.peak_jerk() } else { 1.0 };
         let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
         // With HSC acceleration passes a knee.
         let passes = slope == SlopeType::Hsc;
@@ -225,7 +228,7 @@ impl Set {
             upper,
             change_over: units.speed(stages.change_over),
             j,
-            joint: Joint {
+            joint: TransitionLimits {
                 budget,
                 knee: min(knee, most),
                 is_weighted: weight > 0,
@@ -252,7 +255,8 @@ impl Set {
         set
     }
 
-    /// A knee of STEP: one tick of the acceleration. The weight is for the other slopes. Close knees add up as they do there.
+    /// A knee of STEP: one tick of the acceleration. The weight is for the other slopes. Close knees add up
+    /// as they do there.
     fn step(&mut self, a_max: f32) {
         let knee = min(self.least(), KNEE_PART * a_max);
         self.joint.budget = knee / TRANSITION_PART;

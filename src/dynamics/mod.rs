@@ -20,7 +20,7 @@
 //! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
 
 mod axis;
-mod headroom;
+mod override_range;
 mod permitted;
 mod polynomial;
 mod transition;
@@ -31,10 +31,10 @@ use crate::machine::MachineData;
 use crate::math::float::{magnitude, max, min, size_f32};
 use crate::nc::{SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
-use crate::slope::bend::Bend;
-use crate::slope::limits::{Joins, Law, Limits};
-use axis::{Axis, Joint};
-pub use headroom::Headroom;
+use crate::slope::limits::{Joins, Limits, SlopeLaw};
+use crate::slope::ramp_shape::RampShape;
+use axis::{Axis, TransitionLimits};
+pub use override_range::OverrideRange;
 pub use permitted::Share;
 pub use polynomial::{Curving, Steady};
 use vector::PathLimits;
@@ -63,7 +63,7 @@ const NO_LIMIT: f32 = 1e20;
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
     /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the weights.
-    before: Option<[[Joint; 2]; AXES]>,
+    before: Option<[[TransitionLimits; 2]; AXES]>,
     machine: MachineData<AXES>,
     weights: Weights<AXES>,
     path: PathLimits,
@@ -78,7 +78,7 @@ pub struct Dynamics<const AXES: usize> {
 }
 
 /// What an element permits: along the path, beside a transition, with an override.
-pub type Permitted = (Limits, Share, Headroom);
+pub type Permitted = (Limits, Share, OverrideRange);
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Converts the machine data.
@@ -150,12 +150,14 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// The law of the slope before any axis restricts it.
-    fn law(&self, change_over: f32) -> Law {
+    fn law(&self, change_over: f32) -> SlopeLaw {
         match self.slope {
-            SlopeType::Step => Law::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
-            SlopeType::Sin2 => Law::Bowed { bend: Bend::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] },
+            SlopeType::Step => SlopeLaw::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
+            SlopeType::Sin2 => {
+                SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] }
+            }
             SlopeType::Trapez | SlopeType::Hsc => {
-                Law::Bowed { bend: Bend::Linear, joins: self.joins, j: [f32::MAX; 4] }
+                SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: self.joins, j: [f32::MAX; 4] }
             }
         }
     }
@@ -178,7 +180,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Limits of a straight line with this direction (LSB 2^-40), run with `feed` (mm/min), or as rapid motion without one.
+    /// Limits of a straight line with this direction (LSB 2^-40), run with `feed` (mm/min), or as rapid
+    /// motion without one.
     #[inline(never)]
     pub(crate) fn line(&self, tangent: &[i64; AXES], feed: Option<f32>) -> Permitted {
         self.permitted(tangent, &None, feed)
@@ -232,8 +235,8 @@ impl<const AXES: usize> Dynamics<AXES> {
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
         self.path.lower(&mut limits, rapid, circle.is_some());
-        let headroom = limits.take_feed(feed, v_reduced, self.level);
-        (limits, share_left, headroom)
+        let override_range = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, override_range)
     }
 
     /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than

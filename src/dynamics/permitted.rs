@@ -1,14 +1,16 @@
-//! How the axes of an element restrict its limits, what an arc takes of them, and what a transition leaves of them.
+//! How the axes of an element restrict its limits, what an arc takes of them, and what a transition leaves of
+//! them.
 use super::axis::Set;
-use super::headroom::Headroom;
+use super::override_range::OverrideRange;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
-use crate::slope::bend::Bend;
-use crate::slope::limits::{Joins, Law, Limits, lower};
+use crate::slope::limits::{Joins, Limits, SlopeLaw, lower};
+use crate::slope::ramp_shape::RampShape;
 use core::f32::consts::TAU;
 
-/// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three ticks.
+/// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three
+/// ticks.
 pub(crate) const TRANSITION_PART: f32 = 0.4;
 /// Parts of `B` inside an arc: slope, and v³κ²; the rest goes to 3vκ·a.
 pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
@@ -46,7 +48,7 @@ impl Joins {
     /// `optimised`: NO_OPT=0, which only HSC knows.
     pub fn of(slope: SlopeType, optimised: bool) -> Self {
         match slope {
-            SlopeType::Hsc if optimised => Self::Dips,
+            SlopeType::Hsc if optimised => Self::Valleys,
             SlopeType::Hsc => Self::Any,
             SlopeType::Step | SlopeType::Trapez | SlopeType::Sin2 => Self::Alike,
         }
@@ -54,32 +56,34 @@ impl Joins {
 }
 
 impl Limits {
-    /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is reached.
+    /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is
+    /// reached.
     #[inline(always)]
-    pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> Headroom {
+    pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> OverrideRange {
         if feed == f32::MAX {
-            return Headroom::new(self.v, self.v, v_reduced);
+            return OverrideRange::new(self.v, self.v, v_reduced);
         }
-        let headroom = Headroom::new(self.v, feed, v_reduced);
+        let override_range = OverrideRange::new(self.v, feed, v_reduced);
         if self.v > feed {
-            self.v = feed * headroom.raised(level);
+            self.v = feed * override_range.raised(level);
         }
-        headroom
+        override_range
     }
 
     /// Leaves a transition its part.
     ///
-    /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one factor: with q < 1/6
-    /// and a ramp at the lower speed shorter than a third of the other one, a longer one alone would shorten the way.
+    /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one
+    /// factor: with q < 1/6 and a ramp at the lower speed shorter than a third of the other one, a longer one
+    /// alone would shorten the way.
     pub(crate) fn share(&mut self, share: &Share) {
         match &mut self.law {
-            Law::Bowed { bend: Bend::SineSquare, j, .. } => {
+            SlopeLaw::JerkLimited { shape: RampShape::SineSquare, j, .. } => {
                 let highest = j.iter().fold(0.0, |highest, j| max(highest, *j));
                 let part = min(1.0, share.j / highest);
                 *j = j.map(|j| j * part);
             }
-            Law::Bowed { j, .. } => lower(j, [share.j; 4]),
-            Law::Stepped { .. } => {}
+            SlopeLaw::JerkLimited { j, .. } => lower(j, [share.j; 4]),
+            SlopeLaw::Stepped { .. } => {}
         }
         self.lower_accelerations(share.a);
     }
@@ -88,8 +92,8 @@ impl Limits {
     pub(crate) fn are_within(&self, share: &Share) -> bool {
         let most = max(self.a_up, self.a_down);
         match self.law {
-            Law::Bowed { j, .. } => most <= share.a && j.iter().all(|j| *j <= share.j),
-            Law::Stepped { .. } => self.most() <= share.a,
+            SlopeLaw::JerkLimited { j, .. } => most <= share.a && j.iter().all(|j| *j <= share.j),
+            SlopeLaw::Stepped { .. } => self.most() <= share.a,
         }
     }
 
@@ -107,11 +111,11 @@ impl Limits {
         self.a_down = min(set.a_down * scale, self.a_down);
         let mut peak = 1.0;
         match &mut self.law {
-            Law::Bowed { bend, j, .. } => {
+            SlopeLaw::JerkLimited { shape, j, .. } => {
                 lower(j, set.j.map(|j| j * scale));
-                peak = 1.0 / bend.peak_jerk();
+                peak = 1.0 / shape.peak_jerk();
             }
-            Law::Stepped { change_over, a_up, a_down } => {
+            SlopeLaw::Stepped { change_over, a_up, a_down } => {
                 // The axis may be below its own change-over speed while the path is above its.
                 let both = turns || set.change_over * scale > *change_over * SAME;
                 let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
@@ -125,12 +129,13 @@ impl Limits {
     }
 
     /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
-    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that). `share` is the part of the
-    /// path that lies in the arc's plane: of a helix κ = share²/r, and the first of them is (share·v)³/r².
+    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that).
+    /// `share` is the part of the path that lies in the arc's plane: of a helix κ = share²/r, and the first
+    /// of them is (share·v)³/r².
     ///
-    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four fifths of the
-    /// one before, the one is taken with which the full circle, from rest to rest with that acceleration, is fastest.
-    /// So an arc does not become slower where it is cut.
+    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four
+    /// fifths of the one before, the one is taken with which the full circle, from rest to rest with that
+    /// acceleration, is fastest. So an arc does not become slower where it is cut.
     pub(crate) fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
         let twist = curvature * curvature / share;
         // Roots only where they may be lower.
@@ -140,8 +145,8 @@ impl Limits {
         if self.v * self.v * self.v * twist >= SURELY * ARC_PART * budget {
             self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
         }
-        if let Law::Bowed { bend, j, .. } = &mut self.law {
-            lower(j, [ARC_SLOPE_PART / bend.peak_jerk() * budget / share; 4]);
+        if let SlopeLaw::JerkLimited { shape, j, .. } = &mut self.law {
+            lower(j, [ARC_SLOPE_PART / shape.peak_jerk() * budget / share; 4]);
         }
         let most = min(self.a_up, self.a_down);
         let mut v = self.v;

@@ -7,7 +7,7 @@ use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element, Passage};
-use crate::slope::limits::{Law, Limits, lower};
+use crate::slope::limits::{Limits, SlopeLaw, lower};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
@@ -52,7 +52,8 @@ impl Steady {
 /// adds to that.
 const CONSTANT: f32 = 3e-4;
 
-/// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the slope.
+/// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the
+/// slope.
 const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
     match passage {
         // A deceleration of STEP has to be there from the first tick on.
@@ -64,8 +65,8 @@ const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
 }
 
 impl Limits {
-    /// Of so many speeds, each four fifths of the one before, takes the one with which an element of this length (mm), from rest to rest,
-    /// is fastest. `left_at`: what a speed leaves of an acceleration.
+    /// Of so many speeds, each four fifths of the one before, takes the one with which an element of this
+    /// length (mm), from rest to rest, is fastest. `left_at`: what a speed leaves of an acceleration.
     #[inline(always)]
     fn choose(
         &mut self,
@@ -121,37 +122,39 @@ impl<const AXES: usize> Dynamics<AXES> {
         // Rapid motion has none to divide.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
         limits.v = min(limits.v, feed * self.level);
-        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
+        let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
         let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
         let mut change_over = f32::MAX;
         if stepped {
-            for (axis, slope) in self.axes.iter().zip(&bounds.slope).filter(|(_, slope)| **slope > 0.0) {
-                change_over = min(change_over, axis.set(rapid).change_over / slope);
+            for (axis, first) in self.axes.iter().zip(&bounds.first).filter(|(_, first)| **first > 0.0) {
+                change_over = min(change_over, axis.set(rapid).change_over / first);
             }
         }
         limits.law = self.law(change_over);
         let [normal_part, curve_part, slope_part] = parts(bounds.passage, stepped);
         let trades = bounds.trades() && !stepped;
         let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
-        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
-            if *slope > 0.0 {
-                limits.restrict(&mut share_left, set, 1.0 / slope, true);
-                v_reduced = min(v_reduced, axis.v_reduced / slope);
+            if *first > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / first, true);
+                v_reduced = min(v_reduced, axis.v_reduced / first);
             }
-            if *bend > 0.0 {
+            if *second > 0.0 {
                 let normal = min(set.least(), normal_part * a_max(axis));
-                limits.v = min(limits.v, sqrt_f32(normal / bend));
+                limits.v = min(limits.v, sqrt_f32(normal / second));
             }
             let budget = budget_of(set);
             if budget < f32::MAX {
-                if *twist > 0.0 {
-                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / twist));
+                if *third > 0.0 {
+                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / third));
                 }
-                if let (true, Law::Bowed { bend, j, .. }) = (*slope > 0.0 && !trades, &mut limits.law) {
-                    lower(j, [slope_part / bend.peak_jerk() * budget / slope; 4]);
+                if let (true, SlopeLaw::JerkLimited { shape, j, .. }) =
+                    (*first > 0.0 && !trades, &mut limits.law)
+                {
+                    lower(j, [slope_part / shape.peak_jerk() * budget / first; 4]);
                 }
             }
         }
@@ -161,27 +164,24 @@ impl<const AXES: usize> Dynamics<AXES> {
                 max(set.curving_budget(curving.jerk), set.joint.budget)
             };
             self.trade(bounds, &mut limits, whole);
-            self.path.lower(&mut limits, rapid, true);
-            let headroom = limits.take_feed(feed, v_reduced, self.level);
-            return (limits, share_left, headroom);
+        } else {
+            limits.choose(length, speeds, curving.constant, |v: f32, mut a: f32| {
+                for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+                    if *first > 0.0 {
+                        a = min(a, max(a_max(axis) - second * v * v, 0.0) / first);
+                    }
+                    let budget = budget_of(axis.set(rapid));
+                    if *second > 0.0 && budget < f32::MAX {
+                        let left = (1.0 - slope_part) * budget - third * v * v * v;
+                        a = min(a, left / (3.0 * v * second));
+                    }
+                }
+                a
+            });
         }
-        let left_at = |v: f32, mut a: f32| {
-            for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
-                if *slope > 0.0 {
-                    a = min(a, max(a_max(axis) - bend * v * v, 0.0) / slope);
-                }
-                let budget = budget_of(axis.set(rapid));
-                if *bend > 0.0 && budget < f32::MAX {
-                    let left = (1.0 - slope_part) * budget - twist * v * v * v;
-                    a = min(a, left / (3.0 * v * bend));
-                }
-            }
-            a
-        };
-        limits.choose(length, speeds, curving.constant, left_at);
         self.path.lower(&mut limits, rapid, true);
-        let headroom = limits.take_feed(feed, v_reduced, self.level);
-        (limits, share_left, headroom)
+        let override_range = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, override_range)
     }
 
     /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as long as it is passed at
@@ -194,24 +194,24 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.v = min(limits.v, feed * self.level);
         let mut v_reduced = f32::MAX;
         limits.law = self.law(f32::MAX);
-        let derivatives = || bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
-        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives()) {
+        let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
-            if *slope > 0.0 {
-                limits.restrict(&mut share_left, set, 1.0 / slope, true);
-                v_reduced = min(v_reduced, axis.v_reduced / slope);
+            if *first > 0.0 {
+                limits.restrict(&mut share_left, set, 1.0 / first, true);
+                v_reduced = min(v_reduced, axis.v_reduced / first);
             }
-            if *bend > 0.0 {
-                limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / bend));
+            if *second > 0.0 {
+                limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / second));
             }
-            if *twist > 0.0 {
-                limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / twist));
+            if *third > 0.0 {
+                limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / third));
             }
         }
         self.trade(bounds, &mut limits, |axis| axis.set(rapid).joint.budget);
         self.path.lower(&mut limits, rapid, true);
-        let headroom = limits.take_feed(feed, v_reduced, self.level);
-        (limits, share_left, headroom)
+        let override_range = limits.take_feed(feed, v_reduced, self.level);
+        (limits, share_left, override_range)
     }
 
     /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk; a path acceleration
@@ -233,27 +233,27 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// lower V and the same x, the rule is stricter at any speed.
     fn trade(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
         let v = limits.v;
-        let Law::Bowed { bend: ramp, j: ramps, .. } = &mut limits.law else { return };
+        let SlopeLaw::JerkLimited { shape: ramp, j: ramps, .. } = &mut limits.law else { return };
         let mut most = f32::MAX;
-        let derivatives = bounds.slope.iter().zip(&bounds.bend).zip(&bounds.twist);
-        for (axis, ((slope, bend), twist)) in self.axes.iter().zip(derivatives) {
-            if *slope <= 0.0 {
+        let derivatives = bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives) {
+            if *first <= 0.0 {
                 continue;
             }
-            let a = bend * v * v;
+            let a = second * v * v;
             let free = max(axis.a_max - a, 0.0);
             let near = max(free, sqrt_f32(7.0 * a * free));
-            most = min(most, min(min(near, axis.a_max), 2.0 * (axis.a_max - 0.5625 * a)) / slope);
+            most = min(most, min(min(near, axis.a_max), 2.0 * (axis.a_max - 0.5625 * a)) / first);
             let budget = min(budget_of(axis), NO_LIMIT);
-            let (third, across, along) = (twist * v * v * v, bend * v, slope / (2.0 * v));
+            let (cubed, across, along) = (third * v * v * v, second * v, first / (2.0 * v));
             // The largest x of 0.385·D·x + |x'|·j ≤ rest.
             let reach = |rest: f32| {
                 let half = 0.5 * 0.385 * 3.0 * across;
                 rest / max(half + sqrt_f32(half * half + along * rest), TINY)
             };
-            let slack = max(budget - third, 0.0);
-            let evenly = sqrt_f32(third * slack / max(across * across + third * along, f32::MIN_POSITIVE));
-            let whole = reach(budget - 0.421_875 * third);
+            let slack = max(budget - cubed, 0.0);
+            let evenly = sqrt_f32(cubed * slack / max(across * across + cubed * along, f32::MIN_POSITIVE));
+            let whole = reach(budget - 0.421_875 * cubed);
             most = min(most, max(reach(slack), min(evenly, whole)));
         }
         most *= TRADED;

@@ -1,5 +1,5 @@
 //! Speed of a transition from one element to the next.
-use super::axis::Joint;
+use super::axis::TransitionLimits;
 use super::{Dynamics, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::math::float::{magnitude, max, min, size_f32};
@@ -127,7 +127,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
-            let Joint { budget, knee, .. } = axis.set(rapid).joint;
+            let TransitionLimits { budget, knee, .. } = axis.set(rapid).joint;
             let step = fastest * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40;
             let part = TRANSITION_PART * budget;
             step <= SLIGHT * min(part, knee) && fastest * fastest * magnitude(c1 - c0) <= SLIGHT * part

@@ -10,7 +10,7 @@ use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
 use crate::math::float::to_f32;
 use crate::nc::{Limit, VectorLimit};
-use crate::slope::limits::{Law, Limits};
+use crate::slope::limits::{Limits, SlopeLaw};
 
 /// A limit of acceleration below the smallest one of machine data, 1 mm/s².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,18 +113,18 @@ impl PathLimits {
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
-        let bowed = matches!(limits.law, Law::Bowed { .. });
-        if bowed && a_up >= limits.a_up && path.a_down >= limits.a_down {
+        let jerk_limited = matches!(limits.law, SlopeLaw::JerkLimited { .. });
+        if jerk_limited && a_up >= limits.a_up && path.a_down >= limits.a_down {
             return;
         }
         let parts = [lower(&mut limits.a_up, a_up), lower(&mut limits.a_down, path.a_down)];
         match &mut limits.law {
-            Law::Bowed { j, .. } => {
+            SlopeLaw::JerkLimited { j, .. } => {
                 for (j, part) in j.iter_mut().zip([parts[0], parts[0], parts[1], parts[1]]) {
                     *j *= part;
                 }
             }
-            Law::Stepped { a_up: upper_up, a_down: upper_down, .. } => {
+            SlopeLaw::Stepped { a_up: upper_up, a_down: upper_down, .. } => {
                 lower(upper_up, a_up);
                 lower(upper_down, path.a_down);
             }

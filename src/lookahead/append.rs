@@ -1,9 +1,9 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
 //! acceleration may pass it.
-use super::block::{Block, Joint, Marks, UNPLANNED};
-use super::dip::SPARE;
+use super::block::{AnchorMarks, Block, Marks, UNPLANNED};
 use super::pace::Slowest;
 use super::ring::Ring;
+use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Permitted, Share};
 use crate::math::float::{max, min, to_f32};
@@ -71,8 +71,8 @@ impl Transition {
 }
 
 impl<const AXES: usize> Next<'_, AXES> {
-    /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the speed `fastest`. `a`:
-    /// acceleration of STEP that acts beside it.
+    /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the
+    /// speed `fastest`. `a`: acceleration of STEP that acts beside it.
     #[inline(always)]
     fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
         let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
@@ -92,8 +92,8 @@ impl<const AXES: usize> Next<'_, AXES> {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
-    /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the motion there; `v`: as in
-    /// [`Self::passed`].
+    /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the
+    /// motion there; `v`: as in [`Self::passed`].
     #[inline(always)]
     fn goes_on(
         &self,
@@ -106,7 +106,8 @@ impl<const AXES: usize> Next<'_, AXES> {
         let rapid = self.rapid && last.rapid;
         let slight = || dynamics.is_slight(&last.exit, self.piece.entry, rapid, cap);
         match dynamics.slope() {
-            // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs less.
+            // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs
+            // less.
             SlopeType::Hsc => limits.is_as_strong(before),
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
             // As if it were one block.
@@ -131,15 +132,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         dynamics: &Dynamics<AXES>,
         long: bool,
     ) {
-        let (mut limits, share, mut headroom) = *permitted;
+        let (mut limits, share, mut override_range) = *permitted;
         let distance = piece.shape.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let after_brief = self.tail.row.is_brief();
         // Of the block at 100 % at least: its limits hold for a higher level too.
-        self.tail.row.take(length, (&mut limits.v, &mut headroom), max(self.level, 1.0), piece.timed);
+        self.tail.row.take(length, (&mut limits.v, &mut override_range), max(self.level, 1.0), piece.timed);
         let full = limits.v;
         if self.level < 1.0 {
-            limits.v *= headroom.raised(self.level);
+            limits.v *= override_range.raised(self.level);
         }
         let slope = dynamics.slope();
         let next = Next { piece, length, full, rapid, share, after_brief };
@@ -152,12 +153,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.counts.through += 1;
         }
         self.tail.span += distance;
-        self.counts.spare = if limits.may_dip() { self.depth / SPARE } else { 0 };
+        self.counts.spare = if limits.may_have_valleys() { self.depth / SPARE } else { 0 };
         self.tail.stop = false;
         if self.blocks.is_empty() {
             self.tail.slowest = Slowest::NONE;
         }
-        self.tail.slowest.take(headroom, limits.v, self.level, self.depth);
+        self.tail.slowest.take(override_range, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
         let behind = match &self.tail.last {
@@ -183,15 +184,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_in,
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
-            headroom,
-            joint: Joint::new(!anchor && slope == SlopeType::Hsc),
+            override_range,
+            joint: AnchorMarks::new(!anchor && slope == SlopeType::Hsc),
             marks,
             continued: false,
             trades,
         });
     }
 
-    /// The transition from the last block of the ring. Where it takes its part of the limits, both sides have less.
+    /// The transition from the last block of the ring. Where it takes its part of the limits, both sides have
+    /// less.
     #[inline(always)]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
@@ -219,7 +221,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish beside it: it waits.
+            // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish
+            // beside it: it waits.
             let unseen = || dynamics.unseen(&last.exit, piece.entry, rapid);
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;
@@ -235,7 +238,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         }
         let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
-        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a thousand times that.
+        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
+        // thousand times that.
         let a = limits.fastest(&before.limits);
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)

@@ -1,13 +1,13 @@
 //! A block in the ring: its limits, the speeds planned where it begins, and what that transition is.
 use super::ease::Ease;
-use crate::dynamics::Headroom;
+use crate::dynamics::OverrideRange;
 use crate::quantity::Speed;
 use crate::slope::limits::Limits;
 
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// A block in the ring. Its curve is in the queue: [`crate::queue::Course`].
+/// A block in the ring. Its curve is in the queue: [`crate::queue::CurveRing`].
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Path length, LSB 2^-44 mm.
@@ -16,7 +16,8 @@ pub struct Block {
     pub(super) limits: Limits,
     /// Speed at which its start may be passed at most, mm/tick.
     pub(super) cap: f32,
-    /// Speed at its start, at most, whatever the speeds of both blocks there: their feeds may rise with the override. mm/tick.
+    /// Speed at its start, at most, whatever the speeds of both blocks there: their feeds may rise with the
+    /// override. mm/tick.
     pub(super) highest: f32,
     /// Planned speed at its start.
     pub(super) v_in: Speed,
@@ -25,8 +26,8 @@ pub struct Block {
     /// The speed that the last complete plan had there: it stays possible.
     pub(super) v_old: Speed,
     /// How its speed follows the override.
-    pub(super) headroom: Headroom,
-    pub(super) joint: Joint,
+    pub(super) override_range: OverrideRange,
+    pub(super) joint: AnchorMarks,
     pub(super) marks: Marks,
     /// It was cut off from the block before: their curve is one.
     pub(super) continued: bool,
@@ -35,11 +36,11 @@ pub struct Block {
 }
 
 /// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*: it is the piece of a
-/// slow block in a faster span, where the speed at the anchor beside it keeps its limit ([`super::dip`]).
+/// slow block in a faster span, where the speed at the anchor beside it keeps its limit ([`super::valley`]).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Joint(u8);
+pub(super) struct AnchorMarks(u8);
 
-impl Joint {
+impl AnchorMarks {
     const OPEN: u8 = 1;
     const LENT: u8 = 2;
 
@@ -140,7 +141,7 @@ impl Block {
 
     /// Its speed at 100 %, or at the level if that is higher.
     pub(super) fn full(&self, level: f32) -> f32 {
-        if level < 1.0 { self.limits.v / self.headroom.raised(level) } else { self.limits.v }
+        if level < 1.0 { self.limits.v / self.override_range.raised(level) } else { self.limits.v }
     }
 
     /// Speed at which its start may be passed now.

@@ -1,15 +1,16 @@
-//! How fast blocks may follow each other: a tick passes at most [`MOST`] of them, so that 31 in a row take a tick at least.
+//! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, so that 31
+//! in a row take a tick at least.
 //!
 //! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours would bring all of the
 //! motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which take less than that. The others then take the
 //! 20th part of a tick each: twenty of them are a tick. A block is brief only where it is far shorter than the last one that is not, so
 //! that a chain of equal blocks keeps its 31 in a tick.
-use crate::dynamics::Headroom;
+use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
-use crate::queue::MOST;
+use crate::queue::MAX_CURVES_PER_TICK;
 
 /// Blocks that take a tick together.
-const ROW: u32 = MOST - 1;
+const ROW: u32 = MAX_CURVES_PER_TICK - 1;
 /// Brief ones among them at most.
 const MOST_BRIEF: u32 = 11;
 /// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time rounding to 2^-36 tick is a
@@ -44,19 +45,31 @@ impl Row {
     /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that. `timed`: its speed is
     /// given; it is a part of a curve of several ticks.
     #[inline(always)]
-    pub fn take(&mut self, length: f32, (v, headroom): (&mut f32, &mut Headroom), level: f32, timed: bool) {
+    pub fn take(
+        &mut self,
+        length: f32,
+        (v, override_range): (&mut f32, &mut OverrideRange),
+        level: f32,
+        timed: bool,
+    ) {
         (self.brief, self.quick) = (self.brief << 1 & BEFORE << 1, self.quick << 1 & BEFORE << 1);
         // At twice its speed, which is the highest level.
         if length >= (2.0 / OTHERS) * *v {
             self.length = length;
         } else {
-            self.take_short(length, (v, headroom), level, timed);
+            self.take_short(length, (v, override_range), level, timed);
         }
     }
 
     #[inline(never)]
-    fn take_short(&mut self, length: f32, (v, headroom): (&mut f32, &mut Headroom), level: f32, timed: bool) {
-        let most = headroom.highest(*v, level);
+    fn take_short(
+        &mut self,
+        length: f32,
+        (v, override_range): (&mut f32, &mut OverrideRange),
+        level: f32,
+        timed: bool,
+    ) {
+        let most = override_range.highest(*v, level);
         if most <= OTHERS * length {
             self.length = length;
             return;
@@ -79,7 +92,7 @@ impl Row {
             self.quick |= 1;
         }
         if !timed && most > lengths * length {
-            *headroom = headroom.lowered(*v, level, lengths * length);
+            *override_range = override_range.lowered(*v, level, lengths * length);
             *v = min(*v, lengths * length);
         }
         // Not nothing: what is divided by it stays finite.

@@ -9,10 +9,10 @@
 //! method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at its peak, its highest speed is lowered. After a
 //! few rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
 use super::block::{Marks, UNPLANNED};
-use super::dip::{self, Dip};
 use super::law::{LSB_44, Law, RISE, Span};
 use super::plan::spend;
 use super::ring::Ring;
+use super::valley::{self, Valley};
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
@@ -111,8 +111,8 @@ pub(super) enum Step {
     /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
     /// number, enough with the second. What is tried next, if that is known.
     Search(usize, [u8; 2], Option<u8>),
-    /// The anchor stays where it is, unless it becomes a dip: see [`super::dip`].
-    Dip(dip::Step),
+    /// The anchor stays where it is, unless it becomes a valley: see [`super::valley`].
+    Valley(valley::Step),
 }
 
 /// Tries to do without one anchor after the other, from the front to the last one whose speed is final.
@@ -136,7 +136,8 @@ pub(super) struct Trial {
     pub law: Law,
     pub search: Search,
     pub fit: Fit,
-    /// Laws of spans as they are planned: first block, highest speed, time. At the remainder of the first block's number.
+    /// Laws of spans as they are planned: first block, highest speed, time. At the remainder of the first
+    /// block's number.
     known: [(usize, f32, f32); KNOWN],
     /// Only anchors that are slower than they may be.
     first: bool,
@@ -166,7 +167,7 @@ pub(super) struct Search {
 pub(super) struct Fit {
     /// What the law begins with before its first block, LSB 2^-44 mm.
     pub head: i64,
-    /// It is one of a dip.
+    /// It is one of a valley.
     pub fitting: bool,
 }
 
@@ -249,19 +250,19 @@ impl Excess {
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Some steps of a trial; `true` when all are done.
     #[inline(never)]
-    pub(super) fn trials(&mut self, pass: &mut Trial, dip: &mut Dip, work: &mut usize) -> bool {
+    pub(super) fn trials(&mut self, pass: &mut Trial, valley: &mut Valley, work: &mut usize) -> bool {
         while *work > 0 {
             spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
             match pass.step {
                 Step::Seek => {
-                    if self.seek(pass, dip) {
+                    if self.seek(pass, valley) {
                         return true;
                     }
                 }
                 Step::Gather => self.gather(pass),
-                Step::Compare => self.compare(pass, dip),
+                Step::Compare => self.compare(pass, valley),
                 Step::Search(side, between, first) => self.search(pass, side, between, first),
-                Step::Dip(step) => self.dip(pass, dip, step),
+                Step::Valley(step) => self.valley(pass, valley, step),
             }
         }
         false
@@ -286,7 +287,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// Goes on to the next anchor that may be tried; `true` if there is none.
-    fn seek(&mut self, pass: &mut Trial, dip: &mut Dip) -> bool {
+    fn seek(&mut self, pass: &mut Trial, valley: &mut Valley) -> bool {
         for _ in 0..WALK {
             if pass.cursor.next >= pass.last && core::mem::take(&mut pass.first) {
                 (pass.from, pass.cursor.next) = (0, 1);
@@ -298,12 +299,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open()
                 && !(pass.first
-                    && block.limits.may_dip()
+                    && block.limits.may_have_valleys()
                     && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
             if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.cursor.next) {
                 pass.at = pass.cursor.next;
-                if pass.first && block.limits.may_dip() {
-                    self.look_further(pass, dip);
+                if pass.first && block.limits.may_have_valleys() {
+                    self.look_further(pass, valley);
                     return false;
                 }
                 pass.cursor.next = pass.from;
@@ -335,12 +336,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
-        if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_dip()) {
+        if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_have_valleys()) {
             if pass.first && !pass.fit.fitting {
                 (pass.from, pass.cursor.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
             } else {
-                pass.step = Step::Dip(if pass.fit.fitting { dip::Step::Weigh } else { dip::Step::Look });
+                pass.step =
+                    Step::Valley(if pass.fit.fitting { valley::Step::Weigh } else { valley::Step::Look });
             }
             return;
         }
@@ -387,8 +389,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        // Unless it could be faster than planned, for what lies before a dip.
-        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_dip() && at.cap() > v);
+        // Unless it could be faster than planned, for what lies before a valley.
+        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
         }
@@ -426,12 +428,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// Compares the law with some of the blocks.
-    fn compare(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    fn compare(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let length = to_f32(pass.spans[0].length) * LSB_44;
         for _ in 0..STEPS {
             let block = match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next < pass.to => block,
-                _ => return self.compared(pass, dip),
+                _ => return self.compared(pass, valley),
             };
             let start = to_f32(pass.cursor.way.max(0)) * LSB_44;
             pass.cursor.way += block.length;
@@ -466,10 +468,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// All blocks are compared.
-    fn compared(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    fn compared(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let [up, down] = pass.search.worst;
         if up.is_none() && down.is_none() {
-            return if pass.fit.fitting { self.fitted(pass, dip) } else { self.do_without(pass) };
+            return if pass.fit.fitting { self.fitted(pass, valley) } else { self.do_without(pass) };
         }
         if pass.search.rounds == 0 {
             return self.keep_anchor(pass);

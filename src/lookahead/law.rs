@@ -221,8 +221,8 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
 
-/// Speed at the end of a span that is entered at `v_in` and slows down: `next`, or the highest lower one that its length permits. `None`
-/// if there is none.
+/// Speed at the end of a span that is entered at `v_in` and slows down: `next`, or the highest lower one that
+/// its length permits. `None` if there is none.
 #[inline(never)]
 fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
     let brake = limits.brake();

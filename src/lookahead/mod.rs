@@ -16,7 +16,6 @@
 mod append;
 mod block;
 mod brief;
-mod dip;
 mod ease;
 mod law;
 mod pace;
@@ -24,12 +23,13 @@ mod plan;
 mod release;
 mod ring;
 mod span;
+mod valley;
 mod worth;
 
 pub use block::Block;
 pub use pace::Pace;
 pub(crate) use pace::SLOWEST;
-pub use release::Release;
+pub use release::ReleasedSpan;
 use ring::Blocks;
 pub use ring::Ring;
 

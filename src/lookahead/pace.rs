@@ -28,9 +28,9 @@
 //!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
 //! and has no such end.
-use super::Release;
+use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
-use crate::dynamics::Headroom;
+use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Speed, speed_f32};
 
@@ -50,15 +50,15 @@ impl Slowest {
 
     /// Takes in a block with the speed `v`, planned for a level.
     #[inline(always)]
-    pub fn take(&mut self, headroom: Headroom, v: f32, level: f32, depth: usize) {
-        if headroom.is_reduced() || self.least < f32::MAX {
-            self.count(headroom, v, level, depth);
+    pub fn take(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
+        if override_range.is_reduced() || self.least < f32::MAX {
+            self.count(override_range, v, level, depth);
         }
     }
 
     #[inline(never)]
-    fn count(&mut self, headroom: Headroom, v: f32, level: f32, depth: usize) {
-        if let Some(v) = headroom.reduced(v, level) {
+    fn count(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
+        if let Some(v) = override_range.reduced(v, level) {
             self.now = min(self.now, v);
         }
         self.least = min(self.now, self.before);
@@ -119,34 +119,37 @@ impl Pace {
 
     /// The span runs as planned.
     #[inline(always)]
-    pub fn is_planned(&self, span: &Release) -> bool {
+    pub fn is_planned(&self, span: &ReleasedSpan) -> bool {
         self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
     }
 
     /// Highest speed of a span now.
-    pub fn limit(&self, span: &Release) -> f32 {
+    pub fn limit(&self, span: &ReleasedSpan) -> f32 {
         let v = if self.is_planned(span) { span.limits.v } else { self.slowed(span) };
         min(v, span.slow.ceiling)
     }
 
     /// An override alone makes a span no slower.
-    fn slowest(&self, span: &Release) -> f32 {
+    fn slowest(&self, span: &ReleasedSpan) -> f32 {
         let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
-        let full = if span.level < 1.0 { v / span.headroom.raised(span.level) } else { v };
+        let full = if span.level < 1.0 { v / span.override_range.raised(span.level) } else { v };
         min(full, to_f32(span.length.to_bits()) * (1.0 / SLOWEST))
     }
 
-    fn slowed(&self, span: &Release) -> f32 {
+    fn slowed(&self, span: &ReleasedSpan) -> f32 {
         let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
         let slowest = self.slowest(span);
-        let part =
-            if span.is_uneven() { self.part(span.level) } else { self.factor(span.headroom, span.level) };
+        let part = if span.is_uneven() {
+            self.part(span.level)
+        } else {
+            self.factor(span.override_range, span.level)
+        };
         self.reduce(span, max(v * part, slowest))
     }
 
     /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`; `None`
     /// where the slowest of them is the limit instead: entered at another speed, the law is not the one that keeps all of them.
-    pub fn stretch(&self, span: &Release, v_in: Speed) -> Option<f32> {
+    pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced {
             return None;
         }
@@ -171,8 +174,8 @@ impl Pace {
     }
 
     /// Highest speed of the block behind a span now.
-    pub fn next(&self, span: &Release) -> f32 {
-        self.reduce(span, span.next.v * self.factor(span.next.headroom, span.level))
+    pub fn next(&self, span: &ReleasedSpan) -> f32 {
+        self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level))
     }
 
     /// Whether the override counts for the programmed feed alone.
@@ -180,7 +183,7 @@ impl Pace {
         self.mode == 1 || (self.mode == 2 && self.reduced)
     }
 
-    fn reduce(&self, span: &Release, v: f32) -> f32 {
+    fn reduce(&self, span: &ReleasedSpan, v: f32) -> f32 {
         if !self.reduced {
             return v;
         }
@@ -188,9 +191,9 @@ impl Pace {
     }
 
     /// The part of the speed planned for `level` that is permitted now, at most 1.
-    fn factor(&self, headroom: Headroom, level: f32) -> f32 {
-        let [above, below] = headroom.parts();
+    fn factor(&self, override_range: OverrideRange, level: f32) -> f32 {
+        let [above, below] = override_range.parts();
         let over = if self.is_of_program() { self.over / below } else { self.over };
-        min(min(over, above) / headroom.raised(level), 1.0)
+        min(min(over, above) / override_range.raised(level), 1.0)
     }
 }

@@ -2,16 +2,16 @@
 //!
 //! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the next one begins.
 use super::block::Marks;
-use super::dip::Dip;
 use super::ease::Trial;
 use super::law::{faster, length_mm};
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
+use super::valley::Valley;
 use crate::quantity::Speed;
 
 /// Where the plan stands.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Stage {
+pub(super) enum Pass {
     /// Complete.
     Done,
     /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of the last of
@@ -29,13 +29,13 @@ pub(super) enum Stage {
 
 /// The passes, of which one is at work.
 pub(super) struct Plan {
-    pub stage: Stage,
+    pub pass: Pass,
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
     pub trial: Trial,
     /// What is tried to be cut.
-    pub dip: Dip,
+    pub valley: Valley,
 }
 
 /// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
@@ -51,17 +51,17 @@ pub(super) fn spend(work: &mut usize, part: usize) {
 impl Plan {
     /// None.
     pub const NONE: Self = Self {
-        stage: Stage::Done,
+        pass: Pass::Done,
         backward: Backward::NONE,
         forward: Forward::NONE,
         inside: Inside::NONE,
         trial: Trial::NONE,
-        dip: Dip::NONE,
+        valley: Valley::NONE,
     };
 
     /// Whether it is complete.
     pub fn is_done(&self) -> bool {
-        matches!(self.stage, Stage::Done)
+        matches!(self.pass, Pass::Done)
     }
 
     /// Begins to plan.
@@ -69,7 +69,7 @@ impl Plan {
         let left = ring.blocks.len();
         if ring.counts.through == 0 {
             ring.scope.blockwise = true;
-            self.stage = Stage::Blocks(left, Speed::ZERO);
+            self.pass = Pass::Blocks(left, Speed::ZERO);
             return;
         }
         if ring.scope.blockwise {
@@ -81,7 +81,7 @@ impl Plan {
         }
         let until = left.min(core::mem::replace(&mut ring.scope.until, usize::MAX));
         self.backward = Backward::new(left, until, Speed::ZERO);
-        self.stage = Stage::Backward;
+        self.pass = Pass::Backward;
     }
 
     /// Goes on; `true` when the plan is complete.
@@ -89,28 +89,29 @@ impl Plan {
         &mut self,
         ring: &mut Ring<'_, AXES, BLOCKS>,
     ) -> bool {
-        match self.stage {
-            Stage::Blocks(left, v_out) => self.blocks(ring, left, v_out),
-            Stage::Done => true,
+        match self.pass {
+            Pass::Blocks(left, v_out) => self.blocks(ring, left, v_out),
+            Pass::Done => true,
             _ => self.spans(ring),
         }
     }
 
-    /// Goes on with a plan of spans of several blocks, as much as one call may do; `true` when it is complete.
+    /// Goes on with a plan of spans of several blocks, as much as one call may do; `true` when it is
+    /// complete.
     #[inline(never)]
     fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) -> bool {
         let mut work = WORK;
         while work > 0 {
-            match self.stage {
-                Stage::Backward => ring.backward(self, &mut work),
-                Stage::Forward => ring.forward(self, &mut work),
-                Stage::Inside => ring.inside(self, &mut work),
-                Stage::Trial => {
-                    if ring.trials(&mut self.trial, &mut self.dip, &mut work) {
+            match self.pass {
+                Pass::Backward => ring.backward(self, &mut work),
+                Pass::Forward => ring.forward(self, &mut work),
+                Pass::Inside => ring.inside(self, &mut work),
+                Pass::Trial => {
+                    if ring.trials(&mut self.trial, &mut self.valley, &mut work) {
                         self.complete(ring);
                     }
                 }
-                Stage::Done | Stage::Blocks(..) => break,
+                Pass::Done | Pass::Blocks(..) => break,
             }
         }
         self.is_done()
@@ -124,7 +125,7 @@ impl Plan {
             block.marks.set(Marks::FRESH, false);
             block.v_old = block.v_reached;
         }
-        self.stage = Stage::Done;
+        self.pass = Pass::Done;
     }
 
     fn blocks<const AXES: usize, const BLOCKS: usize>(
@@ -156,7 +157,7 @@ impl Plan {
             block.v_in = v;
             v_out = v;
         }
-        self.stage = Stage::Blocks(left, v_out);
+        self.pass = Pass::Blocks(left, v_out);
         false
     }
 
@@ -166,7 +167,7 @@ impl Plan {
     ) -> bool {
         ring.scope.end = ring.blocks.len();
         ring.scope.until = usize::MAX;
-        self.stage = Stage::Done;
+        self.pass = Pass::Done;
         true
     }
 }

@@ -3,14 +3,14 @@ use super::block::{Block, Marks};
 use super::ease::Ease;
 use super::law;
 use super::ring::Ring;
-use crate::dynamics::Headroom;
+use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
-pub struct Release {
+pub struct ReleasedSpan {
     /// Its blocks.
     pub blocks: usize,
     /// Path length.
@@ -33,7 +33,7 @@ pub struct Release {
     /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
     pub trades: bool,
     /// How its speed follows the override: of its blocks the fastest.
-    pub headroom: Headroom,
+    pub override_range: OverrideRange,
     /// The block behind it.
     pub next: Behind,
     /// Highest speed while the speed is reduced.
@@ -47,11 +47,13 @@ pub struct Release {
 pub struct Slow {
     /// The lowest of their speeds.
     pub least: f32,
-    /// The lowest speed of its blocks and of slow blocks that are in part in the span. Set for several blocks only.
+    /// The lowest speed of its blocks and of slow blocks that are in part in the span. Set for several blocks
+    /// only.
     pub shared: f32,
-    /// What is left of the span may be as fast as that: see [`Release::cruises`]. 0: not known.
+    /// What is left of the span may be as fast as that: see [`ReleasedSpan::cruises`]. 0: not known.
     pub cruise: f32,
-    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another speed.
+    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another
+    /// speed.
     pub ceiling: f32,
 }
 
@@ -61,10 +63,10 @@ pub struct Behind {
     /// Its speed; 0 where the motion stands.
     pub v: f32,
     /// How that follows the override.
-    pub headroom: Headroom,
+    pub override_range: OverrideRange,
 }
 
-impl Release {
+impl ReleasedSpan {
     /// Nothing; all bits zero.
     pub const BLANK: Self = Self {
         blocks: 0,
@@ -77,17 +79,17 @@ impl Release {
         checked: false,
         smooth: false,
         trades: false,
-        headroom: Headroom::BLANK,
-        next: Behind { v: 0.0, headroom: Headroom::BLANK },
+        override_range: OverrideRange::BLANK,
+        next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
         level: 0.0,
     };
 
     /// Takes in a higher level.
     pub fn raise(&mut self, level: f32) {
-        let risen = |v: f32, h: Headroom| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
-        self.limits.v = risen(self.limits.v, self.headroom);
-        self.next.v = risen(self.next.v, self.next.headroom);
+        let risen = |v: f32, h: OverrideRange| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
+        self.limits.v = risen(self.limits.v, self.override_range);
+        self.next.v = risen(self.next.v, self.next.override_range);
         self.level = level;
     }
 
@@ -134,7 +136,7 @@ impl Release {
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
     /// is none.
-    pub fn release(&mut self, release: &mut Release) -> Option<&Block> {
+    pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
         let (front, back) = self.blocks.as_slices();
         Self::span_of(front.iter().chain(back), release)?;
         release.level = self.level;
@@ -149,7 +151,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there is none. Not while the plan
     /// is at work.
-    pub fn planned(&self, at: usize, release: &mut Release) -> bool {
+    pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
         Self::span_of(self.blocks.iter().take(self.scope.end).skip(at), release).is_some()
@@ -157,12 +159,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The span at the front of these blocks; what the ring has for all of them is left open.
     #[inline(always)]
-    fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block>, release: &mut Release) -> Option<()> {
+    fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block>, release: &mut ReleasedSpan) -> Option<()> {
         let mut ease = Ease::NONE;
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
         let mut v_least = first.speed();
-        let mut headroom = first.headroom;
+        let mut override_range = first.override_range;
         let mut limits = first.limits;
         let next = loop {
             match ring.next() {
@@ -172,7 +174,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     }
                     v_least = min(v_least, min(block.cap, block.speed()));
                     limits.join(&block.limits);
-                    headroom.join(block.headroom);
+                    override_range.join(block.override_range);
                     length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
@@ -196,7 +198,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut v_out = Speed::ZERO;
         release.next.v = 0.0;
         if let Some(next) = next {
-            (release.next.v, release.next.headroom) = (next.limits.v, next.headroom);
+            (release.next.v, release.next.override_range) = (next.limits.v, next.override_range);
             let planned = next.v_in.max(Speed::ZERO);
             v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
         }
@@ -206,7 +208,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (release.blocks, release.slow.cruise) = (blocks, 0.0);
         release.length = Distance::from_bits(length);
         release.limits = limits;
-        (release.headroom, release.slow.ceiling) = (headroom, f32::MAX);
+        (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
         (release.smooth, release.trades) = (first.is(Marks::SMOOTH), first.trades);
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);

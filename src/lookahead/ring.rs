@@ -122,10 +122,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (0.0, false);
         for (k, block) in self.blocks.iter_mut().enumerate() {
-            let by = block.headroom.raised(level) / block.headroom.raised(before);
+            let by = block.override_range.raised(level) / block.override_range.raised(before);
             block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
-            // A dip stays as fast as it is.
+            // A valley stays as fast as it is.
             if k > 0 && !lent && !block.joint.is_lent() {
                 let fastest = min(block.highest, min(last, block.limits.v));
                 block.cap = max(block.cap, fastest * ROUNDED);
@@ -145,7 +145,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
         for block in &mut *self.blocks {
-            let by = block.headroom.raised(level) / block.headroom.raised(before);
+            let by = block.override_range.raised(level) / block.override_range.raised(before);
             block.limits.v *= by * ROUNDED;
             block.marks.set(Marks::CHECKED, false);
             block.marks.set(Marks::KEPT, true);

@@ -1,10 +1,10 @@
 //! Speeds at the anchors, and which transitions are anchors.
 //!
-//! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the limit of a
-//! block inside, an end of the slowest such block becomes an anchor where the law is too fast there (both, if it is too fast only
-//! between them), and all sides are planned again. Acceleration
-//! then vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the ring, unless
-//! [`super::ease`] finds a faster law without it.
+//! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the
+//! limit of a block inside, an end of the slowest such block becomes an anchor where the law is too fast
+//! there (both, if it is too fast only between them), and all sides are planned again. Acceleration then
+//! vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the
+//! ring, unless [`super::ease`] finds a faster law without it.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
@@ -13,7 +13,7 @@
 use super::block::{Marks, UNPLANNED};
 use super::ease::Trial;
 use super::law::{LSB_44, Law, Span};
-use super::plan::{Plan, Stage, spend};
+use super::plan::{Pass, Plan, spend};
 use super::ring::Ring;
 use crate::math::float::to_f32;
 use crate::quantity::{Speed, speed_bits};
@@ -167,7 +167,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     fn start_forward(&self, plan: &mut Plan) {
-        plan.stage = Stage::Forward;
+        plan.pass = Pass::Forward;
         let forward = &mut plan.forward;
         if plan.backward.again && plan.backward.left > 0 && plan.backward.left == forward.from {
             (forward.next, forward.span) = (forward.from, Span::NONE);
@@ -186,7 +186,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 Some(first) => first.is(Marks::CHECKED),
                 None if pass.last[0] > 1 && self.counts.untried > 0 => {
                     plan.trial = Trial::new(pass.last[0]);
-                    plan.stage = Stage::Trial;
+                    plan.pass = Pass::Trial;
                     return;
                 }
                 None => return plan.complete(self),
@@ -256,7 +256,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm[1] || flat);
         let brakes_at = law.brakes_at();
         plan.inside = Inside { law, brakes_at, block: pass.from, ..Inside::NONE };
-        plan.stage = Stage::Inside;
+        plan.pass = Pass::Inside;
         true
     }
 
@@ -384,7 +384,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if !enters
                 && !leaves
                 && firm
-                && self.blocks.get(first).is_some_and(|block| block.limits.may_dip())
+                && self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys())
             {
                 self.lower_peak(from, v);
                 return self.plan_again(plan, from, to);
@@ -410,7 +410,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             return self.plan_again(plan, from, to);
         }
         self.span_done(&mut plan.forward);
-        plan.stage = Stage::Forward;
+        plan.pass = Pass::Forward;
     }
 
     /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside. Where it is at
@@ -422,8 +422,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [enter, leave] = at.map(|at| to_f32(at) * LSB_44);
         let enters = first > from && !law.keeps(v, enter, enter);
         let leaves = behind < to && !law.keeps(v, leave, leave);
-        let may_dip = || self.blocks.get(first).is_some_and(|block| block.limits.may_dip());
-        if !(enters && leaves && law.is_firm() && may_dip()) {
+        let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys());
+        if !(enters && leaves && law.is_firm() && may_have_valleys()) {
             [enters, leaves]
         } else if enter >= *brakes_at {
             [true, false]
@@ -448,6 +448,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn plan_again(&self, plan: &mut Plan, from: usize, to: usize) {
         let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in);
         plan.backward = Backward { again: true, ..Backward::new(to, from, v_out) };
-        plan.stage = Stage::Backward;
+        plan.pass = Pass::Backward;
     }
 }

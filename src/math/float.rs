@@ -30,8 +30,8 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     (i64::from(whole) << 32) | i64::from(rest as u32)
 }
 
-/// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is lowered comes second: it
-/// then stays in its register.
+/// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is
+/// lowered comes second: it then stays in its register.
 #[inline(always)]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

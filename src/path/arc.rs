@@ -202,7 +202,8 @@ impl Ends {
         if self.apart && turned >= SAME_DIRECTION { (turned >> 4) as i64 } else { 1 << 60 }
     }
 
-    /// The arc's part of a shape whose length is known. `sweep`: angle, LSB 2^-60 revolutions, positive counter-clockwise.
+    /// The arc's part of a shape whose length is known. `sweep`: angle, LSB 2^-60 revolutions, positive
+    /// counter-clockwise.
     #[inline(always)]
     fn circle<const AXES: usize>(
         &self,
@@ -225,7 +226,8 @@ impl Ends {
             let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
             circle.grow = [grow(self.radii[0].unit[0]), grow(self.radii[0].unit[1])];
         }
-        // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard bits.
+        // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard
+        // bits.
         let end = circle.circle(Halves::of(shape.end_w()), 0);
         let missed = |i: usize| {
             let missed = (self.points[1][i] >> (FINER - GUARD)).wrapping_sub(end[i]);
@@ -236,8 +238,8 @@ impl Ends {
     }
 }
 
-/// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by what the axes `outside` its
-/// plane travel, if there are any.
+/// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by
+/// what the axes `outside` its plane travel, if there are any.
 #[inline(always)]
 fn travelled<const AXES: usize>(
     along: i64,

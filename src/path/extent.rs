@@ -79,7 +79,7 @@ impl<const AXES: usize> Element<AXES> {
         let start = from.get(axis).copied();
         let (Some(x), Some(bounds)) = (start, &self.bounds) else { return [start; 2] };
         // No further than its steepest direction leads: that is enough for most.
-        let slope = bounds.slope.get(axis).copied().unwrap_or(0.0);
+        let slope = bounds.first.get(axis).copied().unwrap_or(0.0);
         let way = to_f32(self.shape.length.to_bits()) * (1.0 / 4096.0) * slope;
         let way = Position::from_bits(way as i64);
         if x.saturating_sub(way) >= limits[0] && x.saturating_add(way) <= limits[1] {

@@ -322,7 +322,8 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w` apart.
+    /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w`
+    /// apart.
     #[inline(always)]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {

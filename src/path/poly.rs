@@ -28,11 +28,11 @@ pub struct Knot<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// |dx/ds|.
-    pub slope: [f32; AXES],
+    pub first: [f32; AXES],
     /// |d²x/ds²|, 1/mm.
-    pub bend: [f32; AXES],
+    pub second: [f32; AXES],
     /// |d³x/ds³|, 1/mm².
-    pub twist: [f32; AXES],
+    pub third: [f32; AXES],
     /// Speed along the curve per path speed: 1, and more by what the argument misses of the arc length.
     pub fastest: f32,
     /// What its speed does.
@@ -140,8 +140,8 @@ impl<const AXES: usize> Draft<AXES> {
         }
         let mut shape = Shape::resting(Distance::from_bits(bits));
         shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
-        let (slope, bend, twist) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
-        let bounds = Some(Bounds { slope, bend, twist, fastest, passage: Passage::Varying });
+        let (first, second, third) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
+        let bounds = Some(Bounds { first, second, third, fastest, passage: Passage::Varying });
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }
@@ -204,10 +204,10 @@ impl<const AXES: usize> Draft<AXES> {
             // Off by at most a few LSB: hidden by the guard bits.
             let rest = (travel << GUARD).wrapping_sub(bent(end_w, power.get(k)?, down));
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
-            let ([slope, bend, twist], per) = (largest(&a), 1.0 / self.length);
-            *bounds.slope.get_mut(k)? = slope * per;
-            *bounds.bend.get_mut(k)? = bend * per * per;
-            *bounds.twist.get_mut(k)? = twist * per * per * per;
+            let ([first, second, third], per) = (largest(&a), 1.0 / self.length);
+            *bounds.first.get_mut(k)? = first * per;
+            *bounds.second.get_mut(k)? = second * per * per;
+            *bounds.third.get_mut(k)? = third * per * per * per;
         }
         Some(())
     }
@@ -231,7 +231,7 @@ fn largest(a: &[f64; 5]) -> [f32; 3] {
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
     let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
-    let slope = [
+    let first = [
         p[0],
         p[0] + q1,
         p[0] + 2.0 * q1 + q2,
@@ -239,16 +239,16 @@ fn largest(a: &[f64; 5]) -> [f32; 3] {
         p[0] + p[1] + p[2] + p[3] + p[4],
     ];
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
-    let bend = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
-    let twist = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
+    let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
+    let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
     // The one has its extremes where the other vanishes: the roots of t² + …, of which one is found without a difference.
     let root = sqrt_f32(max(b2 * b2 - 3.0 * b1 * b3, 0.0));
     let sum = -(b2 + if b2 < 0.0 { -root } else { root });
     let inside = |p: f32, q: f32| if q == 0.0 { 0.0 } else { min(max(p / q, 0.0), 1.0) };
-    let bends = [b0, bend(1.0), bend(inside(sum, 3.0 * b3)), bend(inside(b1, sum))];
-    let twists = [b1, twist(1.0), twist(inside(-b2, 3.0 * b3))];
+    let seconds = [b0, second(1.0), second(inside(sum, 3.0 * b3)), second(inside(b1, sum))];
+    let thirds = [b1, third(1.0), third(inside(-b2, 3.0 * b3))];
     // Sums of four numbers, at places that are known to 2^-11 where two of them are one.
     let hidden = |p: [f32; 4]| p.iter().map(|p| max(*p, -*p)).sum::<f32>() * (1.0 / 1_048_576.0);
-    let (of_bend, of_twist) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
-    [most(&slope) * (1.0 + 1.0 / 1_048_576.0), most(&bends) + of_bend, most(&twists) + of_twist]
+    let (of_second, of_third) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
+    [most(&first) * (1.0 + 1.0 / 1_048_576.0), most(&seconds) + of_second, most(&thirds) + of_third]
 }

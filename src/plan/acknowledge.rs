@@ -5,7 +5,7 @@
 //! way behind the gate permits. It has to agree with the old one up to a tick shortly ahead, where the interrupt changes over
 //! ([`clock`]): so it does as long as only its end differs. Otherwise the old law holds, and the motion goes on from rest.
 use super::hold::REACTION;
-use super::{PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::{Change, PHASES};
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -36,7 +36,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return self.join();
         }
         // A plan at work is completed first.
-        if !self.queue.control.is_answered() || self.task.stage == Stage::Passing {
+        if !self.queue.control.is_answered() || self.task.stage == RingStage::Passing {
             return None;
         }
         let answers = self.queue.control.take_answers();
@@ -53,15 +53,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The first gate is open. Plans what is behind it, if the motion before it may still be fast there.
     fn begin_join(&mut self) -> bool {
-        let Some(last) = self.flights.len().checked_sub(1) else { return false };
-        let Some(flight) = self.flights.get(last) else { return false };
+        let Some(last) = self.committed.len().checked_sub(1) else { return false };
+        let Some(committed) = self.committed.get(last) else { return false };
         let done = !clock::is_before(self.queue.clock.now(), self.frontier.end);
         // What has a law of its own already, a hold among them, keeps it.
-        if done || self.orders.mode.stopping || self.frontier.laid != self.flights.len() {
+        if done || self.orders.mode.stopping || self.frontier.planned != self.committed.len() {
             return false;
         }
-        let reach = flight.span.reach(self.lookahead.ring.entry());
-        if flight.span.v_out != Speed::ZERO || reach == Speed::ZERO {
+        let reach = committed.span.reach(self.lookahead.ring.entry());
+        if committed.span.v_out != Speed::ZERO || reach == Speed::ZERO {
             return false;
         }
         self.lookahead.ring.free_start(reach);
@@ -79,8 +79,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // What was to be handed on had another plan.
         self.task.reopened = true;
         let first = self.lookahead.ring.first_speed();
-        let last = self.flights.len().wrapping_sub(1);
-        let v_out = self.flights.get(last).map_or(Speed::ZERO, |flight| flight.span.reach(first));
+        let last = self.committed.len().wrapping_sub(1);
+        let v_out = self.committed.get(last).map_or(Speed::ZERO, |committed| committed.span.reach(first));
         let joined = v_out > Speed::ZERO && self.join_at(v_out);
         let begins = if joined { v_out } else { Speed::ZERO };
         if begins != first {
@@ -97,14 +97,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The last span ends at the speed `v_out`, if its law can be changed in time.
     fn join_at(&mut self, v_out: Speed) -> bool {
         self.trim();
-        let Some(k) = self.flights.len().checked_sub(1) else { return false };
-        let Some(&flight) = self.flights.get(k) else { return false };
+        let Some(k) = self.committed.len().checked_sub(1) else { return false };
+        let Some(&committed) = self.committed.get(k) else { return false };
         let now = self.queue.clock.now();
         let at = now.wrapping_add(clock::TICK * REACTION);
-        let at = if clock::is_before(at, flight.first) { flight.first } else { at };
+        let at = if clock::is_before(at, committed.first) { committed.first } else { at };
         let stopping = self.orders.mode.stopping || self.queue.control.commands().standstill();
         let room = self.queue.phases.room() >= PIECES + 2;
-        let idle = self.frontier.laid == self.flights.len();
+        let idle = self.frontier.planned == self.committed.len();
         if !clock::is_before(at, self.frontier.end)
             || stopping
             || self.orders.mode.cut.is_some()
@@ -115,13 +115,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let Some(motion) = self.motion_at(at).filter(|_| self.drop_reserve()) else { return false };
         let before = self.frontier;
-        if let Some(flight) = self.flights.get_mut(k) {
-            flight.span.v_out = v_out;
-            flight.span.checked &= flight.span.blocks == 1;
-            flight.rest = 0;
+        if let Some(committed) = self.committed.get_mut(k) {
+            committed.span.v_out = v_out;
+            committed.span.checked &= committed.span.blocks == 1;
+            committed.rest = 0;
         }
-        self.frontier.emitter.resume_at(flight.next);
-        (self.frontier.laid, self.frontier.speed, self.frontier.end) = (k, flight.enters, flight.first);
+        self.frontier.emitter.resume_at(committed.next);
+        (self.frontier.planned, self.frontier.speed, self.frontier.end) =
+            (k, committed.enters, committed.first);
         if self.lay().is_ok()
             && self.frontier.speed > Speed::ZERO
             && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
@@ -136,8 +137,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // Everything as before.
         self.frontier = before;
-        if let Some(old) = self.flights.get_mut(k) {
-            *old = flight;
+        if let Some(old) = self.committed.get_mut(k) {
+            *old = committed;
         }
         false
     }

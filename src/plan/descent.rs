@@ -1,19 +1,20 @@
 //! The way down to a standstill from a motion at hand: one law through as many spans as it takes.
 //!
-//! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path turns little between two
-//! spans ([`Release::smooth`]) a deceleration passes. The law brakes with the least deceleration and jerk of all spans on its way, from
-//! the first to the one in which it stands. It is no faster at any transition than planned, and it is slowing down there, so the
-//! spans behind keep their limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration
-//! zero, at the planned speed or below, and the next law goes on from there.
+//! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path
+//! turns little between two spans ([`ReleasedSpan::smooth`]) a deceleration passes. The law brakes with the
+//! least deceleration and jerk of all spans on its way, from the first to the one in which it stands. It is
+//! no faster at any transition than planned, and it is slowing down there, so the spans behind keep their
+//! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
+//! at the planned speed or below, and the next law goes on from there.
 //!
 //! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does. A curve
 //! in which acceleration is bought with speed is entered so slowly that the deceleration of the law may go on in it.
 use super::hold::NOTHING;
-use super::{Brake, Instant, Planning, Profile, Speed, Stage, clock};
-use crate::lookahead::Release;
+use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
+use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
 use crate::quantity::speed_f32;
-use crate::slope::limits::{Law, Limits};
+use crate::slope::limits::{Limits, SlopeLaw};
 
 /// Most spans of one law. A longer way has several.
 const SPANS: usize = 32;
@@ -85,7 +86,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn new(span: &Release, end: i64) -> Self {
+    fn new(span: &ReleasedSpan, end: i64) -> Self {
         Self {
             limits: Limits { a_down: span.a_down, ..span.limits },
             v_in: span.v_in,
@@ -102,7 +103,7 @@ impl Stretch {
     /// Whether the deceleration at hand may go on in it. That of STEP becomes another one at any tick.
     fn permits(&self, motion: &Instant) -> bool {
         let decel = speed_f32(motion.accel.wrapping_neg());
-        matches!(self.limits.law, Law::Stepped { .. }) || decel <= self.limits.a_down
+        matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.limits.a_down
     }
 
     /// Highest speed at which a law with these limits may be in it.
@@ -118,7 +119,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let ahead = if self.reserve.is_made() {
             let (next, distance) = self.reserve.ahead();
             Ahead { next, distance: distance.to_bits() }
-        } else if self.task.stage == Stage::Passing || self.reserve.behind.is_some() {
+        } else if self.task.stage == RingStage::Passing || self.reserve.behind.is_some() {
             Ahead::NONE
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
@@ -126,7 +127,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let descent = self.descend_to(Cursor { k, ahead }, motion)?;
         // A hold goes on only behind spans that are committed.
         let commits = self.reserve.is_made() || descent.brake.v_out == 0;
-        if commits || k + descent.spans <= self.flights.len() {
+        if commits || k + descent.spans <= self.committed.len() {
             return Some(descent);
         }
         self.descend_to(Cursor { k, ahead: Ahead::NONE }, motion)
@@ -175,11 +176,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The next span, if there is one whose path the interrupt knows.
     fn ahead(&self, cursor: &mut Cursor) -> Option<Stretch> {
-        if let Some(flight) = self.flights.get(cursor.k) {
+        if let Some(committed) = self.committed.get(cursor.k) {
             cursor.k += 1;
-            return Some(Stretch::new(&flight.span, flight.end()));
+            return Some(Stretch::new(&committed.span, committed.end()));
         }
-        let mut span = Release::BLANK;
+        let mut span = ReleasedSpan::BLANK;
         if cursor.ahead.next == usize::MAX || !self.lookahead.ring.planned(cursor.ahead.next, &mut span) {
             return None;
         }
@@ -242,7 +243,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn go_down(&mut self, k: usize, descent: &Descent) {
         let Descent { brake, spans, ahead } = descent;
-        let inside = self.flights.get(k).is_some_and(|flight| flight.end().wrapping_sub(brake.end) >= 0);
+        let inside =
+            self.committed.get(k).is_some_and(|committed| committed.end().wrapping_sub(brake.end) >= 0);
         if *spans == 0 || inside {
             self.brake(k, brake);
             return;
@@ -252,10 +254,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let to = k + spans;
         self.frontier.speed = Speed::from_bits(brake.v_out);
         self.frontier.stops = self.frontier.speed == Speed::ZERO;
-        self.frontier.owed = 0;
+        self.frontier.pending_dwell = 0;
         if self.reserve.is_made() {
-            let committed = self.flights.len();
-            self.frontier.laid = to.min(committed);
+            let committed = self.committed.len();
+            self.frontier.planned = to.min(committed);
             self.orders.mode.halting = self.frontier.stops;
             if self.frontier.stops {
                 self.reserve.stand_at(brake.end);
@@ -264,14 +266,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return;
         }
-        let committed = self.flights.len();
-        self.frontier.laid = to.min(committed);
+        let committed = self.committed.len();
+        self.frontier.planned = to.min(committed);
         let speed = self.frontier.speed;
-        let ended = to.checked_sub(1).and_then(|k| self.flights.get_mut(k));
+        let ended = to.checked_sub(1).and_then(|k| self.committed.get_mut(k));
         let mut stands = None;
         if let Some(ended) = ended.filter(|last| last.end().wrapping_sub(brake.end) >= -NOTHING) {
             ended.leaves = speed;
-            self.frontier.owed = ended.rest;
+            self.frontier.pending_dwell = ended.rest;
             self.lower();
         } else {
             // Inside a span, or at the end of one of the look-ahead.
@@ -288,12 +290,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn note_passed(&mut self) {
         let Some(Passed { from, to, last, stands }) = self.orders.mode.passed.take() else { return };
         for k in from + 1..=to {
-            if let Some(flight) = self.flights.get_mut(k) {
-                flight.first = last;
+            if let Some(committed) = self.committed.get_mut(k) {
+                committed.first = last;
             }
         }
-        if let (Some(stands), Some(flight)) = (stands, self.flights.get_mut(to)) {
-            flight.begin_at(stands, Speed::ZERO);
+        if let (Some(stands), Some(committed)) = (stands, self.committed.get_mut(to)) {
+            committed.begin_at(stands, Speed::ZERO);
         }
     }
 }

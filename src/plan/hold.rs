@@ -13,10 +13,10 @@
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
 //! complete. An abort ends a dwell.
 use super::clock;
+use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
-use super::flight::Flight;
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Planning, Speed, Stage, Time, Unplannable, Work,
+    Brake, Commands, Control, Distance, Instant, PIECES, Planning, RingStage, Speed, Time, Unplannable, Work,
 };
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
@@ -160,7 +160,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// What is left of a dwell goes, if nothing but that is left.
     fn end_rest(&mut self) {
-        self.frontier.owed = 0;
+        self.frontier.pending_dwell = 0;
         self.trim();
         let at = self.queue.clock.now().wrapping_add(clock::TICK * REACTION);
         let last = self.frontier.end.wrapping_sub(clock::TICK);
@@ -189,7 +189,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
         let left = self.queue.clock.has_left();
-        self.flights.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0 && !left
+        self.committed.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0 && !left
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -200,11 +200,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.queue.clock.withdraw();
             self.orders.mode.cut = None;
         }
-        while self.frontier.laid >= 2
-            && self.flights.get(1).is_some_and(|next| !clock::is_before(now, next.first))
+        while self.frontier.planned >= 2
+            && self.committed.get(1).is_some_and(|next| !clock::is_before(now, next.first))
         {
-            self.flights.drop_first();
-            self.frontier.laid -= 1;
+            self.committed.drop_first();
+            self.frontier.planned -= 1;
         }
     }
 
@@ -212,13 +212,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn stop(&mut self, abort: bool) -> Option<Work> {
         let (at, later) = self.attempt()?;
         let mut next = later;
-        if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, self.flights.get(k)?))) {
-            if flight.first == at {
+        if let Some((k, committed)) = later.checked_sub(1).and_then(|k| Some((k, self.committed.get(k)?))) {
+            if committed.first == at {
                 next = k;
             } else if let Some(motion) = self.motion_at(at)
                 && let Some(descent) = self.descend(k, &motion)
             {
-                if self.task.stage == Stage::Passing && descent.brake.v_out > 0 {
+                if self.task.stage == RingStage::Passing && descent.brake.v_out > 0 {
                     // The way through the look-ahead is known when its plan is complete.
                     return None;
                 }
@@ -227,9 +227,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // From the start of the next span that has a tick.
         next = self.with_tick(next);
-        match self.flights.get(next) {
-            Some(flight) if next < self.frontier.laid => {
-                let first = flight.first;
+        match self.committed.get(next) {
+            Some(committed) if next < self.frontier.planned => {
+                let first = committed.first;
                 if abort && next > 0 && self.motion_at(at).is_some_and(|motion| motion.is_rest()) {
                     // In a dwell.
                     self.stop_at(next, at, None)
@@ -263,10 +263,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.orders.mode.tried = Some(now);
         let at = now.wrapping_add(clock::TICK * REACTION);
         let at = if clock::is_before(at, self.frontier.end) { at } else { self.frontier.end };
-        let begun = |flight: &Flight| !clock::is_before(at, flight.first);
-        let later = (0..self.frontier.laid)
-            .find(|&k| !self.flights.get(k).is_some_and(begun))
-            .unwrap_or(self.frontier.laid);
+        let begun = |committed: &CommittedSpan| !clock::is_before(at, committed.first);
+        let later = (0..self.frontier.planned)
+            .find(|&k| !self.committed.get(k).is_some_and(begun))
+            .unwrap_or(self.frontier.planned);
         Some((at, later))
     }
 
@@ -277,8 +277,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The span `k` or, if it is over before its first tick, the next one that is not.
     pub(super) fn with_tick(&self, mut k: usize) -> usize {
-        while k + 1 < self.frontier.laid
-            && self.flights.get(k).map(|f| f.first) == self.flights.get(k + 1).map(|f| f.first)
+        while k + 1 < self.frontier.planned
+            && self.committed.get(k).map(|f| f.first) == self.committed.get(k + 1).map(|f| f.first)
         {
             k += 1;
         }
@@ -312,7 +312,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one from its start. `None`,
     /// and nothing has changed, if that came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
-        let flight = *self.flights.get(k)?;
+        let committed = *self.committed.get(k)?;
         let before = (self.frontier, self.orders.mode);
         let behind = self.reserve.behind;
         let drops = at != self.frontier.end;
@@ -322,24 +322,24 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let phases = &mut self.queue.phases;
         let change = if drops { Change::begin(phases) } else { Change::append(phases) };
         self.frontier.end = at;
-        self.frontier.laid = k;
+        self.frontier.planned = k;
         self.orders.mode.uneven = true;
-        let mut laid = Ok(());
+        let mut made = Ok(());
         if let Some(descent) = &descent {
             self.frontier.emitter.resume_at(0);
             self.go_down(k, descent);
             self.hand_out();
         } else {
-            self.frontier.emitter.resume_at(flight.next);
-            self.frontier.speed = flight.enters;
+            self.frontier.emitter.resume_at(committed.next);
+            self.frontier.speed = committed.enters;
         }
         if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
             // It stands before the span, and has no law to stand still by.
-            (self.frontier.owed, self.frontier.stops) = (0, true);
-        } else if self.frontier.end == at && self.frontier.laid == k && !self.orders.mode.halting {
+            (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
+        } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
             // So short a slowing down that it has no tick leaves it to the rest.
-            laid = self.make_law();
-            if laid.is_ok() {
+            made = self.make_law();
+            if made.is_ok() {
                 self.hand_out();
             }
         }
@@ -348,16 +348,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             // At the end of a law without a tick, or inside the span.
             let ended = self
                 .frontier
-                .laid
+                .planned
                 .checked_sub(1)
                 .filter(|last| *last >= k)
-                .and_then(|last| self.flights.get(last));
-            let in_span = self.flights.get(k).map_or(flight.start, |flight| flight.start);
+                .and_then(|last| self.committed.get(last));
+            let in_span = self.committed.get(k).map_or(committed.start, |committed| committed.start);
             let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
             let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
-        if !drops && laid.is_ok() {
+        if !drops && made.is_ok() {
             self.changed(k);
             return Some(Work::Working);
         }
@@ -372,15 +372,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // Everything as before; again at the next tick.
         (self.frontier, self.orders.mode) = before;
         self.reserve.behind = behind;
-        if let Some(old) = self.flights.get_mut(k) {
-            *old = flight;
+        if let Some(old) = self.committed.get_mut(k) {
+            *old = committed;
         }
         None
     }
 
     /// The span `k` has another law: those behind begin anew, but for those that a way down has passed.
     fn changed(&mut self, k: usize) {
-        self.flights.from(k + 1).for_each(Flight::restore);
+        self.committed.from(k + 1).for_each(CommittedSpan::restore);
         self.note_passed();
     }
 
@@ -391,15 +391,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         made
     }
 
-    /// Makes the law of the next span that has none, and leaves spans behind it as they are ([`Self::note_passed`]).
+    /// Makes the law of the next span that has none, and leaves spans behind it as they are
+    /// ([`Self::note_passed`]).
     fn make_law(&mut self) -> Result<(), Unplannable> {
-        let (k, v_in) = (self.frontier.laid, self.frontier.speed);
+        let (k, v_in) = (self.frontier.planned, self.frontier.speed);
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());
-        let Some(mut flight) = self.flights.get_mut(k) else { return Ok(()) };
-        (flight.first, flight.next, flight.enters, flight.pace) = (end, next, v_in, self.orders.pace);
-        let span = &flight.span;
+        let Some(mut committed) = self.committed.get_mut(k) else { return Ok(()) };
+        (committed.first, committed.next, committed.enters, committed.pace) =
+            (end, next, v_in, self.orders.pace);
+        let span = &committed.span;
         let as_planned = v_in == span.v_in && span.checked && self.orders.pace.is_planned(span);
-        (flight.limit, flight.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
+        (committed.limit, committed.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
             if self.stretch(k) {
@@ -410,20 +412,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     None => return Ok(()),
                 }
             }
-            let Some(same) = self.flights.get_mut(k) else { return Ok(()) };
-            flight = same;
+            let Some(same) = self.committed.get_mut(k) else { return Ok(()) };
+            committed = same;
         }
-        let span = &mut flight.span;
+        let span = &mut committed.span;
         if !matches!(fit, Fit::Stretched) {
-            let permitted = core::mem::replace(&mut span.limits.v, flight.limit);
-            let planned = self.profile.plan(span.length, v_in, flight.leaves, &span.limits);
+            let permitted = core::mem::replace(&mut span.limits.v, committed.limit);
+            let planned = self.profile.plan(span.length, v_in, committed.leaves, &span.limits);
             span.limits.v = permitted;
             planned?;
         }
-        self.frontier.emitter.begin(&self.profile, flight.start, span.length);
-        self.frontier.laid = k + 1;
-        self.frontier.owed = flight.rest;
-        self.frontier.speed = flight.leaves;
+        self.frontier.emitter.begin(&self.profile, committed.start, span.length);
+        self.frontier.planned = k + 1;
+        self.frontier.pending_dwell = committed.rest;
+        self.frontier.speed = committed.leaves;
         self.frontier.stops = self.frontier.speed == Speed::ZERO;
         if matches!(fit, Fit::Part) {
             self.lower();
@@ -434,12 +436,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if that is the one of now.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> bool {
-        let Some(flight) = self.flights.get_mut(k) else { return false };
-        if flight.span.blocks == 1 {
+        let Some(committed) = self.committed.get_mut(k) else { return false };
+        if committed.span.blocks == 1 {
             return false;
         }
-        flight.look(flight.start.to_bits());
-        let (span, v_in) = (&mut flight.span, flight.enters);
+        committed.look(committed.start.to_bits());
+        let (span, v_in) = (&mut committed.span, committed.enters);
         if self.orders.mode.stopping || self.orders.pace.is_planned(span) {
             return false;
         }
@@ -454,9 +456,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let change = speed_bits(speed_f32((to - from).abs()) * part);
                 leaves = v_in.to_bits() + if to < from { -change } else { change };
             }
-            flight.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
-            flight.limit = limits.v;
-            let planned = self.profile.plan(span.length, v_in, flight.leaves, &limits);
+            committed.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
+            committed.limit = limits.v;
+            let planned = self.profile.plan(span.length, v_in, committed.leaves, &limits);
             if planned.is_ok() && self.profile.time() <= LONGEST {
                 return true;
             }
@@ -469,9 +471,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// high as it may be. `None` where it slows down instead, which is done.
     #[inline(never)]
     fn suit(&mut self, k: usize) -> Option<Fit> {
-        let flight = self.flights.get_mut(k)?;
-        let (end, v_in) = (flight.end(), flight.enters);
-        let span = &mut flight.span;
+        let committed = self.committed.get_mut(k)?;
+        let (end, v_in) = (committed.end(), committed.enters);
+        let span = &mut committed.span;
         let full = self.orders.pace.is_planned(span);
         let mut v = self.orders.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
@@ -481,8 +483,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));
             v = min(v, span.slow.ceiling);
         }
-        flight.limit = v;
-        let motion = Instant { distance: flight.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
+        committed.limit = v;
+        let motion = Instant { distance: committed.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
         let planned = span.v_out.to_bits();
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.orders.mode.stopping {
@@ -500,7 +502,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.orders.mode.stopping || too_fast {
             v = max(v, speed_f32(v_in.to_bits()));
         }
-        let span = &self.flights.get(k)?.span;
+        let span = &self.committed.get(k)?.span;
         let mut v_out = span.v_out;
         let mut reached = true;
         if lowered {
@@ -525,8 +527,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return None;
             }
         }
-        if let Some(flight) = self.flights.get_mut(k) {
-            (flight.limit, flight.leaves) = (v, v_out);
+        if let Some(committed) = self.committed.get_mut(k) {
+            (committed.limit, committed.leaves) = (v, v_out);
         }
         Some(if reached { Fit::Whole } else { Fit::Part })
     }
@@ -535,28 +537,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
         self.frontier.emitter.begin_brake(&self.profile, brake);
-        let Some(flight) = self.flights.get_mut(k) else { return };
+        let Some(committed) = self.committed.get_mut(k) else { return };
         let v_out = Speed::from_bits(brake.v_out);
         self.frontier.speed = v_out;
         self.frontier.stops = v_out == Speed::ZERO;
-        let left = flight.end().wrapping_sub(brake.end);
+        let left = committed.end().wrapping_sub(brake.end);
         if left > NOTHING {
-            flight.begin_at(brake.end, v_out);
-            self.frontier.laid = k;
-            self.frontier.owed = 0;
+            committed.begin_at(brake.end, v_out);
+            self.frontier.planned = k;
+            self.frontier.pending_dwell = 0;
             self.orders.mode.halting = self.frontier.stops;
             return;
         }
-        self.frontier.laid = k + 1;
-        self.frontier.owed = flight.rest;
-        flight.leaves = v_out;
+        self.frontier.planned = k + 1;
+        self.frontier.pending_dwell = committed.rest;
+        committed.leaves = v_out;
         self.lower();
     }
 
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
     pub(super) fn lower(&mut self) {
-        if self.frontier.laid == self.flights.len() && !self.reserve.is_made() {
-            self.flights.lower(self.frontier.laid, self.frontier.speed);
+        if self.frontier.planned == self.committed.len() && !self.reserve.is_made() {
+            self.committed.lower(self.frontier.planned, self.frontier.speed);
             self.lookahead.start_at(self.frontier.speed);
         }
     }
@@ -568,26 +570,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.orders.mode.halting = false;
             self.orders.mode.standing = true;
             let stands = self.reserve.behind.map(Distance::from_bits);
-            if let Some(stands) = self.flights.get(self.frontier.laid).map(|flight| flight.start).or(stands) {
+            if let Some(stands) =
+                self.committed.get(self.frontier.planned).map(|committed| committed.start).or(stands)
+            {
                 self.put_rest(stands, 1);
             }
             return Ok(Some(Work::Working));
         }
-        if self.frontier.owed > 0 {
-            let at = self.flights.get(self.frontier.laid - 1).map_or(self.handed, |flight| {
-                Distance::from_bits(flight.start.to_bits().wrapping_add(flight.span.length.to_bits()))
+        if self.frontier.pending_dwell > 0 {
+            let at = self.committed.get(self.frontier.planned - 1).map_or(self.handed, |committed| {
+                Distance::from_bits(committed.start.to_bits().wrapping_add(committed.span.length.to_bits()))
             });
-            self.frontier.owed = self.put_rest(at, self.frontier.owed);
+            self.frontier.pending_dwell = self.put_rest(at, self.frontier.pending_dwell);
             return Ok(Some(Work::Working));
         }
-        self.orders.mode.uneven &= self.frontier.laid < self.flights.len();
-        let all = self.frontier.laid == self.flights.len() && self.lookahead.ring.is_empty();
+        self.orders.mode.uneven &= self.frontier.planned < self.committed.len();
+        let all = self.frontier.planned == self.committed.len() && self.lookahead.ring.is_empty();
         if self.orders.mode.stopping && (self.frontier.speed == Speed::ZERO || all) {
             self.orders.mode.standing = true;
             self.show_end();
             return Ok(Some(Work::Working));
         }
-        if self.frontier.laid < self.flights.len() {
+        if self.frontier.planned < self.committed.len() {
             // Many laws may be to be made: meanwhile the queue ends early.
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
@@ -605,7 +609,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn show_end(&mut self) {
         let last = self.frontier.end.wrapping_sub(clock::TICK);
         let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
-        let ended = self.frontier.laid.checked_sub(1).and_then(|k| self.flights.get(k)).map(Flight::end);
+        let ended =
+            self.frontier.planned.checked_sub(1).and_then(|k| self.committed.get(k)).map(CommittedSpan::end);
         if let (true, Some(end)) = (moves, ended) {
             self.put_rest(Distance::from_bits(end), 1);
         }
@@ -613,10 +618,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// After a law that failed: what has none is forgotten.
     pub(super) fn give_up(&mut self) {
-        if let Some(flight) = self.flights.get(self.frontier.laid) {
-            self.handed = flight.start;
+        if let Some(committed) = self.committed.get(self.frontier.planned) {
+            self.handed = committed.start;
         }
-        self.flights.truncate(self.frontier.laid);
+        self.committed.truncate(self.frontier.planned);
         self.lookahead.clear();
         self.queue.segments.withdraw(self.queue.segments.handed());
     }
@@ -653,12 +658,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.smoothing.clear();
         self.intake.held.clear();
         self.lookahead.clear();
-        self.task.stage = super::Stage::Filling;
+        self.task.stage = super::RingStage::Filling;
         self.task.flush = false;
         self.task.rest = 0;
-        self.frontier.owed = 0;
-        self.flights.truncate(0);
-        self.frontier.laid = 0;
+        self.frontier.pending_dwell = 0;
+        self.committed.truncate(0);
+        self.frontier.planned = 0;
         self.frontier.emitter.settle();
         self.drop_reserve();
         self.reserve.clear();

@@ -1,7 +1,7 @@
 //! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the look-ahead.
 use super::Planning;
 use super::functions::Functions;
-use super::held::Held;
+use super::held_line::HeldLine;
 use crate::dynamics::{Dynamics, Permitted};
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
@@ -9,7 +9,7 @@ use crate::math::float::to_f32;
 use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
-use crate::queue::{Function, Layer, Scheduler};
+use crate::queue::{CurveProducer, Function, Scheduler};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
 /// A motion block that has no path or no speed.
@@ -58,7 +58,7 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
-    segments: &'a mut Layer<'q, AXES>,
+    segments: &'a mut CurveProducer<'q, AXES>,
     actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
 }
@@ -360,7 +360,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// The way into the look-ahead, and what is held back before it.
     #[inline(always)]
-    pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &Held<AXES>) {
+    pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         let super::Intake { entered, held, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);

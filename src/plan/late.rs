@@ -10,7 +10,7 @@
 //!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the text comes.
 use super::{Planning, RESERVE, Speed, Work, clock};
-use crate::queue::{MOST, PHASES, SEGMENTS};
+use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
 
 /// Ticks of motion in the queue below which nothing is waited for: time for the plan of a full ring.
@@ -21,7 +21,7 @@ const DRY: u32 = 256;
 
 /// Curves handed on, and pieces of time, that are few: of a full ring a tick leaves more.
 const FEW: u32 = 10;
-const _: () = assert!(FEW < SEGMENTS as u32 - MOST && FEW < PHASES as u32 - 2 * RESERVE);
+const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASES as u32 - 2 * RESERVE);
 
 /// Ticks within which a planner that is called in each of them, and keeps up, has filled the queue again.
 const SOON: u32 = 2;
@@ -56,7 +56,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.intake.smoothing.holds() {
             self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.actions);
         }
-        if self.task.stood || self.flights.len() == 0 {
+        if self.task.stood || self.committed.len() == 0 {
             return self.wait_a_while();
         }
         self.stand();

@@ -1,9 +1,9 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod acknowledge;
+mod committed;
 mod descent;
-mod flight;
 mod functions;
-mod held;
+mod held_line;
 mod hold;
 mod intake;
 mod late;
@@ -24,17 +24,17 @@ use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
 use crate::smooth::{Smoother, Smoothing};
+use committed::CommittedSpans;
 use core::mem::MaybeUninit;
-use flight::Flights;
 use functions::Functions;
-use held::Held;
+use held_line::HeldLine;
 use hold::Mode;
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stage {
+enum RingStage {
     /// Blocks are taken in.
     Filling,
     /// The ring is planned.
@@ -70,11 +70,11 @@ pub enum Work {
 /// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
 pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
     lookahead: LookaheadMemory<BLOCKS>,
-    flights: Flights,
+    committed: CommittedSpans,
     functions: Functions,
     dynamics: MaybeUninit<Dynamics<AXES>>,
     smoothing: MaybeUninit<Smoothing<AXES>>,
-    held: MaybeUninit<Held<AXES>>,
+    held: MaybeUninit<HeldLine<AXES>>,
     reserve: MaybeUninit<Reserve>,
 }
 
@@ -83,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
     pub const fn new() -> Self {
         Self {
             lookahead: LookaheadMemory::new(),
-            flights: Flights::new(),
+            committed: CommittedSpans::new(),
             functions: Functions::new(),
             dynamics: MaybeUninit::uninit(),
             smoothing: MaybeUninit::uninit(),
@@ -108,8 +108,8 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     task: Task,
     profile: Profile,
     frontier: Frontier,
-    /// Spans released that the interrupt has not left. The first of them have a law: [`Frontier::laid`].
-    flights: &'a mut Flights,
+    /// Spans released that the interrupt has not left. The first of them have a law: [`Frontier::planned`].
+    committed: &'a mut CommittedSpans,
     /// Path distance up to which the look-ahead is handed on.
     handed: Distance,
     supply: Supply,
@@ -130,7 +130,7 @@ struct Intake<'a, const AXES: usize> {
     taken: u32,
     smoothing: &'a mut Smoothing<AXES>,
     /// Waits for the next one, only while contour mode is idle.
-    held: &'a mut Held<AXES>,
+    held: &'a mut HeldLine<AXES>,
     /// Software limits, and what was refused for them.
     travel: Travel<AXES>,
     refused: Option<(Place, Beyond)>,
@@ -139,7 +139,7 @@ struct Intake<'a, const AXES: usize> {
 /// What is being done with the ring, and what is to be done.
 #[derive(Clone, Copy, Debug)]
 struct Task {
-    stage: Stage,
+    stage: RingStage,
     /// Everything taken in is to be handed on down to a standstill.
     flush: bool,
     /// Ticks to rest after the standstill.
@@ -160,11 +160,11 @@ struct Frontier {
     /// Cuts the last law into pieces.
     emitter: Emitter,
     /// Spans that have a law. The last of these laws is with the emitter.
-    laid: usize,
+    planned: usize,
     /// Speed at the end of that law.
     speed: Speed,
     /// Ticks of rest that belong behind it.
-    owed: u64,
+    pending_dwell: u64,
     /// Instant up to which pieces are in the queue.
     end: u32,
     /// The law ends in a standstill.
@@ -233,7 +233,7 @@ struct Planned {
 impl Task {
     /// Blocks are taken in.
     const NONE: Self = Self {
-        stage: Stage::Filling,
+        stage: RingStage::Filling,
         flush: false,
         rest: 0,
         reopened: false,
@@ -247,7 +247,7 @@ impl Frontier {
     /// At rest; nothing is in the queue.
     fn start() -> Self {
         let emitter = Emitter::new();
-        Self { emitter, laid: 0, speed: Speed::ZERO, owed: 0, end: 0, stops: false }
+        Self { emitter, planned: 0, speed: Speed::ZERO, pending_dwell: 0, end: 0, stops: false }
     }
 }
 
@@ -269,13 +269,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
-        let PlanningMemory { lookahead, flights, functions, dynamics, smoothing, held, reserve } = memory;
-        flights.clear();
+        let PlanningMemory { lookahead, committed, functions, dynamics, smoothing, held, reserve } = memory;
+        committed.clear();
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
         let smoothing = smoothing.write(Smoothing::new(measure, machine.channel.check_jerk_on_poly_path));
-        let (held, travel) = (held.write(Held::none()), Travel::new(machine));
+        let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
@@ -293,7 +293,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             task: Task::NONE,
             profile: Profile::default(),
             frontier: Frontier::start(),
-            flights,
+            committed,
             handed: Distance::ZERO,
             supply: Supply { low: 0, seen: 0 },
             orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace },
@@ -364,37 +364,37 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
-        let behind = self.frontier.laid != self.flights.len() || self.frontier.owed > 0;
+        let behind = self.frontier.planned != self.committed.len() || self.frontier.pending_dwell > 0;
         if (behind || self.orders.mode.stopping)
             && let Some(work) = self.catch_up()?
         {
             return Ok(work);
         }
         match self.task.stage {
-            Stage::Passing => {
+            RingStage::Passing => {
                 if let Some(blocks) = self.lookahead.step_pass() {
-                    self.task.stage = Stage::Releasing(blocks);
+                    self.task.stage = RingStage::Releasing(blocks);
                     self.reserve.try_again();
                 }
                 Ok(Work::Working)
             }
             // A span of many blocks was handed on at once: what it took of the room of others comes back first.
-            Stage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
-            Stage::Releasing(0) => {
+            RingStage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
+            RingStage::Releasing(0) => {
                 if self.secure(self.reserve.near.max(FAR)) {
                     return Ok(Work::Working);
                 }
-                self.task.stage = Stage::Filling;
+                self.task.stage = RingStage::Filling;
                 (self.supply.seen, self.supply.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
-            Stage::Releasing(_)
+            RingStage::Releasing(_)
                 if (self.task.reopened || self.has_other_level()) && !self.queue.segments.is_over() =>
             {
                 Ok(self.plan_anew())
             }
-            Stage::Releasing(left) => self.release(left),
-            Stage::Filling => Ok(self.fill()),
+            RingStage::Releasing(left) => self.release(left),
+            RingStage::Filling => Ok(self.fill()),
         }
     }
 
@@ -436,7 +436,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return self.begin_pass();
         }
         // With all that the ring can hold.
-        self.task.stage = Stage::Filling;
+        self.task.stage = RingStage::Filling;
         Work::Working
     }
 
@@ -444,7 +444,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.task.reopened = false;
         self.follow_level();
         self.lookahead.begin_pass(!self.task.flush);
-        self.task.stage = Stage::Passing;
+        self.task.stage = RingStage::Passing;
         Work::Working
     }
 
@@ -461,28 +461,28 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.keeps_ahead() {
             return Ok(self.wait_a_while());
         }
-        if self.queue.segments.is_sated() || self.flights.is_full() {
+        if self.queue.segments.is_sated() || self.committed.is_full() {
             return Ok(Work::Waiting);
         }
         let level = self.level();
-        let Some(flight) = self.flights.spare() else { return Ok(Work::Waiting) };
-        let Some(first) = self.lookahead.ring.release(&mut flight.span) else {
-            self.task.stage = Stage::Filling;
+        let Some(committed) = self.committed.spare() else { return Ok(Work::Waiting) };
+        let Some(first) = self.lookahead.ring.release(&mut committed.span) else {
+            self.task.stage = RingStage::Filling;
             return Ok(Work::Working);
         };
-        flight.begin(self.handed);
-        if flight.span.level < level {
-            flight.span.raise(level);
+        committed.begin(self.handed);
+        if committed.span.level < level {
+            committed.span.raise(level);
         }
-        let blocks = flight.span.blocks;
-        self.task.stage = Stage::Releasing(left.saturating_sub(blocks));
+        let blocks = committed.span.blocks;
+        self.task.stage = RingStage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
         self.hand_on(blocks);
         self.name(first, blocks);
-        self.flights.push();
+        self.committed.push();
         self.task.stood = false;
-        if self.reserve.behind.is_some() && self.is_behind(self.frontier.laid) {
-            self.frontier.laid += 1;
+        if self.reserve.behind.is_some() && self.is_behind(self.frontier.planned) {
+            self.frontier.planned += 1;
             return Ok(Work::Working);
         }
         if let Err(error) = self.lay() {
@@ -504,8 +504,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.segments.hand_on(curves);
     }
 
-    /// Keeps the number, the blocks and the N number of a span. It begins on the curve with the number `first` and ends on the last one
-    /// handed on.
+    /// Keeps the number, the blocks and the N number of a span. It begins on the curve with the number
+    /// `first` and ends on the last one handed on.
     fn name(&mut self, first: u32, blocks: usize) {
         let segments = &self.queue.segments;
         let Some(first) = segments.recent(first) else { return };
@@ -527,9 +527,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
-        let flight = self.flights.len().checked_sub(1).and_then(|last| self.flights.get(last));
+        let committed = self.committed.len().checked_sub(1).and_then(|last| self.committed.get(last));
         let (length, v_in) =
-            flight.map_or_else(Default::default, |flight| (flight.span.length, flight.enters));
+            committed.map_or_else(Default::default, |committed| (committed.span.length, committed.enters));
         PlannedBlock {
             block: number,
             blocks,
@@ -557,8 +557,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Ticks left.
     fn stay(&mut self, ticks: u64) -> u64 {
         let left = self.put_rest(self.handed, ticks);
-        if let Some(flight) = self.flights.len().checked_sub(1).and_then(|last| self.flights.get_mut(last)) {
-            flight.rest += ticks - left;
+        if let Some(committed) =
+            self.committed.len().checked_sub(1).and_then(|last| self.committed.get_mut(last))
+        {
+            committed.rest += ticks - left;
         }
         left
     }

@@ -4,8 +4,8 @@
 //! slowing down to the new speed, or to a law without acceleration; the rest of the span then has a law of its own with the new
 //! speed. Where the motion slows down anyway, or too little of the span is left, the change begins with the next span. Spans
 //! that have no law yet get the right one when it is made.
+use super::committed::CommittedSpan;
 use super::descent::Descent;
-use super::flight::Flight;
 use super::{Brake, Commands, Planning, Work, clock};
 use crate::lookahead::Block;
 use crate::math::float::{max, min};
@@ -24,8 +24,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         let level = self.level();
-        for flight in self.flights.from(0).filter(|flight| flight.span.level < level) {
-            flight.span.raise(level);
+        for committed in self.committed.from(0).filter(|committed| committed.span.level < level) {
+            committed.span.raise(level);
         }
         if self.lookahead.ring.is_empty() {
             self.follow_level();
@@ -49,13 +49,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn follow_level(&mut self) {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();
-        let made = self.frontier.laid == self.flights.len();
+        let made = self.frontier.planned == self.committed.len();
         if level == before || !(empty || made) || !self.lookahead.set_level(level, self.frontier.speed) {
             return;
         }
         if level < before && !empty {
             // With a higher override again, they do not end faster than what is behind begins.
-            self.flights.lower(self.frontier.laid, self.frontier.speed);
+            self.committed.lower(self.frontier.planned, self.frontier.speed);
         }
         self.dynamics.set_level(max(level, 1.0));
         self.renew_held();
@@ -70,10 +70,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Its law was made for another pace, and is not the one of now.
-    fn differs(&self, flight: &Flight) -> bool {
-        let v = self.orders.pace.limit(&flight.span);
-        let slower = || flight.leaves.to_bits() > speed_bits(min(v, self.orders.pace.next(&flight.span)));
-        flight.pace != self.orders.pace && (v != flight.limit || slower())
+    fn differs(&self, committed: &CommittedSpan) -> bool {
+        let v = self.orders.pace.limit(&committed.span);
+        let slower =
+            || committed.leaves.to_bits() > speed_bits(min(v, self.orders.pace.next(&committed.span)));
+        committed.pace != self.orders.pace && (v != committed.limit || slower())
     }
 
     /// Laws of now in place of those in the queue, from the first one that differs on.
@@ -81,20 +82,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (at, later) = self.attempt()?;
         let mut left = false;
         let mut next = later;
-        if let Some((k, flight)) = later.checked_sub(1).and_then(|k| Some((k, *self.flights.get(k)?))) {
-            if flight.first == at {
+        if let Some((k, committed)) = later.checked_sub(1).and_then(|k| Some((k, *self.committed.get(k)?))) {
+            if committed.first == at {
                 next = k;
-            } else if self.differs(&flight) && at != self.frontier.end {
+            } else if self.differs(&committed) && at != self.frontier.end {
                 left = true;
                 if let Some(motion) = self.motion_at(at) {
-                    let flight = self.flights.get_mut(k)?;
-                    flight.look(motion.distance);
-                    let flight = *flight;
-                    let target = speed_bits(self.orders.pace.limit(&flight.span));
+                    let committed = self.committed.get_mut(k)?;
+                    committed.look(motion.distance);
+                    let committed = *committed;
+                    let target = speed_bits(self.orders.pace.limit(&committed.span));
                     // It slows down as it is.
                     let slows = motion.accel < 0 && motion.speed <= target;
-                    let (end, v_out) = (flight.end(), flight.span.v_out.to_bits());
-                    let limits = flight.span.braking();
+                    let (end, v_out) = (committed.end(), committed.span.v_out.to_bits());
+                    let limits = committed.span.braking();
                     if !slows
                         && let Some(brake) =
                             Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)
@@ -105,10 +106,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         let other =
-            (next..self.frontier.laid).find(|&k| self.flights.get(k).is_some_and(|f| self.differs(f)));
+            (next..self.frontier.planned).find(|&k| self.committed.get(k).is_some_and(|f| self.differs(f)));
         if let Some(k) = other {
             let k = self.with_tick(k);
-            if let Some(first) = self.flights.get(k).map(|flight| flight.first) {
+            if let Some(first) = self.committed.get(k).map(|committed| committed.first) {
                 return if self.is_far(first) { None } else { self.change(k, first, None) };
             }
         }

@@ -15,9 +15,9 @@
 //! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length of the blocks.
 //!
 //! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
-use super::flight::Flight;
+use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
-use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, Slot, Speed, Stage, Work, clock};
+use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 
 /// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in and planned: what a slow
 /// planner needs for that.
@@ -47,9 +47,9 @@ struct Way {
 struct Aside {
     frontier: Frontier,
     mode: Mode,
-    flights: usize,
+    spans: usize,
     /// A span that has another law meanwhile.
-    touched: Option<(usize, Flight)>,
+    touched: Option<(usize, CommittedSpan)>,
 }
 
 /// The reserve.
@@ -189,15 +189,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let has_one = self.reserve.kept.is_some_and(|way| way.at == self.frontier.end);
         let failed = self.reserve.failed == Some(self.frontier.end) || has_one;
         let stands = self.frontier.speed == Speed::ZERO && !self.frontier.emitter.has_piece();
-        let unplanned = self.task.stage == Stage::Passing;
+        let unplanned = self.task.stage == RingStage::Passing;
         // One that there is leads further.
         let has_better = unplanned && self.reserve.is_kept();
         if has_better || self.reserve.behind.is_some() || failed {
             return false;
         }
         self.queue.reserve.begin();
-        let (frontier, mode, flights) = (self.frontier, self.orders.mode, self.flights.len());
-        self.reserve.aside = Some(Aside { frontier, mode, flights, touched: None });
+        let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
+        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None });
         // The way through the look-ahead is known when its plan is complete.
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
@@ -226,7 +226,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if motion.speed == 0 {
             // It has not begun.
             self.frontier.emitter.resume_at(0);
-            (self.frontier.laid, self.frontier.speed, self.orders.mode.halting) = (k, Speed::ZERO, true);
+            (self.frontier.planned, self.frontier.speed, self.orders.mode.halting) = (k, Speed::ZERO, true);
             return;
         }
         if let Some(descent) = self.descend(k, &motion) {
@@ -240,25 +240,26 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The span of the law with the emitter, which is at this path distance: one that was slowed down may have no other law yet.
     fn span_at(&self, distance: i64) -> usize {
-        let before = self.frontier.laid.wrapping_sub(1);
-        let within = self.flights.get(before).is_some_and(|flight| distance.wrapping_sub(flight.end()) < 0);
-        if within { before } else { self.frontier.laid }
+        let before = self.frontier.planned.wrapping_sub(1);
+        let within =
+            self.committed.get(before).is_some_and(|committed| distance.wrapping_sub(committed.end()) < 0);
+        if within { before } else { self.frontier.planned }
     }
 
     /// The span `k` is about to have another law: it will be as it was when this is over.
     fn touch(&mut self, k: usize) {
         self.restore_touched();
-        if let (Some(aside), Some(flight)) = (&mut self.reserve.aside, self.flights.get(k)) {
-            aside.touched = Some((k, *flight));
+        if let (Some(aside), Some(committed)) = (&mut self.reserve.aside, self.committed.get(k)) {
+            aside.touched = Some((k, *committed));
         }
     }
 
     fn restore_touched(&mut self) {
         if let Some(aside) = &mut self.reserve.aside
             && let Some((k, before)) = aside.touched.take()
-            && let Some(flight) = self.flights.get_mut(k)
+            && let Some(committed) = self.committed.get_mut(k)
         {
-            *flight = before;
+            *committed = before;
         }
     }
 
@@ -304,52 +305,56 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The law of the next span: of one that has been handed on, or of the look-ahead.
     fn lay_next(&mut self) -> bool {
-        let Some(Aside { flights, touched, .. }) = &self.reserve.aside else { return false };
-        let (flights, touched) = (*flights, touched.as_ref().map(|(k, _)| *k));
+        let Some(Aside { spans, touched, .. }) = &self.reserve.aside else { return false };
+        let (spans, touched) = (*spans, touched.as_ref().map(|(k, _)| *k));
         self.reserve.as_planned = false;
-        if self.frontier.laid >= flights {
-            if self.frontier.laid == self.flights.len() {
-                self.flights.truncate(flights);
-                self.frontier.laid = flights;
-                let Some(flight) = self.flights.spare() else { return false };
+        if self.frontier.planned >= spans {
+            if self.frontier.planned == self.committed.len() {
+                self.committed.truncate(spans);
+                self.frontier.planned = spans;
+                let Some(committed) = self.committed.spare() else { return false };
                 let next = self.reserve.next;
-                if next == usize::MAX || !self.lookahead.ring.planned(next, &mut flight.span) {
+                if next == usize::MAX || !self.lookahead.ring.planned(next, &mut committed.span) {
                     return false;
                 }
                 // The interrupt would leave the path where it does not know it.
                 if !self.queue.segments.is_known(self.reserve.distance) {
                     return false;
                 }
-                flight.begin(self.reserve.distance);
-                self.reserve.next += flight.span.blocks;
-                self.reserve.distance = Distance::from_bits(flight.end());
-                self.flights.push();
+                committed.begin(self.reserve.distance);
+                self.reserve.next += committed.span.blocks;
+                self.reserve.distance = Distance::from_bits(committed.end());
+                self.committed.push();
             }
-        } else if touched != Some(self.frontier.laid) {
-            self.touch(self.frontier.laid);
+        } else if touched != Some(self.frontier.planned) {
+            self.touch(self.frontier.planned);
         }
         // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
-        let Some(flight) = self.flights.get_mut(self.frontier.laid) else { return false };
-        let law = flight.span.limits.straighten();
-        let bowed = law != flight.span.limits.law;
+        let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
+        let law = committed.span.limits.straighten();
+        let jerk_limited = law != committed.span.limits.law;
         if self.lay().is_ok() {
             return true;
         }
         // Where ramps differ it may take longer.
-        let Some(flight) = self.flights.get_mut(self.frontier.laid) else { return false };
-        flight.span.limits.law = law;
-        bowed && self.lay().is_ok()
+        let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
+        committed.span.limits.law = law;
+        jerk_limited && self.lay().is_ok()
     }
 
     /// It is complete: the interrupt may come.
     fn keep(&mut self) {
         let Some(aside) = &self.reserve.aside else { return };
         let at = aside.frontier.end;
-        let k =
-            if self.orders.mode.halting { self.frontier.laid } else { self.frontier.laid.wrapping_sub(1) };
-        let in_span =
-            |flight: &Flight| if self.orders.mode.halting { flight.start.to_bits() } else { flight.end() };
-        let Some(stands) = self.reserve.stands.or_else(|| self.flights.get(k).map(in_span)) else { return };
+        let k = if self.orders.mode.halting {
+            self.frontier.planned
+        } else {
+            self.frontier.planned.wrapping_sub(1)
+        };
+        let in_span = |committed: &CommittedSpan| {
+            if self.orders.mode.halting { committed.start.to_bits() } else { committed.end() }
+        };
+        let Some(stands) = self.reserve.stands.or_else(|| self.committed.get(k).map(in_span)) else { return };
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
         if !self.queue.segments.is_known(rest.distance) {
             self.fail();
@@ -370,7 +375,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.restore_touched();
         let Some(aside) = &self.reserve.aside else { return };
         (self.frontier, self.orders.mode) = (aside.frontier, aside.mode);
-        self.flights.truncate(aside.flights);
+        self.committed.truncate(aside.spans);
         self.reserve.aside = None;
     }
 
@@ -408,32 +413,32 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.emitter.resume_at(0);
         self.orders.mode = Mode::AGAIN;
         self.put_rest(Distance::from_bits(way.stands), 1);
-        (self.frontier.owed, self.frontier.laid) = (0, 0);
-        while self.frontier.laid < self.flights.len() && self.is_behind(self.frontier.laid) {
-            self.frontier.laid += 1;
+        (self.frontier.pending_dwell, self.frontier.planned) = (0, 0);
+        while self.frontier.planned < self.committed.len() && self.is_behind(self.frontier.planned) {
+            self.frontier.planned += 1;
         }
-        let laid = self.frontier.laid;
-        self.flights.from(laid + 1).for_each(Flight::restore);
+        let made = self.frontier.planned;
+        self.committed.from(made + 1).for_each(CommittedSpan::restore);
         self.queue.clock.let_go();
         if way.as_planned { Work::Working } else { Work::Late }
     }
 
     /// Whether the span `k` is behind the standstill; it begins there if it is not.
     pub(super) fn is_behind(&mut self, k: usize) -> bool {
-        let (Some(stands), Some(flight)) = (self.reserve.behind, self.flights.get_mut(k)) else {
+        let (Some(stands), Some(committed)) = (self.reserve.behind, self.committed.get_mut(k)) else {
             return false;
         };
-        if flight.end().wrapping_sub(stands) <= NOTHING {
+        if committed.end().wrapping_sub(stands) <= NOTHING {
             // It has begun: a command does not change it.
-            flight.first = self.frontier.end.wrapping_sub(clock::TICK);
-            self.frontier.owed = flight.rest;
+            committed.first = self.frontier.end.wrapping_sub(clock::TICK);
+            self.frontier.pending_dwell = committed.rest;
             return true;
         }
-        flight.restore();
-        if stands.wrapping_sub(flight.start.to_bits()) > 0 {
-            flight.begin_at(stands, Speed::ZERO);
+        committed.restore();
+        if stands.wrapping_sub(committed.start.to_bits()) > 0 {
+            committed.begin_at(stands, Speed::ZERO);
         }
-        self.frontier.owed = 0;
+        self.frontier.pending_dwell = 0;
         self.reserve.behind = None;
         false
     }

@@ -10,10 +10,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let taken_in = !self.lookahead.ring.is_empty()
             || !self.intake.held.is_none()
             || !self.intake.smoothing.is_empty();
-        let handed_out = self.frontier.laid == self.flights.len() && self.frontier.emitter.is_done();
+        let handed_out = self.frontier.planned == self.committed.len() && self.frontier.emitter.is_done();
         let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end)
             || self.task.shifted == Some(self.frontier.end);
-        let rests = self.frontier.speed == Speed::ZERO && self.task.rest == 0 && self.frontier.owed == 0;
+        let rests =
+            self.frontier.speed == Speed::ZERO && self.task.rest == 0 && self.frontier.pending_dwell == 0;
         !taken_in && handed_out && passed && rests && !self.queue.clock.has_left()
     }
 
@@ -37,7 +38,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs
     /// no other one.
     pub fn begin(&mut self) {
-        self.task.stood |= self.flights.len() > 0;
+        self.task.stood |= self.committed.len() > 0;
     }
 
     /// Weights, path limits, slope and contour mode as at program start. Only at rest.

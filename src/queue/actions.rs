@@ -1,9 +1,9 @@
 //! What is due at points of the path, on its way from the planner through the interrupt to the operator.
 //!
-//! An action has one place from the planner to the operator. Three counters say whose it is, each with one writer: the planner
-//! counts those *put in*, the interrupt those that have become *due*, the operator those *taken*. When the path reaches
-//! the point of an action the interrupt writes the number of the tick beside it and counts on: nothing is copied, whether the operator comes
-//! at once or late.
+//! An action has one place from the planner to the operator. Three counters say whose it is, each with one
+//! writer: the planner counts those *put in*, the interrupt those that have become *due*, the operator those
+//! *taken*. When the path reaches the point of an action the interrupt writes the number of the tick beside
+//! it and counts on: nothing is copied, whether the operator comes at once or late.
 #![allow(unsafe_code)]
 use super::{EVENTS, Event};
 use crate::quantity::{Distance, Position};
@@ -29,7 +29,8 @@ struct Record {
     n: u32,
     kind: u16,
     ticket: Ticket,
-    /// The tick at which it became due. The interrupt writes it, and the planner reads other fields meanwhile.
+    /// The tick at which it became due. The interrupt writes it, and the planner reads other fields
+    /// meanwhile.
     tick: u32,
 }
 
@@ -60,8 +61,9 @@ impl Record {
     }
 }
 
-// SAFETY: a place is written only by the one planner, while `put - taken` says that nobody else owns it, and read only by the one
-// interrupt and the one operator, while it does; the counters pass it on with release and acquire.
+// SAFETY: a place is written only by the one planner, while `put - taken` says that nobody else owns it, and
+// read only by the one interrupt and the one operator, while it does; the counters pass it on with release
+// and acquire.
 unsafe impl Sync for Actions {}
 
 /// The planner's end: puts actions in, in the order of their points.
@@ -85,7 +87,8 @@ impl Actions {
         }
     }
 
-    /// The ends of planner and operator; the interrupt's is that of [`super::Shared`]. The caller makes one of each.
+    /// The ends of planner and operator; the interrupt's is that of [`super::Shared`]. The caller makes one
+    /// of each.
     pub(super) const fn ends(&self) -> (Scheduler<'_>, Outlet<'_>) {
         (Scheduler(self), Outlet(self))
     }
@@ -112,7 +115,8 @@ impl Scheduler<'_> {
             return Err(event);
         }
         let put = self.0.put.load(Ordering::Relaxed);
-        // SAFETY: the operator has given the place back, and of planners there is one; it is handed over below.
+        // SAFETY: the operator has given the place back, and of planners there is one; it is handed over
+        // below.
         unsafe { *self.0.record(put) = Record::new(&event) };
         self.0.put.store(put.wrapping_add(1), Ordering::Release);
         Ok(())
@@ -123,7 +127,8 @@ impl Scheduler<'_> {
         self.0.due.load(Ordering::Acquire)
     }
 
-    /// The path distance of the action with this number, if it is put in and not due yet; it may become so meanwhile.
+    /// The path distance of the action with this number, if it is put in and not due yet; it may become so
+    /// meanwhile.
     pub fn open(&self, number: u32) -> Option<Distance> {
         let put = self.0.put.load(Ordering::Relaxed);
         let open = put.wrapping_sub(self.first_open());
@@ -134,8 +139,9 @@ impl Scheduler<'_> {
         Some(unsafe { (*self.0.record(number)).distance })
     }
 
-    /// Takes back the actions from the one with this number on, none of which is due or will be. Before others are put in
-    /// their place a tick at hand that may look at them has to end ([`super::Clock::settle`]).
+    /// Takes back the actions from the one with this number on, none of which is due or will be. Before
+    /// others are put in their place a tick at hand that may look at them has to end
+    /// ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
         if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= EVENTS as u32 {
             self.0.put.store(number, Ordering::Release);
@@ -151,8 +157,8 @@ impl Actions {
         self.put.load(Ordering::Relaxed) != self.due.load(Ordering::Relaxed)
     }
 
-    /// Those whose point is at `distance` or before it become due, in the tick with this number. Runs in the tick: about a dozen
-    /// instructions for each, at most as many as there is room for.
+    /// Those whose point is at `distance` or before it become due, in the tick with this number. Runs in the
+    /// tick: about a dozen instructions for each, at most as many as there is room for.
     #[inline(never)]
     pub(super) fn reach(&self, distance: i64, tick: u32) {
         let mut due = self.due.load(Ordering::Relaxed);

@@ -1,8 +1,10 @@
-//! Time: ticks, how far the motion has come, and the words by which the planner takes back time it has handed over.
+//! Time: ticks, how far the motion has come, and the words by which the planner takes back time it has handed
+//! over.
 //!
-//! Two clocks run. *Ticks* count every call of the interrupt, whether the path moves or not. *Instants* count the ticks that take
-//! time of a piece: motion, dwell, the tick that shows a standstill. Pieces are handed over by instants, so a cut is one too.
-//! An instant is twice the number of such ticks since the split, modulo 2^32: even, so that an odd one is never.
+//! Two clocks run. *Ticks* count every call of the interrupt, whether the path moves or not. *Instants* count
+//! the ticks that take time of a piece: motion, dwell, the tick that shows a standstill. Pieces are handed
+//! over by instants, so a cut is one too. An instant is twice the number of such ticks since the split,
+//! modulo 2^32: even, so that an odd one is never.
 //!
 //! Every word has one writer:
 //!
@@ -17,12 +19,14 @@
 //! | `end`, `first` | the planner | the reserve: its instant and its first piece |
 //! | `let_go` | the planner | `left`, when the interrupt may go back to the queue |
 //!
-//! A tick is at hand while `begun` is ahead of `now` and `idle` together. A planner on the interrupt's own core never finds it so;
-//! on another core it waits for that tick to end ([`Clock::settle`]) before it decides anything: a few hundred instructions. The interrupt
-//! never waits. (Words that are loaded and stored cannot decide which of two sides came first without one of them waiting.)
+//! A tick is at hand while `begun` is ahead of `now` and `idle` together. A planner on the interrupt's own
+//! core never finds it so; on another core it waits for that tick to end ([`Clock::settle`]) before it
+//! decides anything: a few hundred instructions. The interrupt never waits. (Words that are loaded and stored
+//! cannot decide which of two sides came first without one of them waiting.)
 //!
-//! What the planner has written before [`Clock::settle`] is seen by every tick that ends behind it: `begun` is stored before
-//! the tick looks at the planner's words, both sides put a sequentially consistent fence between, so one sees what the other wrote.
+//! What the planner has written before [`Clock::settle`] is seen by every tick that ends behind it: `begun`
+//! is stored before the tick looks at the planner's words, both sides put a sequentially consistent fence
+//! between, so one sees what the other wrote.
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
@@ -142,8 +146,8 @@ impl<M: Memory> Clock<M> {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Every tick that ends from here on sees what was written before; none that does not is at hand. On another core than the
-    /// interrupt's it waits for the tick at hand.
+    /// Every tick that ends from here on sees what was written before; none that does not is at hand. On
+    /// another core than the interrupt's it waits for the tick at hand.
     pub fn settle(&self) {
         M::fence(Ordering::SeqCst);
         let begun = self.begun.load(Ordering::Acquire);
@@ -192,7 +196,8 @@ impl<M: Memory> Clock<M> {
         has_left
     }
 
-    /// The interrupt, at the end of the reserve, goes on with what is in the queue, and looks at the reserve no more.
+    /// The interrupt, at the end of the reserve, goes on with what is in the queue, and looks at the reserve
+    /// no more.
     pub fn let_go(&self) {
         self.withdraw_reserve();
         self.let_go.store(self.left.load(Ordering::Acquire), Ordering::Release);
@@ -202,8 +207,8 @@ impl<M: Memory> Clock<M> {
 
 /// For the operator.
 impl<M: Memory> Clock<M> {
-    /// Ticks ended, in units of [`TICK`], the instant of the last one that took time of a piece, and whether that was the last one of all.
-    /// For a snapshot: see [`Self::is_at`].
+    /// Ticks ended, in units of [`TICK`], the instant of the last one that took time of a piece, and whether
+    /// that was the last one of all. For a snapshot: see [`Self::is_at`].
     pub fn ended(&self) -> (u32, u32, bool) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));

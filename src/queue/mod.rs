@@ -1,9 +1,10 @@
-//! The one door between planner, interrupt and operator: static memory with one writer for every word. One ring of curves, one of
-//! pieces of time, one of actions; the clock, the status and the operator's commands. The planner puts a curve in when its block goes
-//! into the look-ahead, and hands it on before the first piece of time that moves along it.
+//! The one door between planner, interrupt and operator: static memory with one writer for every word. One
+//! ring of curves, one of pieces of time, one of actions; the clock, the status and the operator's commands.
+//! The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first
+//! piece of time that moves along it.
 mod actions;
 pub mod clock;
-mod course;
+mod curves;
 mod reserve;
 mod ring;
 mod status;
@@ -13,7 +14,7 @@ pub mod word;
 pub use crate::technology::Function;
 pub use actions::{Actions, Outlet, Scheduler};
 pub use clock::Clock;
-pub use course::{Course, Follower, Layer, MOST};
+pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
 pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
 pub use status::{Display, Snapshot, Words};
@@ -25,8 +26,9 @@ use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Elements handed on. A tick may pass [`MOST`] of them: two ticks of the shortest blocks. Each takes the room of a curve in the
-/// channel, beside those of the look-ahead, and that of a law in the planner.
+/// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: two ticks of the shortest blocks.
+/// Each takes the room of a curve in the channel, beside those of the look-ahead, and that of a law in the
+/// planner.
 pub const SEGMENTS: usize = 64;
 /// Pieces of time handed over.
 pub const PHASES: usize = 256;
@@ -126,7 +128,7 @@ impl Phase {
 
 /// Static memory of the rings, for a planner that looks `BLOCKS` blocks ahead.
 pub struct Rings<const AXES: usize, const BLOCKS: usize> {
-    segments: Course<AXES, BLOCKS>,
+    segments: CurveRing<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
     reserve: Reserve,
     control: Control,
@@ -144,7 +146,7 @@ struct Shared<const AXES: usize> {
 /// The planner's end.
 pub struct Sender<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Layer<'a, AXES>,
+    pub segments: CurveProducer<'a, AXES>,
     /// Pieces of time.
     pub phases: Pieces<'a>,
     /// Those of the way to a standstill: see [`Timeline`].
@@ -160,7 +162,7 @@ pub struct Sender<'a, const AXES: usize> {
 /// The interrupt's end.
 pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
-    pub segments: Follower<'a, AXES>,
+    pub segments: CurveConsumer<'a, AXES>,
     /// Pieces of time.
     pub time: Timeline<'a>,
     shared: &'a Shared<AXES>,
@@ -228,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
     /// Memory for rings; all bits zero.
     pub const fn new() -> Self {
         Self {
-            segments: Course::new(),
+            segments: CurveRing::new(),
             phases: Ring::new(),
             reserve: Reserve::blank(),
             control: Control::blank(),

@@ -1,11 +1,12 @@
-//! A snapshot of the motion that the interrupt writes in every tick and any other context reads, consistent, without a lock.
+//! A snapshot of the motion that the interrupt writes in every tick and any other context reads, consistent,
+//! without a lock.
 //!
-//! The interrupt writes words one by one: those of a snapshot belong together if no tick has begun while they were read. So the
-//! clock says it ([`Clock::ended`], [`Clock::is_at`]): the reader reads again until that is so. It never holds up the interrupt.
-//! A word is never torn, and there is nothing but words.
+//! The interrupt writes words one by one: those of a snapshot belong together if no tick has begun while they
+//! were read. So the clock says it ([`Clock::ended`], [`Clock::is_at`]): the reader reads again until that is
+//! so. It never holds up the interrupt. A word is never torn, and there is nothing but words.
 //!
-//! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of this tick and the one
-//! before, are the speed.
+//! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of
+//! this tick and the one before, are the speed.
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};
 use super::{Clock, Gauge, PHASES, Phase};

@@ -1,8 +1,9 @@
-//! How the interrupt goes from one piece of time to the next, and how the planner changes what it has handed over.
+//! How the interrupt goes from one piece of time to the next, and how the planner changes what it has handed
+//! over.
 //!
-//! Pieces are handed over well ahead. To change what is to come, the planner agrees on an instant with the interrupt, a *cut*:
-//! before the tick of that instant the interrupt leaves the pieces it has and goes on with the one the cut names. Up to that
-//! instant the old pieces hold.
+//! Pieces are handed over well ahead. To change what is to come, the planner agrees on an instant with the
+//! interrupt, a *cut*: before the tick of that instant the interrupt leaves the pieces it has and goes on
+//! with the one the cut names. Up to that instant the old pieces hold.
 //!
 //! No order of events can mix both:
 //!
@@ -14,10 +15,11 @@
 //!    interrupt says: by its count of pieces taken, beyond the gate, it acknowledges that it has taken the cut. Without that
 //!    it never will, and stays before the gate; the planner takes gate and pieces back ([`Change::commit`]).
 //!
-//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over end at speed, the interrupt
-//! goes on with a way to a standstill, unless the planner has moved the reserve on before. So a planner that gets no time
-//! needs to do nothing for the motion to slow down. The pieces of that way have a place of their own ([`super::reserve`]). Once there,
-//! the interrupt stays with them until the planner lets it go on.
+//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over
+//! end at speed, the interrupt goes on with a way to a standstill, unless the planner has moved the reserve
+//! on before. So a planner that gets no time needs to do nothing for the motion to slow down. The pieces of
+//! that way have a place of their own ([`super::reserve`]). Once there, the interrupt stays with them until
+//! the planner lets it go on.
 //!
 //! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};
@@ -121,8 +123,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false }
     }
 
-    /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece. [`Clock::pass`] or [`Clock::rest`]
-    /// ends it.
+    /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece.
+    /// [`Clock::pass`] or [`Clock::rest`] ends it.
     #[inline(always)]
     pub fn begin(&mut self, clock: &Clock<M>) -> Option<(u32, i64)> {
         let instant = clock.begin();
@@ -162,8 +164,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         }
     }
 
-    /// The next piece of the way to a standstill, which may begin here; behind it, when the planner has seen it, of what it has put
-    /// into the queue since.
+    /// The next piece of the way to a standstill, which may begin here; behind it, when the planner has seen
+    /// it, of what it has put into the queue since.
     #[cold]
     #[inline(never)]
     fn stop(&mut self, clock: &Clock<M>, begins: bool) -> bool {

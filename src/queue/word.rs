@@ -1,7 +1,8 @@
-//! What planner, interrupt and operator share: words, each written by one of them, and places that pass from one to the other.
+//! What planner, interrupt and operator share: words, each written by one of them, and places that pass from
+//! one to the other.
 //!
-//! Everything behind [`Memory`] is what the target has. A test puts a memory of its own in its place: it sees every access of
-//! the code that runs on the target, and runs that code in every order of them.
+//! Everything behind [`Memory`] is what the target has. A test puts a memory of its own in its place: it sees
+//! every access of the code that runs on the target, and runs that code in every order of them.
 #![allow(unsafe_code)]
 use super::Slot;
 use core::cell::UnsafeCell;
@@ -54,7 +55,8 @@ pub trait Memory {
     fn wait(is_over: impl FnMut() -> bool);
 }
 
-/// A memory whose accesses can be made again: the ends of what lies in it may be copied. Never that of a target.
+/// A memory whose accesses can be made again: the ends of what lies in it may be copied. Never that of a
+/// target.
 pub trait Replay: Memory {}
 
 /// Atomics and cells.

@@ -14,15 +14,15 @@
 //! the span too, and slows down at most as hard. So it keeps the limits of every block of the span. (A linear ramp of SIN2 may
 //! slow down later than the sine it replaces; but there all blocks of a span have one limit, and only slowing down has begun.)
 use super::area;
-use super::bend::Bend;
 use super::profile::{Change, Form, Profile};
-use super::ramp::{Bowed, Ramp};
+use super::ramp::{JerkLimited, Ramp};
+use super::ramp_shape::RampShape;
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{speed_bits, speed_f32};
-use crate::slope::limits::{Law, Limits};
+use crate::slope::limits::{Limits, SlopeLaw};
 
 /// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,7 +153,7 @@ impl Brake {
             return false;
         }
         let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
-        let Law::Bowed { bend, j: [_, up_fall, down_rise, _], .. } = limits.law else {
+        let SlopeLaw::JerkLimited { shape, j: [_, up_fall, down_rise, _], .. } = limits.law else {
             return limits.brake().distance(0.0, v)[0] <= room;
         };
         if motion.accel >= -NO_ACCEL && v * v > 2.0 * limits.a_down * room {
@@ -161,7 +161,7 @@ impl Brake {
         }
         let ramp = limits.brake().linear();
         if motion.accel > NO_ACCEL {
-            let time = a / (up_fall * bend.peak_jerk());
+            let time = a / (up_fall * shape.peak_jerk());
             let first = time * (v + a * time * (1.0 / 3.0));
             first + ramp.distance(0.0, v + 0.5 * a * time)[0] <= room
         } else if motion.accel < -NO_ACCEL {
@@ -235,10 +235,10 @@ impl Brake {
     fn reach(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits, aim: Aim) -> Option<Self> {
         *profile = Profile::default();
         match limits.law {
-            Law::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), aim),
-            Law::Bowed { bend, j: [_, up_fall, down_rise, down_fall], .. } => {
+            SlopeLaw::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), aim),
+            SlopeLaw::JerkLimited { shape, j: [_, up_fall, down_rise, down_fall], .. } => {
                 let ramp =
-                    Linear { up_fall: up_fall * bend.peak_jerk(), a: limits.a_down, down_rise, down_fall };
+                    Linear { up_fall: up_fall * shape.peak_jerk(), a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
                     ramp.go_on(profile, motion, room, aim)
                 } else {
@@ -288,8 +288,8 @@ struct Linear {
 }
 
 impl Linear {
-    fn ramp(&self) -> Bowed {
-        Bowed::new(Bend::Linear, self.a, self.down_fall, self.down_rise)
+    fn ramp(&self) -> JerkLimited {
+        JerkLimited::new(RampShape::Linear, self.a, self.down_fall, self.down_rise)
     }
 
     /// From acceleration zero or above.
@@ -298,14 +298,14 @@ impl Linear {
             let time = ticks(to_f32(motion.accel) / (self.up_fall * ACCEL_ONE));
             profile.up = Change::fall(motion.speed, motion.accel, time);
         }
-        Brake::begin(profile, motion, room, &Ramp::Bowed(self.ramp()), aim)
+        Brake::begin(profile, motion, room, &Ramp::JerkLimited(self.ramp()), aim)
     }
 
     /// From a deceleration.
     fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         let decel = motion.accel.unsigned_abs();
-        let bowed = self.ramp();
-        let ramp = Ramp::Bowed(bowed);
+        let jerk_limited = self.ramp();
+        let ramp = Ramp::JerkLimited(jerk_limited);
         let over = ticks(size_f32(decel) / (self.down_rise * ACCEL_ONE));
         // Before now it would have lost a·t/2 over the length of that ramp.
         let begun = Change::rise(motion.speed, decel, over);
@@ -319,7 +319,7 @@ impl Linear {
         }
         let most = (v - aim.v).max(least);
         let dv = lost(&ramp, [least, most], v, room, aim)?;
-        profile.down = Change::extended(v, v - dv, decel, over, &bowed, self.down_fall)?;
+        profile.down = Change::extended(v, v - dv, decel, over, &jerk_limited, self.down_fall)?;
         let length = profile.down.length();
         let left = room - length;
         if left < 0 {
@@ -335,7 +335,7 @@ impl Linear {
 }
 
 /// The form of all changes made here.
-const LINEAR: Form = Form::Bowed(Bend::Linear);
+const LINEAR: Form = Form::JerkLimited(RampShape::Linear);
 
 /// 2^58 as a factor.
 const ACCEL_ONE: f32 = (1u64 << 58) as f32;
@@ -422,7 +422,7 @@ impl Change {
     }
 
     /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on growing.
-    fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &Bowed, j_last: f32) -> Option<Self> {
+    fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &JerkLimited, j_last: f32) -> Option<Self> {
         let [_, _, first] = ramp.times(speed_f32(v0 - v1));
         let mut first = ticks(first);
         for _ in 0..SHRINKS {

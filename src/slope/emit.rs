@@ -7,9 +7,9 @@
 //! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
 //! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::area;
-use super::bend::{Bend, sine_node, sine_piece, sine_square};
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
+use super::ramp_shape::{RampShape, sine_node, sine_piece, sine_square};
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
@@ -32,7 +32,8 @@ enum Kind {
     Hold,
     /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
     Fall,
-    /// Acceleration grows, and falls, as in [`Bend::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 − u).
+    /// Acceleration grows, and falls, as in [`RampShape::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ
+    /// speed(1 − u).
     SineRise,
     SineFall,
 }
@@ -204,8 +205,8 @@ impl Slots<'_> {
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
         let kinds = match change.form {
-            Form::Bowed(Bend::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
-            Form::Bowed(Bend::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
+            Form::JerkLimited(RampShape::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
+            Form::JerkLimited(RampShape::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
             Form::Stepped => [Kind::Hold; 3],
         };
         for (k, kind) in kinds.into_iter().enumerate() {
@@ -317,7 +318,8 @@ impl Part {
         }
     }
 
-    /// The piece that begins at the time `t` in a ramp of [`Bend::SineSquare`], and the time at which that piece ends.
+    /// The piece that begins at the time `t` in a ramp of [`RampShape::SineSquare`], and the time at which
+    /// that piece ends.
     #[inline(never)]
     fn sine_piece(&self, per_time: &PerTime, t: u64) -> (Phase, u64) {
         let falls = self.kind == Kind::SineFall;
@@ -349,7 +351,8 @@ impl Part {
         (phase, end)
     }
 
-    /// The piece that begins within the first tick of a part, from the start of that: the powers of t stay below 1.
+    /// The piece that begins within the first tick of a part, from the start of that: the powers of t stay
+    /// below 1.
     #[inline(never)]
     fn first_piece(&self, per_time: &PerTime, t32: u32, rest: u32, phase: &mut Phase) {
         let times = |x: i64| mul_u32(x, t32, 32);

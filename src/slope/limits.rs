@@ -1,6 +1,7 @@
-//! Permitted path speed, acceleration and jerk, how those of several elements become one, and the ramps they give.
-use super::bend::Bend;
-use super::ramp::{Bowed, Ramp, Stepped};
+//! Permitted path speed, acceleration and jerk, how those of several elements become one, and the ramps they
+//! give.
+use super::ramp::{JerkLimited, Ramp, Stepped};
+use super::ramp_shape::RampShape;
 use crate::math::float::{magnitude, max, min};
 use crate::quantity::{Speed, speed_f32};
 
@@ -22,16 +23,16 @@ pub enum Joins {
     /// All: HSC.
     Any,
     /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
-    Dips,
+    Valleys,
 }
 
 /// What a slope permits beside speed and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum SlopeLaw {
     /// TRAPEZ, SIN2, HSC.
-    Bowed {
+    JerkLimited {
         /// Shape of the ramps.
-        bend: Bend,
+        shape: RampShape,
         /// What may follow without acceleration zero between.
         joins: Joins,
         /// Mean jerk of each ramp.
@@ -58,7 +59,7 @@ pub struct Limits {
     /// Deceleration.
     pub a_down: f32,
     /// What the slope adds to that.
-    pub law: Law,
+    pub law: SlopeLaw,
 }
 
 impl Limits {
@@ -67,7 +68,7 @@ impl Limits {
         v: f32::MAX,
         a_up: f32::MAX,
         a_down: f32::MAX,
-        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
+        law: SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
     };
 
     /// Nothing is permitted; all bits zero.
@@ -75,14 +76,14 @@ impl Limits {
         v: 0.0,
         a_up: 0.0,
         a_down: 0.0,
-        law: Law::Bowed { bend: Bend::Linear, joins: Joins::Alike, j: [0.0; 4] },
+        law: SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: Joins::Alike, j: [0.0; 4] },
     };
 
     /// Whether they are the others but for rounding.
     pub(crate) fn are(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32, part: f32| magnitude(a - b) <= a * part;
         let laws = match (&self.law, &other.law) {
-            (Law::Bowed { j, .. }, Law::Bowed { j: others, .. }) => {
+            (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: others, .. }) => {
                 j.iter().zip(others).all(|(a, b)| near(*a, *b, ALIKE))
             }
             _ => false,
@@ -99,24 +100,28 @@ impl Limits {
         self.a_up = min(self.a_up, other.a_up);
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
-            (Law::Bowed { j, .. }, Law::Bowed { j: other, .. }) => lower(j, *other),
-            (Law::Stepped { change_over, .. }, Law::Stepped { change_over: other, .. }) => {
+            (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
+            (SlopeLaw::Stepped { change_over, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
                 *change_over = min(*change_over, *other);
             }
             _ => {}
         }
     }
 
-    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain of speed stays.
+    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain
+    /// of speed stays.
     pub fn go_on_braking(&mut self, other: &Self) {
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
-            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
+            (
+                SlopeLaw::JerkLimited { j: [.., rise, fall], .. },
+                SlopeLaw::JerkLimited { j: [.., other_rise, other_fall], .. },
+            ) => {
                 (*rise, *fall) = (min(*rise, *other_rise), min(*fall, *other_fall));
             }
             (
-                Law::Stepped { change_over, a_down, .. },
-                Law::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
+                SlopeLaw::Stepped { change_over, a_down, .. },
+                SlopeLaw::Stepped { change_over: other_change_over, a_down: other_a_down, .. },
             ) => {
                 *a_down = min(*a_down, *other_a_down);
                 if change_over != other_change_over {
@@ -132,33 +137,34 @@ impl Limits {
     /// Whether a slowing down with these limits is at least as hard as with the others.
     pub fn brakes_like(&self, other: &Self) -> bool {
         let ramps = match (&self.law, &other.law) {
-            (Law::Bowed { j: [.., rise, fall], .. }, Law::Bowed { j: [.., other_rise, other_fall], .. }) => {
-                rise >= other_rise && fall >= other_fall
-            }
+            (
+                SlopeLaw::JerkLimited { j: [.., rise, fall], .. },
+                SlopeLaw::JerkLimited { j: [.., other_rise, other_fall], .. },
+            ) => rise >= other_rise && fall >= other_fall,
             _ => false,
         };
         ramps && self.a_down >= other.a_down
     }
 
     /// NO_OPT=0.
-    pub(crate) fn may_dip(&self) -> bool {
-        matches!(self.law, Law::Bowed { joins: Joins::Dips, .. })
+    pub(crate) fn may_have_valleys(&self) -> bool {
+        matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Valleys, .. })
     }
 
     /// Whether blocks with other speeds may be in one span with it: HSC.
     pub fn varies(&self) -> bool {
-        matches!(self.law, Law::Bowed { joins: Joins::Any | Joins::Dips, .. })
+        matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }
 
-    /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the jerks the cube. A
-    /// little more, for rounding: far less than `part` leaves.
+    /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the
+    /// jerks the cube. A little more, for rounding: far less than `part` leaves.
     pub fn stretched(&self, part: f32) -> Self {
         let mut limits = *self;
         let square = min(part * part * (2.0 - ROUNDED), 1.0);
         limits.v *= part;
         limits.a_up *= square;
         limits.a_down *= square;
-        if let Law::Bowed { j, .. } = &mut limits.law {
+        if let SlopeLaw::JerkLimited { j, .. } = &mut limits.law {
             *j = j.map(|j| j * (square * part));
         }
         limits
@@ -167,14 +173,15 @@ impl Limits {
     /// Of a ramp; of STEP none.
     pub fn jerk(&self, ramp: usize) -> f32 {
         match self.law {
-            Law::Bowed { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
-            Law::Stepped { .. } => f32::MAX,
+            SlopeLaw::JerkLimited { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
+            SlopeLaw::Stepped { .. } => f32::MAX,
         }
     }
 
-    /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has no jerk.
+    /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has
+    /// no jerk.
     pub fn along(&self) -> Option<[f32; 3]> {
-        let Law::Bowed { j, .. } = self.law else { return None };
+        let SlopeLaw::JerkLimited { j, .. } = self.law else { return None };
         Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
     }
 
@@ -195,10 +202,10 @@ impl Limits {
     }
 
     /// Its ramps become linear; the law they had.
-    pub const fn straighten(&mut self) -> Law {
+    pub const fn straighten(&mut self) -> SlopeLaw {
         let before = self.law;
-        if let Law::Bowed { bend, .. } = &mut self.law {
-            *bend = Bend::Linear;
+        if let SlopeLaw::JerkLimited { shape, .. } = &mut self.law {
+            *shape = RampShape::Linear;
         }
         before
     }
@@ -207,18 +214,18 @@ impl Limits {
     pub(crate) fn most(&self) -> f32 {
         let a = max(self.a_up, self.a_down);
         match self.law {
-            Law::Bowed { .. } => a,
-            Law::Stepped { a_up, a_down, .. } => max(a, max(a_up, a_down)),
+            SlopeLaw::JerkLimited { .. } => a,
+            SlopeLaw::Stepped { a_up, a_down, .. } => max(a, max(a_up, a_down)),
         }
     }
 
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {
-            Law::Bowed { bend, j: [rise, fall, ..], .. } => {
-                Ramp::Bowed(Bowed::new(bend, self.a_up, rise, fall))
+            SlopeLaw::JerkLimited { shape, j: [rise, fall, ..], .. } => {
+                Ramp::JerkLimited(JerkLimited::new(shape, self.a_up, rise, fall))
             }
-            Law::Stepped { change_over, a_up, .. } => {
+            SlopeLaw::Stepped { change_over, a_up, .. } => {
                 Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
             }
         }
@@ -227,10 +234,10 @@ impl Limits {
     /// The slope that loses speed, seen backward from the lower one.
     pub fn brake(&self) -> Ramp {
         match self.law {
-            Law::Bowed { bend, j: [.., rise, fall], .. } => {
-                Ramp::Bowed(Bowed::new(bend, self.a_down, fall, rise))
+            SlopeLaw::JerkLimited { shape, j: [.., rise, fall], .. } => {
+                Ramp::JerkLimited(JerkLimited::new(shape, self.a_down, fall, rise))
             }
-            Law::Stepped { change_over, a_down, .. } => {
+            SlopeLaw::Stepped { change_over, a_down, .. } => {
                 Ramp::Stepped(Stepped { a: [self.a_down, a_down], change_over })
             }
         }
@@ -240,7 +247,7 @@ impl Limits {
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);
         self.a_down = min(a, self.a_down);
-        if let Law::Stepped { a_up, a_down, .. } = &mut self.law {
+        if let SlopeLaw::Stepped { a_up, a_down, .. } = &mut self.law {
             *a_up = min(*a_up, a);
             *a_down = min(*a_down, a);
         }

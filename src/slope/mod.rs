@@ -3,9 +3,9 @@
 //! A slope is the law of a change of speed. STEP: two accelerations. The others are jerk-limited, with four ramp times and
 //! acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine squared.
 //!
-//! [`bend`] holds the shapes of a ramp, [`ramp`] the formulas of a change, [`profile`] the time law of one block, [`brake`] the
-//! way out of a motion at hand, [`emit`] cuts it into what the tick needs.
-pub mod bend;
+//! [`ramp_shape`] holds the shapes of a ramp, [`ramp`] the formulas of a change, [`profile`] the time law of
+//! one block, [`brake`] the way out of a motion at hand, [`emit`] cuts it into what the tick needs.
+pub mod ramp_shape;
 
 pub mod ramp;
 

@@ -7,28 +7,28 @@
 //! that, and [`Profile::plan`] verifies it. In a block so short that rounding its length is more than that, a length gives
 //! way by up to 2^-42 mm instead.
 use super::area;
-use super::bend::Bend;
-use super::ramp::{Bowed, Ramp, Stepped, root_of_cubic};
+use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
+use super::ramp_shape::RampShape;
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{Distance, SPEED_LSB, Speed, Time, speed_bits, speed_f32};
 use crate::slope::emit::TICK;
-use crate::slope::limits::{Law, Limits};
+use crate::slope::limits::{Limits, SlopeLaw};
 
 /// What the three parts of a change of speed are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Acceleration rises, holds, falls.
-    Bowed(Bend),
+    JerkLimited(RampShape),
     /// One acceleration, nothing, another one.
     Stepped,
 }
 
 impl Default for Form {
     fn default() -> Self {
-        Self::Bowed(Bend::Linear)
+        Self::JerkLimited(RampShape::Linear)
     }
 }
 
@@ -110,11 +110,11 @@ impl Change {
         let bits = |t: f32| if t == 0.0 { 0 } else { to_bits::<36>(t) as u64 + 1 };
         match ramp {
             _ if low == high => self.set(Form::default(), v0, v1, [0; 3]),
-            Ramp::Bowed(ramp) => {
+            Ramp::JerkLimited(ramp) => {
                 let [near, hold, far] = ramp.times(gap_f32(low, high));
                 let first = bits(near);
                 let times = [first, bits(hold), if far == near { first } else { bits(far) }];
-                self.set(Form::Bowed(ramp.bend()), v0, v1, ordered(times));
+                self.set(Form::JerkLimited(ramp.shape()), v0, v1, ordered(times));
             }
             Ramp::Stepped(ramp) => {
                 let [below, above] = ramp.parts(speed_f32(low), gap_f32(low, high));
@@ -132,8 +132,8 @@ impl Change {
     #[inline(always)]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
-        let bend = match form {
-            Form::Bowed(bend) => bend,
+        let shape = match form {
+            Form::JerkLimited(shape) => shape,
             Form::Stepped => return self.set_stepped(v0, v1, times),
         };
         let dv = v1 - v0;
@@ -152,7 +152,7 @@ impl Change {
         };
         let [a, b] = [v0 + first, v1 - last];
         // Good to 2^-54 mm/tick
-        let mean = |x: i64| mul_near(x, bend.mean()) << 2;
+        let mean = |x: i64| mul_near(x, shape.mean()) << 2;
         let mean_first = mean(first);
         // Halves that differ by one bit have the same mean.
         let mean_last = if t1 == t3 { mean_first } else { mean(last) };
@@ -282,11 +282,11 @@ impl Profile {
             self.down.shrink(factor);
         }
         let changes = match limits.law {
-            Law::Bowed { j: [up_rise, up_fall, down_rise, down_fall], .. } => {
+            SlopeLaw::JerkLimited { j: [up_rise, up_fall, down_rise, down_fall], .. } => {
                 self.up.is_inside(limits.a_up, up_rise, up_fall)
                     && self.down.is_inside(limits.a_down, down_rise, down_fall)
             }
-            Law::Stepped { a_up, a_down, .. } => {
+            SlopeLaw::Stepped { a_up, a_down, .. } => {
                 self.up.is_stepped_inside([limits.a_up, a_up])
                     && self.down.is_stepped_inside([a_down, limits.a_down])
             }
@@ -312,7 +312,7 @@ impl Profile {
 #[inline(always)]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {
-        (Ramp::Bowed(up), Ramp::Bowed(down)) => highest(up, down, speeds, length, v_limit),
+        (Ramp::JerkLimited(up), Ramp::JerkLimited(down)) => highest(up, down, speeds, length, v_limit),
         (Ramp::Stepped(up), Ramp::Stepped(down)) => highest(up, down, speeds, length, v_limit),
         // Both ramps of a block have one law.
         _ => 0,
@@ -419,7 +419,7 @@ struct Sides {
     lengths: [f32; 2],
 }
 
-impl Guess for Bowed {
+impl Guess for JerkLimited {
     #[inline(always)]
     fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         Self::distance(self, low, dv)

@@ -1,9 +1,10 @@
 //! The change of speed: how long it takes and how far it goes, for given limits.
 //!
-//! **TRAPEZ, HSC, SIN2** ([`Bowed`]): acceleration rises, holds and falls. From v0 to v1 > v0 with plateau a and ramp
-//! times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps ([`Bend`]). If dv ≥ full the plateau
-//! lasts (dv − full)/a; else both ramps shrink by k = √(dv/full) and the acceleration peaks at k·a. Distance, with the times
-//! t1, t2, t3 of the three parts and q of the shape (TRAPEZ 1/6),
+//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
+//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps
+//! ([`RampShape`]). If dv ≥ full the plateau lasts (dv − full)/a; else both ramps shrink by k = √(dv/full)
+//! and the acceleration peaks at k·a. Distance, with the times t1, t2, t3 of the three parts and q of the
+//! shape (TRAPEZ 1/6),
 //!
 //! ```text
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
@@ -13,7 +14,7 @@
 //!
 //! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in ticks: it
 //! decides times, which the integers of [`super::profile`] then take as given.
-use super::bend::Bend;
+use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
@@ -21,7 +22,7 @@ use crate::math::root::{cbrt_guess, sqrt_f32};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ramp {
     /// Jerk-limited.
-    Bowed(Bowed),
+    JerkLimited(JerkLimited),
     /// Acceleration steps.
     Stepped(Stepped),
 }
@@ -33,9 +34,12 @@ impl Ramp {
     /// This change of speed with linear ramps.
     pub fn linear(self) -> Self {
         match self {
-            Self::Bowed(ramp) => {
-                Self::Bowed(Bowed::new(Bend::Linear, ramp.a, ramp.a / ramp.rise, ramp.a / ramp.fall))
-            }
+            Self::JerkLimited(ramp) => Self::JerkLimited(JerkLimited::new(
+                RampShape::Linear,
+                ramp.a,
+                ramp.a / ramp.rise,
+                ramp.a / ramp.fall,
+            )),
             Self::Stepped(_) => self,
         }
     }
@@ -43,7 +47,7 @@ impl Ramp {
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         match self {
-            Self::Bowed(ramp) => ramp.distance(low, dv),
+            Self::JerkLimited(ramp) => ramp.distance(low, dv),
             Self::Stepped(ramp) => ramp.distance(low, dv),
         }
     }
@@ -51,7 +55,7 @@ impl Ramp {
     /// Duration of a change by `dv`; of stepped ones, not needed, none.
     pub fn time(&self, dv: f32) -> f32 {
         match self {
-            Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
+            Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
             Self::Stepped(_) => 0.0,
         }
     }
@@ -59,7 +63,7 @@ impl Ramp {
     /// Duration of the change by `dv` from `low` on.
     pub fn duration(&self, low: f32, dv: f32) -> f32 {
         match self {
-            Self::Bowed(ramp) => ramp.times(dv).iter().sum(),
+            Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
             Self::Stepped(ramp) => {
                 let [below, above] = ramp.parts(low, dv);
                 below / ramp.a[0] + above / ramp.a[1]
@@ -70,7 +74,7 @@ impl Ramp {
     /// Path length from `low` to where a change by `total` has gained `dv`.
     pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         match self {
-            Self::Bowed(ramp) => ramp.passes(low, total, dv),
+            Self::JerkLimited(ramp) => ramp.passes(low, total, dv),
             Self::Stepped(ramp) => ramp.distance(low, max(dv, 0.0))[0],
         }
     }
@@ -79,7 +83,7 @@ impl Ramp {
     #[inline(always)]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
-            Self::Bowed(ramp) => ramp.reach(low, length),
+            Self::JerkLimited(ramp) => ramp.reach(low, length),
             Self::Stepped(ramp) => ramp.reach(low, length),
         };
         dv * (1.0 - 1.0 / 2_097_152.0)
@@ -140,8 +144,8 @@ fn gained_over(low: f32, half: f32) -> f32 {
 
 /// Acceleration rises, holds and falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bowed {
-    bend: Bend,
+pub struct JerkLimited {
+    shape: RampShape,
     /// Plateau acceleration.
     a: f32,
     /// Full length of the ramp at the lower speed.
@@ -154,14 +158,14 @@ pub struct Bowed {
     pub cubic: f32,
 }
 
-impl Bowed {
+impl JerkLimited {
     /// Slope with plateau `a` and the mean jerks of its ramps at the lower and at the higher speed.
-    pub fn new(bend: Bend, a: f32, j_low: f32, j_high: f32) -> Self {
-        let [q, q_mirrored] = bend.distances();
+    pub fn new(shape: RampShape, a: f32, j_low: f32, j_high: f32) -> Self {
+        let [q, q_mirrored] = shape.distances();
         let rise = a / j_low;
         let fall = a / j_high;
         Self {
-            bend,
+            shape,
             a,
             rise,
             fall,
@@ -171,8 +175,8 @@ impl Bowed {
     }
 
     /// Shape of both ramps.
-    pub fn bend(&self) -> Bend {
-        self.bend
+    pub fn shape(&self) -> RampShape {
+        self.shape
     }
 
     /// Times of the ramp at the lower speed, of the plateau and of the ramp at the higher speed.
@@ -214,16 +218,16 @@ impl Bowed {
         let (a, rise) = (k * self.a, k * self.rise);
         let risen = 0.5 * a * rise;
         if dv <= risen {
-            let [u, s] = self.bend.reaches(dv / risen);
+            let [u, s] = self.shape.reaches(dv / risen);
             return rise * (low * u + risen * s);
         }
         if dv <= risen + a * hold {
             let t = (dv - risen) / a;
-            return rise * (low + risen * (2.0 * self.bend.distances()[0])) + t * (low + 0.5 * (risen + dv));
+            return rise * (low + risen * (2.0 * self.shape.distances()[0])) + t * (low + 0.5 * (risen + dv));
         }
         let left = max(total - dv, 0.0);
         let fallen = 0.5 * a * k * self.fall;
-        let [u, s] = self.bend.reaches(min(left / fallen, 1.0));
+        let [u, s] = self.shape.reaches(min(left / fallen, 1.0));
         self.distance(low, total)[0] - k * self.fall * ((low + total) * u - fallen * s)
     }
 

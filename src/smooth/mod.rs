@@ -1,7 +1,8 @@
 //! Smoothing of the path: from programmed blocks to the elements that are driven.
 //!
-//! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded piece per call, and emits
-//! elements. Stages above know [`Smoothing`], not which kind is at work. Contour mode is the kind there is.
+//! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
+//! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work. Contour
+//! mode is the kind there is.
 pub mod contour;
 
 use crate::dynamics::{Curving, Dynamics};
@@ -71,14 +72,16 @@ pub struct Smoothed<'a, const AXES: usize> {
 
 /// A stage between programmed blocks and the look-ahead.
 pub trait Smoother<const AXES: usize> {
-    /// Takes in the next block; only when [`Self::work`] has nothing to do and [`Self::emit`] no more. `parted`: functions stand
-    /// between it and the block before.
+    /// Takes in the next block; only when [`Self::work`] has nothing to do and [`Self::emit`] no more.
+    /// `parted`: functions stand between it and the block before.
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parted: bool);
 
-    /// Does a bounded piece of work. `false` if nothing is to be done, and only then [`Self::emit`] knows what goes on.
+    /// Does a bounded piece of work. `false` if nothing is to be done, and only then [`Self::emit`] knows
+    /// what goes on.
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool;
 
-    /// Hands the next element `into` the look-ahead, where it lies; `false` if none goes on before another block comes.
+    /// Hands the next element `into` the look-ahead, where it lies; `false` if none goes on before another
+    /// block comes.
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool;
 
     /// Holds nothing back any longer; `stop` demands a standstill at the end of the last block.
@@ -99,8 +102,8 @@ pub trait Smoother<const AXES: usize> {
     /// What is to be said about the curve that the last block led to, once.
     fn remark(&mut self) -> Option<NcWarningKind>;
 
-    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only when [`Self::emit`] has no
-    /// more.
+    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only
+    /// when [`Self::emit`] has no more.
     fn is_idle(&self) -> bool;
 
     /// Whether nothing is to be done and nothing goes on before another block comes.

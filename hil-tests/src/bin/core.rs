@@ -1,4 +1,5 @@
-//! Digests of some cases with a short look-ahead, for cores other than the reference target's: nothing here is of one chip.
+//! Digests of some cases with a short look-ahead, for cores other than the reference target's: nothing here
+//! is of one chip.
 #![no_std]
 #![no_main]
 use core::fmt::Write;

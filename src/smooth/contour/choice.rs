@@ -7,7 +7,7 @@
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
-use super::held::Held;
+use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise};
 use crate::dynamics::Dynamics;
@@ -32,12 +32,12 @@ pub struct Approach {
 impl Approach {
     /// Of two blocks of which the corner may have so much.
     pub fn new<const AXES: usize>(
-        blocks: [&Held<AXES>; 2],
+        blocks: [&HeldBlock<AXES>; 2],
         room: [f32; 2],
         dynamics: &Dynamics<AXES>,
     ) -> Self {
         let [first, second] =
-            blocks.map(|Held { block, .. }| dynamics.element(&block.element, block.data.feed).0);
+            blocks.map(|HeldBlock { block, .. }| dynamics.element(&block.element, block.data.feed).0);
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
@@ -92,7 +92,7 @@ impl Candidate {
     /// The curve over time between two lines, if the method asks for it or allows for it: the largest distance from the corner is
     /// `most`.
     pub fn new<const AXES: usize>(
-        [held, next]: [&Held<AXES>; 2],
+        [held, next]: [&HeldBlock<AXES>; 2],
         corner: &Corner<'_, AXES>,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
@@ -101,7 +101,7 @@ impl Candidate {
     ) -> Option<Self> {
         let dynamics = setting.dynamics;
         let [first, second] = [&held.block, &next.block];
-        let led = corner.led(rule, setting.measure);
+        let led = corner.follows_master(rule, setting.measure);
         let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {
             ContourMethod::Dev => !setting.parameters.const_vel,
@@ -182,7 +182,8 @@ fn soft_distance<const AXES: usize>(
     if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
-/// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of which a hair is left.
+/// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of
+/// which a hair is left.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f64 {
     let turn = f64::from(size(main, change));
     let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);

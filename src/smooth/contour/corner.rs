@@ -47,7 +47,7 @@ pub struct Tolerance {
 
 impl<const AXES: usize> Corner<'_, AXES> {
     /// DIST_MASTER: whether the master axis goes on in its direction, and is the path on both sides.
-    pub fn led(&self, rule: &Parameters, measure: &Measure) -> bool {
+    pub fn follows_master(&self, rule: &Parameters, measure: &Measure) -> bool {
         let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
             return false;
         };
@@ -64,8 +64,8 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 
     /// Way in space per path distance: before it, behind it.
-    pub fn paces(&self) -> [f32; 2] {
-        [self.before.pace, self.behind.pace]
+    pub fn spaces_per_path(&self) -> [f32; 2] {
+        [self.before.space_per_path, self.behind.space_per_path]
     }
 
     /// The curve with these corner distances.
@@ -80,7 +80,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         if let Some(gap) = &self.gap {
             end.offset = plus(&end.offset, 1.0, gap);
         }
-        let speed = even_speed(self.main, &begin, &end, mean(self.paces()));
+        let speed = even_speed(self.main, &begin, &end, mean(self.spaces_per_path()));
         ([begin, end], speed)
     }
 
@@ -101,7 +101,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let (_, v) = self.ends(reach);
         let unmoved = [0.0; AXES];
         let gap = self.gap.as_ref().unwrap_or(&unmoved);
-        let way = size(self.main, gap) / mean(self.paces());
+        let way = size(self.main, gap) / mean(self.spaces_per_path());
         let along = |u: f32| u * v - c1 + (c1 + c2 + way - v) * u * u * u * (10.0 - u * (15.0 - 6.0 * u));
         let (g1, g2) = (self.before.tangent(), self.behind.tangent());
         let off = |u: f32| {
@@ -138,7 +138,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
 
     /// Path length of such a curve.
     pub fn path(&self, curve: &Quintic<AXES>) -> f32 {
-        curve.length(self.main, 0.0, 1.0) / mean(self.paces())
+        curve.length(self.main, 0.0, 1.0) / mean(self.spaces_per_path())
     }
 }
 
@@ -311,7 +311,7 @@ pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &
     let main = &measure.main;
     let moves = |side: &Side<AXES>| {
         if !measure.is_space() {
-            return side.pace > SLOWEST;
+            return side.space_per_path > SLOWEST;
         }
         let square = dot(main, side.tangent(), side.tangent());
         square > 1.0 - 1e-4 && square < 1.0 + 1e-4
@@ -319,7 +319,7 @@ pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &
     if !moves(before) || !moves(behind) {
         return None;
     }
-    let unit = |side: &Side<AXES>| side.tangent().map(|t| t / side.pace);
+    let unit = |side: &Side<AXES>| side.tangent().map(|t| t / side.space_per_path);
     let (before, behind) = (unit(before), unit(behind));
     let (change, both) = (plus(&behind, -1.0, &before), plus(&behind, 1.0, &before));
     let track = aside(main, &change);

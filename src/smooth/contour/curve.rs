@@ -88,11 +88,11 @@ pub struct Side<const AXES: usize> {
     /// Angle per path distance, 1/mm; 0 for a line.
     pub rate: f32,
     /// Way in space per path distance: exactly 1 where the main axes are the feed axes.
-    pub pace: f32,
+    pub space_per_path: f32,
 }
 
 /// Way in space per path distance of a direction.
-pub fn pace<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES]) -> f32 {
+pub fn space_per_path<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES]) -> f32 {
     if measure.is_space() { 1.0 } else { size(&measure.main, tangent) }
 }
 
@@ -105,8 +105,8 @@ impl<const AXES: usize> Side<AXES> {
     /// The block `element`, which has `end` at the corner.
     pub fn new(element: &Element<AXES>, end: &End<AXES>, measure: &Measure) -> Self {
         let tangent = direction(end);
-        let pace = pace(measure, &tangent);
-        let mut side = Self { tangent, curvature: end.curvature, plane: None, rate: 0.0, pace };
+        let space_per_path = space_per_path(measure, &tangent);
+        let mut side = Self { tangent, curvature: end.curvature, plane: None, rate: 0.0, space_per_path };
         if let Some(circle) = element.circle {
             let inside = |x: &[f32; AXES]| {
                 let sum = circle.plane.iter().filter_map(|k| x.get(*k)).fold(0.0, |sum, x| sum + x * x);
@@ -157,7 +157,7 @@ impl<const AXES: usize> Side<AXES> {
         for _ in 0..FOOT_STEPS {
             let site = self.at(s);
             away = plus(point, -1.0, &site.offset);
-            let square = self.pace * self.pace;
+            let square = self.space_per_path * self.space_per_path;
             let bent = square - dot(main, &away, &site.curvature);
             let step = dot(main, &away, &site.tangent) / max(bent, 0.25 * square);
             let next = inside(s + step);
@@ -282,14 +282,14 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
     }
 
-    /// How far the feed axes are faster at most than a path of so many mm per u says, relative, and the main axes than `pace` times that,
-    /// at places between the ends.
-    pub fn haste(&self, measure: &Measure, path: f32, pace: f32) -> f32 {
+    /// How far the feed axes are faster at most than a path of so many mm per u says, relative, and the main
+    /// axes than `space_per_path` times that, at places between the ends.
+    pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
             let first = self.first(u);
             let fed = measure.length(&first) / path;
-            let along = size(&measure.main, &first) / (path * pace);
+            let along = size(&measure.main, &first) / (path * space_per_path);
             most = max(most, max(fed, along) - 1.0);
         }
         most
@@ -487,15 +487,20 @@ const GAUSS: [(f32, f32); 4] = [
 ];
 
 /// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its middle,
-/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `pace`: of the path there, in space.
-pub fn even_speed<const AXES: usize>(main: &Main, a: &Site<AXES>, b: &Site<AXES>, pace: f32) -> f32 {
+/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: of the path there, in space.
+pub fn even_speed<const AXES: usize>(
+    main: &Main,
+    a: &Site<AXES>,
+    b: &Site<AXES>,
+    space_per_path: f32,
+) -> f32 {
     let travel = plus(&b.offset, -1.0, &a.offset);
     let both = plus(&a.tangent, 1.0, &b.tangent);
     let bend = plus(&a.curvature, -1.0, &b.curvature);
     let mut speed = 0.0;
     for _ in 0..3 {
         let reach = plus(&travel, -speed * speed * (1.0 / 60.0), &bend);
-        let a = pace * pace - (49.0 / 256.0) * dot(main, &both, &both);
+        let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
         let b = (105.0 / 128.0) * dot(main, &reach, &both);
         let c = (225.0 / 64.0) * dot(main, &reach, &reach);
         speed = (sqrt_f32(max(b * b + a * c, 0.0)) - b) / a;

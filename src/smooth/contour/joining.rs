@@ -2,11 +2,11 @@
 //! it reaches into the blocks, and the elements that it is cut into.
 use super::choice::{Approach, Candidate};
 use super::corner::{Corner, Reach, Tolerance, turn};
-use super::course::{CONSTANT, Course, EVEN, Fit};
+use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
 use super::curve::Side;
-use super::held::{Held, Stray, travel};
+use super::held_block::{HeldBlock, Stray, travel};
 use super::timed::{Overlap, Timed};
-use super::{Curve, LSB_32, LSB_44, ONE_44, Parameters, Turning};
+use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Steady};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
@@ -18,8 +18,8 @@ use crate::quantity::{Distance, Position};
 /// tolerance has to spare.
 const SLIVER: u32 = 14;
 
-/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by what its
-/// rounding needs.
+/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by
+/// what its rounding needs.
 const SCRAP: u32 = 18;
 
 /// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
@@ -82,7 +82,7 @@ struct Rivals {
 
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stage<const AXES: usize> {
+enum JoinStep<const AXES: usize> {
     /// Blocks and rule say which curves come into question.
     Choosing(Room),
     /// Corner distances are searched for, those of a curve over arc length.
@@ -92,11 +92,11 @@ enum Stage<const AXES: usize> {
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
-    Fitting { cut: Cut, slack: f32, smaller: u8, course: Course<AXES> },
+    Fitting { cut: Cut, slack: f32, smaller: u8, course: CornerCurve<AXES> },
     /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
-    Timing { cut: Cut, course: Course<AXES>, element: u32, steady: Steady },
+    Timing { cut: Cut, course: CornerCurve<AXES>, element: u32, steady: Steady },
     /// They are: both blocks become what is left of them.
-    Joining { cut: Cut, course: Course<AXES>, steady: Option<Steady> },
+    Joining { cut: Cut, course: CornerCurve<AXES>, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// There is no curve.
@@ -107,13 +107,13 @@ enum Stage<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joining<const AXES: usize> {
     /// The block before the corner; at the end what is left of it.
-    pub held: Held<AXES>,
-    stage: Stage<AXES>,
+    pub held: HeldBlock<AXES>,
+    stage: JoinStep<AXES>,
 }
 
 fn corner<'a, const AXES: usize>(
-    held: &Held<AXES>,
-    next: &Held<AXES>,
+    held: &HeldBlock<AXES>,
+    next: &HeldBlock<AXES>,
     measure: &'a Measure,
 ) -> Corner<'a, AXES> {
     let before = Side::new(&held.block.element, &held.block.element.exit, measure);
@@ -126,26 +126,26 @@ impl<const AXES: usize> Joining<AXES> {
     /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of the block behind
     /// both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn new(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
     ) -> (Self, Option<NcWarningKind>) {
         let mut remark = None;
         let stage = held.rule.and_then(|rule| Self::begin(held, (next, behind), &rule, setting, &mut remark));
-        (Self { held: *held, stage: stage.unwrap_or(Stage::Sharp) }, remark)
+        (Self { held: *held, stage: stage.unwrap_or(JoinStep::Sharp) }, remark)
     }
 
     fn begin(
-        held: &Held<AXES>,
-        (next, following): (&Held<AXES>, Option<i64>),
+        held: &HeldBlock<AXES>,
+        (next, following): (&HeldBlock<AXES>, Option<i64>),
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
         remark: &mut Option<NcWarningKind>,
-    ) -> Option<Stage<AXES>> {
+    ) -> Option<JoinStep<AXES>> {
         let corner = corner(held, next, setting.measure);
         let (before, behind) = (&corner.before, &corner.behind);
-        if corner.led(rule, setting.measure) {
+        if corner.follows_master(rule, setting.measure) {
             // All others are alike: whether it is a corner in space does not matter.
             if !corner.turns() {
                 return None;
@@ -171,25 +171,25 @@ impl<const AXES: usize> Joining<AXES> {
             room.most[0] = left;
             room.distances = rule.distances(room.most);
         }
-        Some(Stage::Choosing(room))
+        Some(JoinStep::Choosing(room))
     }
 
     /// Which kinds of curve come into question.
     #[inline(never)]
     fn choose(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         rule: &Parameters,
         room: Room,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Stage<AXES>> {
+    ) -> Option<JoinStep<AXES>> {
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
         let approach = Approach::new([held, next], room.most, setting.dynamics);
         let limits = (room.least(), &tolerance);
         let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
         if let Some(Candidate { way, time: None }) = candidate {
-            return Some(Stage::Overlapping(way));
+            return Some(JoinStep::Overlapping(way));
         }
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
@@ -201,11 +201,11 @@ impl<const AXES: usize> Joining<AXES> {
         let may_stop =
             rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
         let stop = may_stop.then(|| approach.stop());
-        Some(Stage::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
+        Some(JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
     }
 
     /// What a curve may deviate.
-    fn tolerance(held: &Held<AXES>, next: &Held<AXES>, rule: &Parameters) -> Tolerance {
+    fn tolerance(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, rule: &Parameters) -> Tolerance {
         let mut tolerance = rule.tolerance();
         // What straight lines that stand for several blocks have already taken.
         let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
@@ -222,12 +222,12 @@ impl<const AXES: usize> Joining<AXES> {
     /// What is quickest: a curve over arc length with the part of the distances that was found, one over time, or a standstill.
     #[inline(never)]
     fn compare(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         rule: &Parameters,
         (room, rivals, found): (Room, Rivals, Option<(f32, f32)>),
         setting: &Setting<'_, AXES>,
-    ) -> Option<Stage<AXES>> {
+    ) -> Option<JoinStep<AXES>> {
         let Rivals { approach, candidate, stop } = rivals;
         let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
             let distances = room.distances.map(|c| c * part);
@@ -240,16 +240,17 @@ impl<const AXES: usize> Joining<AXES> {
             return None;
         }
         match candidate.filter(|_| over_time == Some(quickest)) {
-            Some(Candidate { way, .. }) => Some(Stage::Overlapping(way)),
+            Some(Candidate { way, .. }) => Some(JoinStep::Overlapping(way)),
             None => found.and_then(|found| room.cut(held, next, rule, Some(found))),
         }
     }
 
-    /// Goes on. Whether it is done: then `turning` is the curve if there is one, and both blocks are what is left of them.
+    /// Goes on. Whether it is done: then `turning` is the curve if there is one, and both blocks are what is
+    /// left of them.
     #[inline(never)]
     pub fn go_on(
         &mut self,
-        next: &mut Held<AXES>,
+        next: &mut HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
@@ -259,24 +260,24 @@ impl<const AXES: usize> Joining<AXES> {
             return true;
         };
         match stage {
-            Stage::Choosing(_) | Stage::Reaching { .. } | Stage::Comparing { .. } => {
+            JoinStep::Choosing(_) | JoinStep::Reaching { .. } | JoinStep::Comparing { .. } => {
                 Self::decide(held, next, &rule, setting, stage);
             }
-            Stage::Cutting { cut, slack, smaller } => {
+            JoinStep::Cutting { cut, slack, smaller } => {
                 let (cut, tried) = (*cut, (*slack, *smaller));
                 Self::cut(held, next, (cut, tried), &rule, setting, stage);
             }
-            Stage::Fitting { .. } => Self::fit(stage, setting.parameters.const_vel),
-            Stage::Timing { .. } => Self::time(held, next, setting, stage),
-            Stage::Joining { cut, course, steady } => {
+            JoinStep::Fitting { .. } => Self::fit(stage, setting.parameters.const_vel),
+            JoinStep::Timing { .. } => Self::time(held, next, setting, stage),
+            JoinStep::Joining { cut, course, steady } => {
                 *turning = Self::join(held, next, *cut, (course, *steady), setting);
                 return true;
             }
-            Stage::Overlapping(overlap) => {
+            JoinStep::Overlapping(overlap) => {
                 *turning = Self::overlap(held, next, *overlap, &rule, setting);
                 return true;
             }
-            Stage::Sharp => {
+            JoinStep::Sharp => {
                 *turning = None;
                 return true;
             }
@@ -289,68 +290,73 @@ impl<const AXES: usize> Joining<AXES> {
     /// Looks for the kind of curve and its distances.
     #[inline(never)]
     fn decide(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
-        stage: &mut Stage<AXES>,
+        stage: &mut JoinStep<AXES>,
     ) {
         let following = match stage {
-            Stage::Choosing(room) => Self::choose(held, next, rule, *room, setting),
-            Stage::Reaching { room, reach, rivals } => {
+            JoinStep::Choosing(room) => Self::choose(held, next, rule, *room, setting),
+            JoinStep::Reaching { room, reach, rivals } => {
                 let Some(found) = reach.go_on(&corner(held, next, setting.measure)) else { return };
-                Some(Stage::Comparing { room: *room, rivals: *rivals, found })
+                Some(JoinStep::Comparing { room: *room, rivals: *rivals, found })
             }
-            Stage::Comparing { room, rivals, found } => {
+            JoinStep::Comparing { room, rivals, found } => {
                 Self::compare(held, next, rule, (*room, *rivals, *found), setting)
             }
             _ => None,
         };
         match following {
             Some(following) => *stage = following,
-            None => *stage = Stage::Sharp,
+            None => *stage = JoinStep::Sharp,
         }
     }
 
     /// Makes the curve over arc length.
     #[inline(never)]
     fn cut(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         (cut, (slack, smaller)): (Cut, (f32, u8)),
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
-        stage: &mut Stage<AXES>,
+        stage: &mut JoinStep<AXES>,
     ) {
         *stage = match Self::course(held, next, cut, rule, setting) {
-            Some(Some(course)) => Stage::Fitting { cut, slack, smaller, course },
+            Some(Some(course)) => JoinStep::Fitting { cut, slack, smaller, course },
             Some(None) => cut.smaller(slack, smaller),
-            None => Stage::Sharp,
+            None => JoinStep::Sharp,
         };
     }
 
     /// Cuts it into elements.
     #[inline(never)]
-    fn fit(stage: &mut Stage<AXES>, const_vel: bool) {
-        let Stage::Fitting { cut, slack, smaller, course } = stage else { return };
+    fn fit(stage: &mut JoinStep<AXES>, const_vel: bool) {
+        let JoinStep::Fitting { cut, slack, smaller, course } = stage else { return };
         let (cut, slack, smaller) = (*cut, *slack, *smaller);
         match course.fit(if const_vel { CONSTANT } else { EVEN }, slack) {
             Fit::Working => {}
             Fit::Failed => *stage = cut.smaller(slack, smaller),
             Fit::Ready if const_vel => {
                 let steady = Steady { length: 0.0, ..Steady::FREE };
-                *stage = Stage::Timing { cut, course: *course, element: 0, steady };
+                *stage = JoinStep::Timing { cut, course: *course, element: 0, steady };
             }
-            Fit::Ready => *stage = Stage::Joining { cut, course: *course, steady: None },
+            Fit::Ready => *stage = JoinStep::Joining { cut, course: *course, steady: None },
         }
     }
 
     /// Takes one of its elements into account for the speed of all of them.
     #[inline(never)]
-    fn time(held: &Held<AXES>, next: &Held<AXES>, setting: &Setting<'_, AXES>, stage: &mut Stage<AXES>) {
-        let Stage::Timing { cut, course, element: i, steady } = stage else { return };
+    fn time(
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        setting: &Setting<'_, AXES>,
+        stage: &mut JoinStep<AXES>,
+    ) {
+        let JoinStep::Timing { cut, course, element: i, steady } = stage else { return };
         let Some((is_before, element)) = course.rehearse(*i) else {
-            *stage = Stage::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+            *stage = JoinStep::Joining { cut: *cut, course: *course, steady: Some(*steady) };
             return;
         };
         let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
@@ -367,21 +373,21 @@ impl<const AXES: usize> Joining<AXES> {
     /// The curve over arc length, and both blocks without what it takes of them.
     #[inline(never)]
     fn join(
-        held: &mut Held<AXES>,
-        next: &mut Held<AXES>,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         cut: Cut,
-        (course, steady): (&Course<AXES>, Option<Steady>),
+        (course, steady): (&CornerCurve<AXES>, Option<Steady>),
         setting: &Setting<'_, AXES>,
     ) -> Option<Turning<AXES>> {
         let ends = Ends::new(held, next, cut, setting.measure)?;
-        Some(ends.join(held, next, Curve::Even(*course), steady, setting))
+        Some(ends.join(held, next, Cornering::Even(*course), steady, setting))
     }
 
     /// Cuts both blocks where a curve over time begins and ends, and makes it.
     #[inline(never)]
     fn overlap(
-        held: &mut Held<AXES>,
-        next: &mut Held<AXES>,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         mut overlap: Overlap,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
@@ -405,19 +411,19 @@ impl<const AXES: usize> Joining<AXES> {
         if overlap.rise.v <= 0.0 {
             return None;
         }
-        let course = Curve::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
+        let course = Cornering::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
         Some(ends.join(held, next, course, None, setting))
     }
 
     /// The curve over arc length with a cut, if there is one; nothing at all if nothing can be cut.
     #[inline(never)]
     fn course(
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         cut: Cut,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Option<Course<AXES>>> {
+    ) -> Option<Option<CornerCurve<AXES>>> {
         let ends = Ends::new(held, next, cut, setting.measure)?;
         let mut point = [0.0; AXES];
         for (k, value) in setting.measure.main.iter().zip(rule.point) {
@@ -429,9 +435,16 @@ impl<const AXES: usize> Joining<AXES> {
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
         let corner = corner(held, next, setting.measure);
         let path = || to_f32(cut.before.saturating_add(cut.behind)) * LSB_44;
-        let lead = corner.led(rule, setting.measure).then(path);
+        let lead = corner.follows_master(rule, setting.measure).then(path);
         let knots = [&ends.from, &ends.to()];
-        Some(Course::new(setting.measure, corner.paces(), &held.block.to, knots, interim, lead))
+        Some(CornerCurve::new(
+            setting.measure,
+            corner.spaces_per_path(),
+            &held.block.to,
+            knots,
+            interim,
+            lead,
+        ))
     }
 }
 
@@ -461,11 +474,11 @@ impl Room {
     /// far its elements may be beside it.
     fn cut<const AXES: usize>(
         &self,
-        held: &Held<AXES>,
-        next: &Held<AXES>,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
         rule: &Parameters,
         found: Option<(f32, f32)>,
-    ) -> Option<Stage<AXES>> {
+    ) -> Option<JoinStep<AXES>> {
         let (part, slack) = found.unwrap_or((1.0, f32::MAX));
         let distances = self.distances.map(|c| c * part);
         // POS without distances swings out from the corner itself.
@@ -488,18 +501,18 @@ impl Room {
         if left - before <= held.length >> SLIVER {
             before = left;
         }
-        Some(Stage::Cutting { cut: Cut { before, behind }, slack, smaller: 0 })
+        Some(JoinStep::Cutting { cut: Cut { before, behind }, slack, smaller: 0 })
     }
 }
 
 impl Cut {
     /// An arc may come back so near to the other block that no even curve joins them there: with less of both.
-    fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> Stage<AXES> {
+    fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> JoinStep<AXES> {
         if smaller + 1 >= SMALLER {
-            return Stage::Sharp;
+            return JoinStep::Sharp;
         }
         let [before, behind] = [self.before, self.behind].map(|c| c - c / 4);
-        Stage::Cutting { cut: Self { before, behind }, slack, smaller: smaller + 1 }
+        JoinStep::Cutting { cut: Self { before, behind }, slack, smaller: smaller + 1 }
     }
 }
 
@@ -515,7 +528,7 @@ struct Ends<const AXES: usize> {
 }
 
 impl<const AXES: usize> Ends<AXES> {
-    fn new(held: &Held<AXES>, next: &Held<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
+    fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
         let element = &held.block.element;
         let rest = element.shape.length.to_bits() - cut.before;
         let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
@@ -539,9 +552,9 @@ impl<const AXES: usize> Ends<AXES> {
     /// The curve between both blocks, which become what is left of them.
     fn join(
         &self,
-        held: &mut Held<AXES>,
-        next: &mut Held<AXES>,
-        course: Curve<AXES>,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
+        course: Cornering<AXES>,
         steady: Option<Steady>,
         setting: &Setting<'_, AXES>,
     ) -> Turning<AXES> {

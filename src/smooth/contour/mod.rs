@@ -27,17 +27,17 @@
 //! nothing, as a second G261, ends nothing.
 mod choice;
 mod corner;
-mod course;
+mod corner_curve;
 mod curve;
-mod held;
+mod held_block;
 mod joining;
 mod parameters;
 mod timed;
 
 pub use parameters::Parameters;
 
-use self::course::Course;
-use self::held::{Held, Stray};
+use self::corner_curve::CornerCurve;
+use self::held_block::{HeldBlock, Stray};
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
@@ -67,7 +67,7 @@ impl<const AXES: usize> Made<AXES> {
 /// A curve in a corner on its way out: what goes with each half, and the functions due before it.
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
-    course: Curve<AXES>,
+    course: Cornering<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
     /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time has its own.
@@ -125,10 +125,10 @@ pub struct Contouring<const AXES: usize> {
     before: Option<Made<AXES>>,
     bridge: Option<Made<AXES>>,
     course: Option<Turning<AXES>>,
-    held: Option<Held<AXES>>,
+    held: Option<HeldBlock<AXES>>,
     /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one. Only
     /// behind a block whose end is rounded.
-    waiting: Option<Held<AXES>>,
+    waiting: Option<HeldBlock<AXES>>,
     /// The corner before the block held back, while it is worked on.
     joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
@@ -137,14 +137,14 @@ pub struct Contouring<const AXES: usize> {
 
 /// The curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Curve<const AXES: usize> {
+enum Cornering<const AXES: usize> {
     /// Over its arc length.
-    Even(Course<AXES>),
+    Even(CornerCurve<AXES>),
     /// Over time.
     Timed(Timed<AXES>),
 }
 
-impl<const AXES: usize> Curve<AXES> {
+impl<const AXES: usize> Cornering<AXES> {
     /// Whether the next element belongs to the block before the corner.
     fn is_before(&self) -> bool {
         match self {
@@ -154,7 +154,7 @@ impl<const AXES: usize> Curve<AXES> {
     }
 }
 
-impl<const AXES: usize> Curve<AXES> {
+impl<const AXES: usize> Cornering<AXES> {
     /// The next element, with its axes to be made.
     fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
         match self {
@@ -239,13 +239,19 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// The block that came last, if it is held back.
-    fn last(&mut self) -> Option<&mut Held<AXES>> {
+    fn last(&mut self) -> Option<&mut HeldBlock<AXES>> {
         self.waiting.as_mut().or(self.held.as_mut())
     }
 
-    /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`: length of the one
-    /// after it, LSB 2^-44 mm, if the corner between them is rounded and that is known.
-    fn enter(&mut self, mut next: Held<AXES>, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
+    /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`:
+    /// length of the one after it, LSB 2^-44 mm, if the corner between them is rounded and that is known.
+    fn enter(
+        &mut self,
+        mut next: HeldBlock<AXES>,
+        behind: Option<i64>,
+        parted: bool,
+        dynamics: &Dynamics<AXES>,
+    ) {
         if self.left_out(&mut next) || !parted && self.merges(&next, dynamics) {
             return;
         }
@@ -253,9 +259,10 @@ impl<const AXES: usize> Contouring<AXES> {
         self.held = Some(next);
     }
 
-    /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over both.
+    /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over
+    /// both.
     #[inline(never)]
-    fn left_out(&mut self, next: &mut Held<AXES>) -> bool {
+    fn left_out(&mut self, next: &mut HeldBlock<AXES>) -> bool {
         let Some(held) = &mut self.held else { return false };
         let Some(rule) = held.rule else { return false };
         if next.rule.is_some()
@@ -284,7 +291,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether the block held back and the next one become one.
     #[inline(never)]
-    fn merges(&mut self, next: &Held<AXES>, dynamics: &Dynamics<AXES>) -> bool {
+    fn merges(&mut self, next: &HeldBlock<AXES>, dynamics: &Dynamics<AXES>) -> bool {
         let Some(held) = &self.held else { return false };
         let merged = held.rule.and_then(|rule| held.merged(next, &rule, dynamics, &self.measure));
         if merged.is_some() {
@@ -296,7 +303,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The corner between the block held back and the next one.
     #[inline(never)]
-    fn join(&mut self, next: &mut Held<AXES>, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
+    fn join(&mut self, next: &mut HeldBlock<AXES>, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
         let Some(held) = &self.held else { return };
         let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
         next.previous = held.rule.map(|_| held.length);
@@ -308,7 +315,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no curve.
+    /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no
+    /// curve.
     #[inline(never)]
     fn joined(&mut self) {
         let Some(joining) = &self.joining else { return };
@@ -331,8 +339,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The block that waits comes in, when what is before it is done and gone and it need not wait for another one; or the line over blocks
-    /// left out, when no more of them come. Whether one does.
+    /// The block that waits comes in, when what is before it is done and gone and it need not wait for
+    /// another one; or the line over blocks left out, when no more of them come. Whether one does.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if self.before.is_some() || self.bridge.is_some() {
@@ -342,7 +350,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.held.as_mut().filter(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over));
         let next = match over {
             Some(held) => held.behind(&self.measure),
-            None if self.waiting.as_ref().is_none_or(Held::weighs) => return false,
+            None if self.waiting.as_ref().is_none_or(HeldBlock::weighs) => return false,
             None => self.waiting.take(),
         };
         if let Some(next) = next {
@@ -361,7 +369,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             rounds = false;
             self.remark = Some(NcWarningKind::PtpArc);
         }
-        let next = Held {
+        let next = HeldBlock {
             block: *block,
             length: block.element.shape.length.to_bits(),
             rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },

@@ -1,6 +1,6 @@
 //! What #CONTOUR MODE sets, each until it is set again.
 use super::corner::{Tolerance, Turn};
-use super::held::Stray;
+use super::held_block::Stray;
 use super::{REVERSAL, TANGENTIAL};
 use crate::math::float::{max, min, to_f32};
 use crate::math::trig::sin_cos;

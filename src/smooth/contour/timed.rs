@@ -177,7 +177,8 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// An overlap that takes so many times the time of this one, and begins so many times as far from the corner.
+    /// An overlap that takes so many times the time of this one, and begins so many times as far from the
+    /// corner.
     pub fn stretched(self, by: f64) -> Self {
         Self { rise: self.rise.stretched(by), time: self.time * by }
     }
@@ -234,7 +235,7 @@ pub struct Timed<const AXES: usize> {
     from: Knot<AXES>,
     to: Knot<AXES>,
     /// Magnitudes of the third derivative in the element before that.
-    twist: [f32; AXES],
+    third: [f32; AXES],
 }
 
 const ONE_32: f64 = (1u64 << 32) as f64;
@@ -262,7 +263,7 @@ impl<const AXES: usize> Timed<AXES> {
             at: 0.0,
             from: *from,
             to: *to,
-            twist: [0.0; AXES],
+            third: [0.0; AXES],
         };
         // Changes closer than that become one; lengths are rounded first, and times follow.
         let mut at = 0.0;
@@ -305,18 +306,18 @@ impl<const AXES: usize> Timed<AXES> {
     }
 
     /// Magnitudes of the third derivative at a time between changes of jerk.
-    fn twist_at(&self, t: f64) -> [f32; AXES] {
+    fn third_at(&self, t: f64) -> [f32; AXES] {
         let Overlap { rise, time } = self.overlap;
         let per = 1.0 / (rise.v * rise.v * rise.v);
         let [j1, j2] = [rise.jerk(rise.time() - t), rise.jerk(t - (rise.time() - time))];
-        let mut twist = [0.0; AXES];
+        let mut third = [0.0; AXES];
         let [before, behind] = &self.tangents;
-        for ((x, t1), t2) in twist.iter_mut().zip(before).zip(behind) {
+        for ((x, t1), t2) in third.iter_mut().zip(before).zip(behind) {
             // The motion that runs backward has its jerk turned twice: with time and with its direction.
             let j = (*t1 as f64 * j1 + *t2 as f64 * j2) * (LSB_40 * per);
             *x = (if j < 0.0 { -j } else { j }) as f32;
         }
-        twist
+        third
     }
 
     /// Whether the next element belongs to the block before the corner.
@@ -345,7 +346,7 @@ impl<const AXES: usize> Timed<AXES> {
         }
         let length = *self.lengths.get(usize::from(self.done))?;
         self.done += 1;
-        self.twist = self.twist_at(self.at + 0.5 * f64::from(length) / self.overlap.rise.v);
+        self.third = self.third_at(self.at + 0.5 * f64::from(length) / self.overlap.rise.v);
         self.at += f64::from(length) / self.overlap.rise.v;
         let to = if self.done == self.count { self.to } else { self.knot(self.at) };
         let from = core::mem::replace(&mut self.from, to);
@@ -360,8 +361,8 @@ impl<const AXES: usize> Timed<AXES> {
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
             bounds.passage = Passage::Timed(self.overlap.rise.v as f32);
-            bounds.bend = larger(&element.entry.curvature, &element.exit.curvature);
-            bounds.twist = self.twist;
+            bounds.second = larger(&element.entry.curvature, &element.exit.curvature);
+            bounds.third = self.third;
         }
     }
 }

@@ -35,10 +35,10 @@ const ONE_40: f32 = (1u64 << 40) as f32;
 
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Course<const AXES: usize> {
+pub struct CornerCurve<const AXES: usize> {
     measure: Measure,
     /// Way in space per path distance before and behind the corner.
-    paces: [f32; 2],
+    spaces_per_path: [f32; 2],
     origin: [Position; AXES],
     /// Both halves, and the part of each that belongs to the course.
     halves: [(Quintic<AXES>, [f32; 2]); 2],
@@ -129,12 +129,12 @@ pub enum Fit {
 /// Length of the halves of a course through a given point that is tried first, and how often it is improved.
 const LENGTHS: usize = 3;
 
-impl<const AXES: usize> Course<AXES> {
+impl<const AXES: usize> CornerCurve<AXES> {
     /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `lead`: the path between both, where
     /// a master axis is the path. `None` where it cannot be made. Before it is handed out: [`Self::fit`].
     pub fn new(
         measure: &Measure,
-        paces: [f32; 2],
+        spaces_per_path: [f32; 2],
         origin: &[Position; AXES],
         [from, to]: [&Knot<AXES>; 2],
         interim: Option<&[f32; AXES]>,
@@ -142,15 +142,15 @@ impl<const AXES: usize> Course<AXES> {
     ) -> Option<Self> {
         let main = &measure.main;
         let [a, b] = [from, to].map(|knot| site_of(knot, origin));
-        let pace = mean(paces);
-        if pace <= 0.0 && lead.is_none() {
+        let space_per_path = mean(spaces_per_path);
+        if space_per_path <= 0.0 && lead.is_none() {
             return None;
         }
         let (halves, path) = if let Some(point) = interim {
-            let ([first, second], lengths) = through(main, &a, point, &b, pace)?;
+            let ([first, second], lengths) = through(main, &a, point, &b, space_per_path)?;
             ([(first, [0.0, 1.0]), (second, [0.0, 1.0])], lengths)
         } else {
-            let speed = lead.unwrap_or_else(|| even_speed(main, &a, &b, pace));
+            let speed = lead.unwrap_or_else(|| even_speed(main, &a, &b, space_per_path));
             if speed <= 0.0 {
                 return None;
             }
@@ -168,7 +168,7 @@ impl<const AXES: usize> Course<AXES> {
         let (measure, origin) = (*measure, *origin);
         Some(Self {
             measure,
-            paces,
+            spaces_per_path,
             origin,
             halves,
             path,
@@ -204,7 +204,8 @@ impl<const AXES: usize> Course<AXES> {
         Fit::Working
     }
 
-    /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it can be.
+    /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
+    /// can be.
     fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
         let fits = !cuts.is_full() && self.is_fine(u32::from(cuts.count), even, f32::MAX);
         let fit = if fits && cuts.accept() { Fit::Ready } else { Fit::Working };
@@ -268,7 +269,7 @@ impl<const AXES: usize> Course<AXES> {
     /// How far the speed along an element is above and below what its path says at most, relative.
     fn unevenness(&self, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
         if self.path.is_some() {
-            let [before, behind] = self.paces;
+            let [before, behind] = self.spaces_per_path;
             return [element.haste(&self.measure, length, max(before, behind)), 0.0];
         }
         element.unevenness(&self.measure.main, length)
@@ -319,7 +320,7 @@ impl<const AXES: usize> Course<AXES> {
     }
 }
 
-impl<const AXES: usize> Course<AXES> {
+impl<const AXES: usize> CornerCurve<AXES> {
     /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None` behind the last one, or
     /// where it cannot be made.
     pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
@@ -366,16 +367,16 @@ impl<const AXES: usize> Course<AXES> {
 }
 
 /// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their path
-/// lengths follow in a few rounds, beginning with the straight lines. `pace`: of the path in space.
+/// lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in space.
 fn through<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
     point: &[f32; AXES],
     b: &Site<AXES>,
-    pace: f32,
+    space_per_path: f32,
 ) -> Option<([Quintic<AXES>; 2], [f32; 2])> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
-    let chords = [size(main, &travel[0]) / pace, size(main, &travel[1]) / pace];
+    let chords = [size(main, &travel[0]) / space_per_path, size(main, &travel[1]) / space_per_path];
     let mut lengths = chords;
     let mut curves = None;
     for round in 0..=LENGTHS {
@@ -413,8 +414,8 @@ fn through<const AXES: usize>(
         }
         // No longer than twice the way: what is longer would swing out the further.
         lengths = [
-            min(first.length(main, 0.0, 1.0) / pace, 2.0 * chords[0]),
-            min(second.length(main, 0.0, 1.0) / pace, 2.0 * chords[1]),
+            min(first.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[0]),
+            min(second.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[1]),
         ];
     }
     curves

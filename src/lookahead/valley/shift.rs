@@ -2,7 +2,7 @@
 //!
 //! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
 //! zero either: it moves into the block on the other side, as far as the limit where it was permits.
-use super::{Dip, Shift, Step};
+use super::{Shift, Step, Valley};
 use crate::lookahead::block::{Marks, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
 use crate::lookahead::law::{LSB_44, Law, RISE, Span};
@@ -20,40 +20,40 @@ const WORTH: f32 = 0.995;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// An anchor that is slower than it may be.
-    pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let (from, at) = (pass.from, pass.at);
         let to = self.anchor_behind(at);
         if to > pass.last || at == from || self.blocks.len() + 1 > self.blocks.capacity() {
-            return self.try_knee(pass, dip);
+            return self.try_knee(pass, valley);
         }
         let shift = Shift { on: true, was: at, ..Shift::NONE };
-        *dip = Dip { edges: [from, at, at, to], shift, ..Dip::NONE };
+        *valley = Valley { edges: [from, at, at, to], shift, ..Valley::NONE };
         pass.cursor.next = from;
-        pass.step = ease::Step::Dip(Step::TakeIn);
+        pass.step = ease::Step::Valley(Step::TakeIn);
     }
 
     /// Goes on with the knee.
-    fn try_knee(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    fn try_knee(&mut self, pass: &mut Trial, valley: &mut Valley) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
-        *dip = Dip::NONE;
+        *valley = Valley::NONE;
         pass.cursor.next = pass.from;
         pass.spans = [Span::NONE; 2];
         pass.step = ease::Step::Gather;
     }
 
     /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
-    pub(super) fn weigh_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let moves = if pass.fit.fitting { None } else { self.search_shift(pass, dip) };
+    pub(super) fn weigh_shift(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        let moves = if pass.fit.fitting { None } else { self.search_shift(pass, valley) };
         if moves.is_none() {
-            (pass.from, pass.at) = (dip.edges[0], dip.shift.was);
-            self.try_knee(pass, dip);
+            (pass.from, pass.at) = (valley.edges[0], valley.shift.was);
+            self.try_knee(pass, valley);
         }
     }
 
     /// Whether the motion speeds up to the anchor, or slows down from it: which block it moves into.
-    fn shifts_early(&self, dip: &Dip) -> Option<bool> {
-        let high = speed_f32(dip.speeds[1].to_bits()) * RISE;
-        match [dip.peaks[0] > high, dip.peaks[1] > high] {
+    fn shifts_early(&self, valley: &Valley) -> Option<bool> {
+        let high = speed_f32(valley.speeds[1].to_bits()) * RISE;
+        match [valley.peaks[0] > high, valley.peaks[1] > high] {
             [true, false] => Some(true),
             [false, true] => Some(false),
             _ => None,
@@ -62,96 +62,98 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a block; `None` if that law
     /// is too fast where the anchor was.
-    fn shifted(&self, dip: &Dip, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
-        let mut span = dip.spans[if early { 2 } else { 0 }];
-        let at = to_f32(if early { dip.shift.moved + way } else { span.length - dip.shift.moved }) * LSB_44;
+    fn shifted(&self, valley: &Valley, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
+        let mut span = valley.spans[if early { 2 } else { 0 }];
+        let at =
+            to_f32(if early { valley.shift.moved + way } else { span.length - valley.shift.moved }) * LSB_44;
         if way > 0 {
             span.add_piece(limits, way);
         }
-        span.limits.ease(dip.eases[usize::from(early)]);
-        let [v_from, .., v_end] = dip.speeds;
+        span.limits.ease(valley.eases[usize::from(early)]);
+        let [v_from, .., v_end] = valley.speeds;
         let ramp = if early { span.limits.brake() } else { span.limits.speed_up() };
         let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
         let [from, to] = if early { [v, v_end] } else { [v_from, v] };
         let mut law = Law::new(&span, from, to, true);
-        let cap = self.blocks.get(dip.shift.was)?.cap();
+        let cap = self.blocks.get(valley.shift.was)?.cap();
         law.keeps(cap, at, at).then(|| (v, law.time()))
     }
 
     /// Goes on with the search. `None`: it stays.
-    fn search_shift(&mut self, pass: &mut Trial, dip: &mut Dip) -> Option<()> {
-        let early = self.shifts_early(dip)?;
-        let [a, b, _, d] = dip.edges;
+    fn search_shift(&mut self, pass: &mut Trial, valley: &mut Valley) -> Option<()> {
+        let early = self.shifts_early(valley)?;
+        let [a, b, _, d] = valley.edges;
         let block = self.blocks.get(if early { b - 1 } else { b })?;
         let (limits, length) = (block.limits, block.length);
-        if dip.shift.steps == 0 {
-            if dip.shift.moved == 0 {
-                dip.eases = [self.ease(a), self.ease(b), Ease::NONE];
+        if valley.shift.steps == 0 {
+            if valley.shift.moved == 0 {
+                valley.eases = [self.ease(a), self.ease(b), Ease::NONE];
             }
             let more = if early { b - 1 > a } else { b + 1 < d };
-            if more && dip.tried < MOVES && self.shifted(dip, &limits, early, length).is_some() {
-                dip.tried += 1;
-                dip.shift.moved += length;
+            if more && valley.tried < MOVES && self.shifted(valley, &limits, early, length).is_some() {
+                valley.tried += 1;
+                valley.shift.moved += length;
                 let b = if early { b - 1 } else { b + 1 };
-                dip.edges = [a, b, b, d];
-                dip.spans = [Span::NONE; 3];
+                valley.edges = [a, b, b, d];
+                valley.spans = [Span::NONE; 3];
                 pass.cursor.next = a;
-                pass.step = ease::Step::Dip(Step::TakeIn);
+                pass.step = ease::Step::Valley(Step::TakeIn);
                 return Some(());
             }
-            dip.shift.best = if dip.shift.moved > 0 { self.shifted(dip, &limits, early, 0) } else { None };
-            dip.shift.between = [0, length / 16 * 15];
+            valley.shift.best =
+                if valley.shift.moved > 0 { self.shifted(valley, &limits, early, 0) } else { None };
+            valley.shift.between = [0, length / 16 * 15];
         }
         for _ in 0..LAWS {
-            if dip.shift.steps >= SHIFTS {
-                return self.try_shift(pass, dip, early);
+            if valley.shift.steps >= SHIFTS {
+                return self.try_shift(pass, valley, early);
             }
-            dip.shift.steps += 1;
-            let [near, far] = dip.shift.between;
+            valley.shift.steps += 1;
+            let [near, far] = valley.shift.between;
             let middle = near + (far - near) / 2;
-            match self.shifted(dip, &limits, early, middle) {
+            match self.shifted(valley, &limits, early, middle) {
                 Some(found) => {
-                    dip.shift.between[0] = middle;
-                    dip.shift.best = Some(found);
+                    valley.shift.between[0] = middle;
+                    valley.shift.best = Some(found);
                 }
-                None => dip.shift.between[1] = middle,
+                None => valley.shift.between[1] = middle,
             }
         }
-        pass.step = ease::Step::Dip(Step::Weigh);
+        pass.step = ease::Step::Valley(Step::Weigh);
         Some(())
     }
 
     /// `None`: no gain.
-    fn try_shift(&mut self, pass: &mut Trial, dip: &mut Dip, early: bool) -> Option<()> {
-        let [_, b, ..] = dip.edges;
-        let [v_from, .., v_end] = dip.speeds;
-        let (w, time) = dip.shift.best?;
-        let near = dip.shift.between[0];
+    fn try_shift(&mut self, pass: &mut Trial, valley: &mut Valley, early: bool) -> Option<()> {
+        let [_, b, ..] = valley.edges;
+        let [v_from, .., v_end] = valley.speeds;
+        let (w, time) = valley.shift.best?;
+        let near = valley.shift.between[0];
         if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
             return None;
         }
-        dip.cut.cuts = if early { [-near, near] } else { [near, -near] };
+        valley.cut.cuts = if early { [-near, near] } else { [near, -near] };
         let speed = speed_f32(w.to_bits()) * ROUNDED;
-        dip.cut.v = [speed; 2];
+        valley.cut.v = [speed; 2];
         let w = Speed::from_bits(speed_bits(speed));
-        let mut other = dip.spans[if early { 0 } else { 2 }];
+        let mut other = valley.spans[if early { 0 } else { 2 }];
         other.shorten(near);
-        other.limits.ease(dip.eases[usize::from(!early)]);
+        other.limits.ease(valley.eases[usize::from(!early)]);
         let [from, to] = if early { [v_from, w] } else { [w, v_end] };
         if !other.joins(from, to) {
             return None;
         }
         let other = Law::new(&other, from, to, true).time();
-        dip.times = if early { [other, time, 0.0] } else { [time, other, 0.0] };
-        if dip.time() >= dip.before * WORTH {
+        valley.times = if early { [other, time, 0.0] } else { [time, other, 0.0] };
+        if valley.time() >= valley.before * WORTH {
             return None;
         }
-        pass.step = ease::Step::Dip(Step::Fit(1));
+        pass.step = ease::Step::Valley(Step::Fit(1));
         Some(())
     }
 
-    pub(super) fn do_shift(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let plan = *dip;
+    pub(super) fn do_shift(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        let plan = *valley;
         pass.forget();
         let [a, b, _, _] = plan.edges;
         let mut was = plan.shift.was;
@@ -195,6 +197,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             end.v_in = end.v_reached;
         }
         (pass.from, pass.at) = (a, at);
-        self.try_knee(pass, dip);
+        self.try_knee(pass, valley);
     }
 }

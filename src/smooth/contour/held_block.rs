@@ -1,5 +1,5 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
-use super::curve::{Main, aside, direction, foot, pace, plus, size};
+use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
 use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
@@ -9,7 +9,7 @@ use crate::quantity::Position;
 
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Held<const AXES: usize> {
+pub(super) struct HeldBlock<const AXES: usize> {
     pub block: ProgrammedBlock<AXES>,
     /// Path length as programmed, LSB 2^-44 mm.
     pub length: i64,
@@ -102,7 +102,7 @@ pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position;
     travel
 }
 
-impl<const AXES: usize> Held<AXES> {
+impl<const AXES: usize> HeldBlock<AXES> {
     /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);
@@ -112,7 +112,7 @@ impl<const AXES: usize> Held<AXES> {
 
     /// A length of path of a block in space, mm.
     fn in_space(element: &Element<AXES>, length: i64, measure: &Measure) -> f32 {
-        to_f32(length) * LSB_44 * pace(measure, &direction(&element.entry))
+        to_f32(length) * LSB_44 * space_per_path(measure, &direction(&element.entry))
     }
 
     /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end of this one. Where there is a

@@ -6,19 +6,19 @@
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, of all | highest jerk, of peak/time |
 //! |---|---|---|---|---|
-//! | [`Bend::Linear`] | 0, 1 | u | 1/3 | 1 |
-//! | [`Bend::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; counted as π/2, that of the sine |
+//! | [`RampShape::Linear`] | 0, 1 | u | 1/3 | 1 |
+//! | [`RampShape::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; counted as π/2, that of the sine |
 //!
-//! Between the nodes the acceleration of [`Bend::SineSquare`] is off from sin² by at most 0.95 % of its peak, and the mean
-//! speed by 0.26 % of the speed gained (1/2 − 2/π² is the sine's). Equal ramps at both ends of a change make up for that: it
-//! takes the time and the distance of the sine.
+//! Between the nodes the acceleration of [`RampShape::SineSquare`] is off from sin² by at most 0.95 % of its
+//! peak, and the mean speed by 0.26 % of the speed gained (1/2 − 2/π² is the sine's). Equal ramps at both
+//! ends of a change make up for that: it takes the time and the distance of the sine.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
 
 /// The shape of a ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Bend {
+pub enum RampShape {
     /// TRAPEZ, HSC: constant jerk.
     #[default]
     Linear,
@@ -26,7 +26,7 @@ pub enum Bend {
     SineSquare,
 }
 
-/// Pieces of [`Bend::SineSquare`]: 2^3.
+/// Pieces of [`RampShape::SineSquare`]: 2^3.
 const PIECES: usize = 8;
 const PIECES_LOG2: u32 = 3;
 
@@ -59,7 +59,8 @@ struct Piece {
 
 const BLANK: Piece = Piece { f: 0, gain: 0, speed: 0, distance: 0 };
 
-/// The pieces of [`Bend::SineSquare`]: exact integrals between the nodes, but for the last bits of a division.
+/// The pieces of [`RampShape::SineSquare`]: exact integrals between the nodes, but for the last bits of a
+/// division.
 const TABLE: [Piece; PIECES] = {
     let n = PIECES as i64;
     let mut table = [BLANK; PIECES];
@@ -88,7 +89,7 @@ pub struct Bent {
     pub jerk: i64,
 }
 
-impl Bend {
+impl RampShape {
     /// Speed gained on average during the ramp, as part of all it gains, LSB 2^-62.
     pub const fn mean(self) -> i64 {
         match self {
@@ -150,8 +151,8 @@ impl Bend {
     }
 }
 
-/// The piece of [`Bend::SineSquare`] at `u` (LSB 2^-62, 0…1): with time the one that begins there, with time reversed the one that
-/// ends there.
+/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0…1): with time the one that begins there, with
+/// time reversed the one that ends there.
 pub fn sine_piece(u: i64, reversed: bool) -> usize {
     let u = if reversed { u - 1 } else { u };
     ((u.max(0) >> (62 - PIECES_LOG2)) as usize).min(PIECES - 1)
@@ -163,7 +164,7 @@ pub fn sine_node(time: u64, node: usize) -> u64 {
     (time >> PIECES_LOG2) * node + (((time & (PIECES as u64 - 1)) * node) >> PIECES_LOG2)
 }
 
-/// [`Bend::SineSquare`] at `u` in its piece `k`, good to 2^-59.
+/// [`RampShape::SineSquare`] at `u` in its piece `k`, good to 2^-59.
 pub fn sine_square(u: i64, k: usize) -> Bent {
     // A product of numbers of 2^-62.
     let by = |x: i64, y: i64| mul_near(x, y) << 2;

@@ -22,10 +22,10 @@ use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
 /// Most curves that a tick passes.
-pub const MOST: u32 = 32;
+pub const MAX_CURVES_PER_TICK: u32 = 32;
 
 /// Curves that a tick looks at: the one it is on, the next one, and those that it halves five times.
-const WINDOW: usize = 2 + MOST as usize;
+const WINDOW: usize = 2 + MAX_CURVES_PER_TICK as usize;
 /// How it halves them.
 const HALVES: [usize; 5] = [16, 8, 4, 2, 1];
 /// Starts behind a curve that are looked at from there.
@@ -109,7 +109,7 @@ impl Start {
 }
 
 /// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
-pub struct Course<const AXES: usize, const BLOCKS: usize> {
+pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
     starts: Both<Start, BLOCKS, STARTS>,
     /// Curves the interrupt has left since the split.
@@ -117,7 +117,7 @@ pub struct Course<const AXES: usize, const BLOCKS: usize> {
 }
 
 /// Puts curves in. They are numbered from 0 since the split.
-pub struct Layer<'a, const AXES: usize> {
+pub struct CurveProducer<'a, const AXES: usize> {
     slots: &'a [Place<AXES>],
     starts: &'a [Start],
     taken: &'a AtomicU32,
@@ -137,15 +137,15 @@ pub struct Layer<'a, const AXES: usize> {
 }
 
 /// Follows them.
-pub struct Follower<'a, const AXES: usize> {
+pub struct CurveConsumer<'a, const AXES: usize> {
     taken: &'a AtomicU32,
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
-    start: Lap<'a, Start>,
-    slot: Lap<'a, Place<AXES>>,
+    start: RingCursor<'a, Start>,
+    slot: RingCursor<'a, Place<AXES>>,
 }
 
 /// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
-struct Lap<'a, T> {
+struct RingCursor<'a, T> {
     at: *const T,
     end: *const T,
     len: usize,
@@ -153,9 +153,9 @@ struct Lap<'a, T> {
 }
 
 // SAFETY: it is as good as the shared slice that it was made of.
-unsafe impl<T: Sync> Send for Lap<'_, T> {}
+unsafe impl<T: Sync> Send for RingCursor<'_, T> {}
 
-impl<'a, T> Lap<'a, T> {
+impl<'a, T> RingCursor<'a, T> {
     /// At the first element. The ring is so many elements at the front of the array, one at least.
     fn new(array: &'a [T], len: usize) -> Self {
         let at = array.as_ptr();
@@ -170,7 +170,7 @@ impl<'a, T> Lap<'a, T> {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
     /// No curve.
     pub const fn new() -> Self {
         Self {
@@ -187,14 +187,14 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
     }
 
     /// Both ends, emptied. There is one of each: they borrow it exclusively.
-    pub fn split(&mut self) -> (Layer<'_, AXES>, Follower<'_, AXES>) {
+    pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
         *self.taken.get_mut() = 0;
         let (slots, starts, taken) = (self.slots.as_slice(), self.starts.as_slice(), &self.taken);
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
-        let (start, slot) = (Lap::new(starts, places(starts)), Lap::new(slots, slots.len()));
-        let layer = Layer {
+        let (start, slot) = (RingCursor::new(starts, places(starts)), RingCursor::new(slots, slots.len()));
+        let layer = CurveProducer {
             slots,
             starts,
             taken,
@@ -206,11 +206,11 @@ impl<const AXES: usize, const BLOCKS: usize> Course<AXES, BLOCKS> {
             end: 0,
             long: false,
         };
-        (layer, Follower { taken, start, slot })
+        (layer, CurveConsumer { taken, start, slot })
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Default for Course<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize> Default for CurveRing<AXES, BLOCKS> {
     fn default() -> Self {
         Self::new()
     }
@@ -226,7 +226,7 @@ const fn places(starts: &[Start]) -> usize {
     starts.len().saturating_sub(BEHIND)
 }
 
-impl<const AXES: usize> Layer<'_, AXES> {
+impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// Curves that the look-ahead may have in the ring.
     pub const fn ahead(&self) -> usize {
         self.slots.len().saturating_sub(SEGMENTS)
@@ -454,9 +454,9 @@ fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
     (0..to.wrapping_sub(from)).map(move |k| from.wrapping_add(k))
 }
 
-impl<const AXES: usize> Follower<'_, AXES> {
+impl<const AXES: usize> CurveConsumer<'_, AXES> {
     /// The curve that a path distance not before the last one asked for is on, and the distance from its start; curves before it are
-    /// given back, at most [`MOST`]. `None` before the first one. Runs in the tick.
+    /// given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
         // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its first one.
@@ -476,8 +476,8 @@ impl<const AXES: usize> Follower<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach, the planner has put the curve
-        // in, and leaves it alone until it is given back.
+        // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach,
+        // the planner has put the curve in, and leaves it alone until it is given back.
         let segment = unsafe {
             assert_unchecked(!self.slot.at.is_null());
             &*(*self.slot.at).0.get()

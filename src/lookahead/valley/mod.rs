@@ -1,9 +1,10 @@
 //! NO_OPT=0: acceleration where a slow block begins and ends.
 //!
-//! An anchor at the end of a slow block makes acceleration zero where its limit is met. The optimum passes such a point with an
-//! acceleration: it goes on slowing down inside the slow block, and begins to speed up before its end. So the anchor moves
-//! into the slow block, and is as much slower: a *dip*. The piece between it and the end of the slow block belongs to the fast
-//! span. With jerk J and a depth of h below the limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
+//! An anchor at the end of a slow block makes acceleration zero where its limit is met. The optimum passes
+//! such a point with an acceleration: it goes on slowing down inside the slow block, and begins to speed up
+//! before its end. So the anchor moves into the slow block, and is as much slower: a *valley*. The piece
+//! between it and the end of the slow block belongs to the fast span. With jerk J and a depth of h below the
+//! limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
 //!
 //! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w t + J t³/6 at the
 //! soonest, and where s is given, v grows with w above v/2 and falls below: its highest values are those of w = V − h, which is
@@ -12,9 +13,10 @@
 //! blocks behind. The piece is *lent* to the fast span: its own limit does not count there. With another level the
 //! slow block gets all of it back ([`Ring::set_level`]).
 //!
-//! A dip costs time inside the slow block and gains some in front of it: with a fast block of speed F the best depth is about
-//! V (1 − V/F)/4. A slow block too short for two dips gets one from end to end. Two laws, or three, are compared with those of
-//! the plan as it is: what is no faster is left. Speeds at the other ends of both spans stay, what follows relies on them.
+//! A valley costs time inside the slow block and gains some in front of it: with a fast block of speed F the
+//! best depth is about V (1 − V/F)/4. A slow block too short for two valleys gets one from end to end. Two
+//! laws, or three, are compared with those of the plan as it is: what is no faster is left. Speeds at the
+//! other ends of both spans stay, what follows relies on them.
 //!
 //! Beside that, an anchor may move: [`mod@self::shift`].
 //!
@@ -33,15 +35,15 @@ use crate::quantity::{Speed, speed_bits};
 pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted.
 const WALK: usize = 32;
-/// Dips tried: a part of the best depth, and whether both sides get one depth.
+/// Valleys tried: a part of the best depth, and whether both sides get one depth.
 const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
 /// Two speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
-/// Deepest dip, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
+/// Deepest valley, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
 const DEEPEST: f32 = 0.125;
-/// Depth of the best dip below a speed that is small beside that of the fast block.
+/// Depth of the best valley below a speed that is small beside that of the fast block.
 const BEST: f32 = 1.0 / 3.9;
-/// A dip is so much shorter than its jerk permits.
+/// A valley is so much shorter than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
 /// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
@@ -103,10 +105,10 @@ impl Step {
 
 /// Up to three spans, of which the middle one is slow.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dip {
+pub(super) struct Valley {
     /// The span whose law is being fitted to its blocks: before (1), behind (2), between (3).
     fitting: u8,
-    /// Dips tried.
+    /// Valleys tried.
     tried: u8,
     /// Where the spans begin, and the last one ends.
     edges: [usize; 4],
@@ -129,11 +131,11 @@ struct Cut {
     cuts: [i64; 2],
     /// Speeds there.
     v: [f32; 2],
-    /// There is only one dip, from end to end.
+    /// There is only one valley, from end to end.
     meet: bool,
 }
 
-/// An anchor that moves, instead of a dip.
+/// An anchor that moves, instead of a valley.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     on: bool,
@@ -154,7 +156,7 @@ impl Shift {
     const NONE: Self = Self { on: false, was: 0, moved: 0, steps: 0, between: [0; 2], best: None };
 }
 
-impl Dip {
+impl Valley {
     pub const NONE: Self = Self {
         fitting: 0,
         tried: 0,
@@ -185,23 +187,23 @@ impl Dip {
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// One step.
-    pub(super) fn dip(&mut self, pass: &mut Trial, dip: &mut Dip, step: Step) {
+    pub(super) fn valley(&mut self, pass: &mut Trial, valley: &mut Valley, step: Step) {
         match step {
-            Step::Look => self.look(pass, dip),
-            Step::TakeIn => self.take_in(pass, dip),
-            Step::Measure => self.measure(pass, dip),
-            Step::Fit(which) => self.fit(pass, dip, which),
-            Step::Do if dip.shift.on => self.do_shift(pass, dip),
-            Step::Do => self.do_dip(pass, dip),
-            Step::Weigh if dip.shift.on => self.weigh_shift(pass, dip),
-            Step::Weigh => self.weigh_dip(pass, dip),
+            Step::Look => self.look(pass, valley),
+            Step::TakeIn => self.take_in(pass, valley),
+            Step::Measure => self.measure(pass, valley),
+            Step::Fit(which) => self.fit(pass, valley, which),
+            Step::Do if valley.shift.on => self.do_shift(pass, valley),
+            Step::Do => self.do_valley(pass, valley),
+            Step::Weigh if valley.shift.on => self.weigh_shift(pass, valley),
+            Step::Weigh => self.weigh_dip(pass, valley),
         }
     }
 
     /// The next anchor. `tried`: not this one again.
-    fn leave_anchor(&mut self, pass: &mut Trial, dip: &mut Dip, tried: bool) {
+    fn leave_anchor(&mut self, pass: &mut Trial, valley: &mut Valley, tried: bool) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
-        *dip = Dip::NONE;
+        *valley = Valley::NONE;
         if tried {
             return self.pass_anchor(pass);
         }
@@ -213,16 +215,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.get(k).map_or(0.0, |block| block.limits.v)
     }
 
-    fn look(&mut self, pass: &mut Trial, dip: &mut Dip) {
+    fn look(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let at = pass.at;
         let to = self.anchor_behind(at);
         if to > pass.last || at == 0 {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         }
         let (before, behind) = (self.limit(at - 1), self.limit(at));
         let v = min(before, behind);
         if self.final_speed(at) <= Speed::ZERO || self.blocks.get(at).is_none_or(|at| v > at.cap() * SAME) {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
@@ -231,13 +233,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {
                     block.cap() * SAME >= self.limit(to - 1)
-                        && block.limits.may_dip()
+                        && block.limits.may_have_valleys()
                         && block.joint.is_open()
                 });
             if leaves {
                 let behind = self.anchor_behind(to);
                 if behind > pass.last {
-                    return self.leave_anchor(pass, dip, false);
+                    return self.leave_anchor(pass, valley, false);
                 }
                 if self.is_planned(to) {
                     edges[3] = behind;
@@ -246,32 +248,32 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         } else if behind > v * RISE {
             edges = [pass.from, pass.from, at, to];
         } else {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         }
         let [a, b, c, d] = edges;
         let checked =
             [(a, b), (b, c), (c, d)].into_iter().all(|(from, to)| from == to || self.is_planned(from));
         let last = self.scope.open && d == self.blocks.len();
         if !checked || last || self.blocks.len() + 2 > self.blocks.capacity() {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         }
-        *dip = Dip { edges, ..Dip::NONE };
+        *valley = Valley { edges, ..Valley::NONE };
         pass.cursor.next = a;
-        pass.step = ease::Step::Dip(Step::TakeIn);
+        pass.step = ease::Step::Valley(Step::TakeIn);
     }
 
-    fn take_in(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let [_, b, c, d] = dip.edges;
+    fn take_in(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        let [_, b, c, d] = valley.edges;
         for _ in 0..WALK {
             if pass.cursor.next >= d {
-                let known = dip.shift.moved > 0;
-                pass.step = ease::Step::Dip(if known { Step::Weigh } else { Step::Measure });
+                let known = valley.shift.moved > 0;
+                pass.step = ease::Step::Valley(if known { Step::Weigh } else { Step::Measure });
                 return;
             }
             let Some(block) = self.blocks.get(pass.cursor.next) else {
-                return self.leave_anchor(pass, dip, true);
+                return self.leave_anchor(pass, valley, true);
             };
-            let [first, middle, last] = &mut dip.spans;
+            let [first, middle, last] = &mut valley.spans;
             let span = if pass.cursor.next < b {
                 first
             } else if pass.cursor.next < c {
@@ -284,41 +286,41 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    fn measure(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        dip.speeds = dip.edges.map(|k| self.final_speed(k));
-        let [a, b, c, d] = dip.edges;
-        let [v0, v1, v2, v3] = dip.speeds;
-        let [first, middle, last] = dip.spans;
+    fn measure(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        valley.speeds = valley.edges.map(|k| self.final_speed(k));
+        let [a, b, c, d] = valley.edges;
+        let [v0, v1, v2, v3] = valley.speeds;
+        let [first, middle, last] = valley.spans;
         let spans = [(a, b, first, v0, v1), (b, c, middle, v1, v2), (c, d, last, v2, v3)];
         for (k, (from, to, span, v_in, v_out)) in spans.into_iter().enumerate() {
             if from == to {
                 continue;
             }
             let (peak, time) = self.law_of(pass, from, span, [v_in, v_out]);
-            dip.before += time;
+            valley.before += time;
             match k {
-                0 => dip.peaks[0] = peak,
-                2 => dip.peaks[1] = peak,
+                0 => valley.peaks[0] = peak,
+                2 => valley.peaks[1] = peak,
                 _ => {}
             }
         }
-        pass.step = ease::Step::Dip(Step::Weigh);
+        pass.step = ease::Step::Valley(Step::Weigh);
     }
 
     /// Tries the next depth.
-    fn weigh_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let [a, b, c, d] = dip.edges;
+    fn weigh_dip(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        let [a, b, c, d] = valley.edges;
         let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         };
         let (first, last) = (*first, *last);
         let lengths = [&first, &last].map(length_mm);
         let [j_in, j_out] = [first.limits.jerk(3), last.limits.jerk(0)];
         let [v_in, v_out] = [first.limits.v, last.limits.v];
-        if let Some(&(part, common)) = DEPTHS.get(usize::from(dip.tried)) {
-            dip.tried += 1;
-            pass.step = ease::Step::Dip(Step::Weigh);
-            let peaks = dip.peaks;
+        if let Some(&(part, common)) = DEPTHS.get(usize::from(valley.tried)) {
+            valley.tried += 1;
+            pass.step = ease::Step::Valley(Step::Weigh);
+            let peaks = valley.peaks;
             let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
             let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
@@ -356,60 +358,60 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 }
             }
             // What is no gain leaves the next depth to be tried.
-            let _ = self.try_dip(pass, dip, [enter, leave], meet);
+            let _ = self.try_dip(pass, valley, [enter, leave], meet);
             return;
         }
-        self.leave_anchor(pass, dip, true);
+        self.leave_anchor(pass, valley, true);
     }
 
     /// `None`: no gain.
     fn try_dip(
         &mut self,
         pass: &mut Trial,
-        dip: &mut Dip,
+        valley: &mut Valley,
         [enter, leave]: [Side; 2],
         meet: bool,
     ) -> Option<()> {
-        let [a, b, c, d] = dip.edges;
+        let [a, b, c, d] = valley.edges;
         let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
-        let mut slow = dip.spans[1];
-        dip.cut.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
+        let mut slow = valley.spans[1];
+        valley.cut.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
         if meet {
-            dip.cut.cuts[0] = slow.length / 2;
-            dip.cut.cuts[1] = slow.length - dip.cut.cuts[0];
+            valley.cut.cuts[0] = slow.length / 2;
+            valley.cut.cuts[1] = slow.length - valley.cut.cuts[0];
         }
-        let [mut v_in, mut v_out] = [dip.speeds[1], dip.speeds[2]];
-        dip.cut.meet = meet;
-        dip.cut.v = [enter.v, leave.v];
-        dip.times = [0.0; 3];
-        dip.eases = [self.ease(a), self.ease(c), self.ease(b)];
+        let [mut v_in, mut v_out] = [valley.speeds[1], valley.speeds[2]];
+        valley.cut.meet = meet;
+        valley.cut.v = [enter.v, leave.v];
+        valley.times = [0.0; 3];
+        valley.eases = [self.ease(a), self.ease(c), self.ease(b)];
         if a < b {
-            if dip.cut.cuts[0] <= 0 {
+            if valley.cut.cuts[0] <= 0 {
                 return None;
             }
             v_in = Speed::from_bits(speed_bits(enter.v));
-            let mut fast = dip.spans[0];
-            fast.add_piece(&first.limits, dip.cut.cuts[0]);
-            fast.limits.ease(dip.eases[0]);
-            if !fast.joins(dip.speeds[0], v_in) {
+            let mut fast = valley.spans[0];
+            fast.add_piece(&first.limits, valley.cut.cuts[0]);
+            fast.limits.ease(valley.eases[0]);
+            if !fast.joins(valley.speeds[0], v_in) {
                 return None;
             }
-            dip.times[0] = Law::new(&fast, dip.speeds[0], v_in, true).time();
-            slow.shorten(dip.cut.cuts[0]);
+            valley.times[0] = Law::new(&fast, valley.speeds[0], v_in, true).time();
+            slow.shorten(valley.cut.cuts[0]);
         }
         if c < d {
-            if dip.cut.cuts[1] <= 0 {
+            if valley.cut.cuts[1] <= 0 {
                 return None;
             }
             v_out = Speed::from_bits(speed_bits(leave.v));
-            let mut fast = dip.spans[2];
-            fast.add_piece(&last.limits, dip.cut.cuts[1]);
-            fast.limits.ease(dip.eases[1]);
-            if !fast.joins(v_out, dip.speeds[3]) {
+            let mut fast = valley.spans[2];
+            fast.add_piece(&last.limits, valley.cut.cuts[1]);
+            fast.limits.ease(valley.eases[1]);
+            if !fast.joins(v_out, valley.speeds[3]) {
                 return None;
             }
-            dip.times[1] = Law::new(&fast, v_out, dip.speeds[3], true).time();
-            slow.shorten(dip.cut.cuts[1]);
+            valley.times[1] = Law::new(&fast, v_out, valley.speeds[3], true).time();
+            slow.shorten(valley.cut.cuts[1]);
         }
         if !meet {
             if slow.length <= 0 {
@@ -419,45 +421,45 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if !slow.joins(v_in, v_out) {
                 return None;
             }
-            dip.times[2] = Law::new(&slow, v_in, v_out, true).time();
+            valley.times[2] = Law::new(&slow, v_in, v_out, true).time();
         }
-        if dip.time() >= dip.before * GAIN {
+        if valley.time() >= valley.before * GAIN {
             return None;
         }
-        pass.step = ease::Step::Dip(Step::Fit(1));
+        pass.step = ease::Step::Valley(Step::Fit(1));
         Some(())
     }
 
     /// Fits the law of one of the outer spans to its blocks.
-    fn fit(&mut self, pass: &mut Trial, dip: &mut Dip, which: u8) {
-        let [a, b, c, d] = dip.edges;
-        (dip.fitting, pass.fit.fitting) = (which, true);
+    fn fit(&mut self, pass: &mut Trial, valley: &mut Valley, which: u8) {
+        let [a, b, c, d] = valley.edges;
+        (valley.fitting, pass.fit.fitting) = (which, true);
         let (from, to, cut, mut span, ease) = match which {
-            1 => (a, b, dip.cut.cuts[0], dip.spans[0], dip.eases[0]),
-            2 => (c, d, dip.cut.cuts[1], dip.spans[2], dip.eases[1]),
-            _ => (b, c, 0, dip.spans[1], dip.eases[2]),
+            1 => (a, b, valley.cut.cuts[0], valley.spans[0], valley.eases[0]),
+            2 => (c, d, valley.cut.cuts[1], valley.spans[2], valley.eases[1]),
+            _ => (b, c, 0, valley.spans[1], valley.eases[2]),
         };
-        if to <= from + 1 && (cut <= 0 || !dip.shift.on) {
-            pass.step = ease::Step::Dip(Step::behind(which));
+        if to <= from + 1 && (cut <= 0 || !valley.shift.on) {
+            pass.step = ease::Step::Valley(Step::behind(which));
             return;
         }
         let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
-            return self.leave_anchor(pass, dip, true);
+            return self.leave_anchor(pass, valley, true);
         };
-        let [enter, leave] = dip.cut.v.map(|v| Speed::from_bits(speed_bits(v)));
+        let [enter, leave] = valley.cut.v.map(|v| Speed::from_bits(speed_bits(v)));
         let [v_in, v_out] = match which {
-            1 => [dip.speeds[0], enter],
-            2 => [leave, dip.speeds[3]],
+            1 => [valley.speeds[0], enter],
+            2 => [leave, valley.speeds[3]],
             _ => [
-                if dip.enters() { enter } else { dip.speeds[1] },
-                if dip.leaves() { leave } else { dip.speeds[2] },
+                if valley.enters() { enter } else { valley.speeds[1] },
+                if valley.leaves() { leave } else { valley.speeds[2] },
             ],
         };
         pass.speeds = [v_in, v_out, v_out];
         // The piece of an anchor that moves is compared too.
         let (mut from, mut to) = (from, to);
         let mut before = 0;
-        if dip.shift.on && cut > 0 {
+        if valley.shift.on && cut > 0 {
             if which == 1 {
                 to += 1;
             } else {
@@ -469,8 +471,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             1 => 0,
             2 => cut - before,
             _ => {
-                let [near, far] = [(dip.enters(), dip.cut.cuts[0]), (dip.leaves(), dip.cut.cuts[1])]
-                    .map(|(is, cut)| if is { cut } else { 0 });
+                let [near, far] =
+                    [(valley.enters(), valley.cut.cuts[0]), (valley.leaves(), valley.cut.cuts[1])]
+                        .map(|(is, cut)| if is { cut } else { 0 });
                 span.shorten(near + far);
                 -near
             }
@@ -483,27 +486,27 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.spans[0] = span;
         pass.ease = ease;
         // What is left for it.
-        if let Some(time) = dip.times.get_mut(usize::from(which) - 1) {
+        if let Some(time) = valley.times.get_mut(usize::from(which) - 1) {
             *time = 0.0;
         }
-        pass.time = dip.before * GAIN - dip.time();
+        pass.time = valley.before * GAIN - valley.time();
         (pass.from, pass.to) = (from, to);
         pass.search.rounds = ease::ROUNDS;
         self.try_law(pass);
     }
 
     /// The law keeps the limits of the blocks.
-    pub(super) fn fitted(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        if let Some(time) = dip.times.get_mut(usize::from(dip.fitting) - 1) {
+    pub(super) fn fitted(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        if let Some(time) = valley.times.get_mut(usize::from(valley.fitting) - 1) {
             *time = pass.law.time();
         }
-        let [first, behind, middle] = &mut dip.eases;
-        *match dip.fitting {
+        let [first, behind, middle] = &mut valley.eases;
+        *match valley.fitting {
             1 => first,
             2 => behind,
             _ => middle,
         } = pass.ease;
-        pass.step = ease::Step::Dip(Step::behind(dip.fitting));
+        pass.step = ease::Step::Valley(Step::behind(valley.fitting));
     }
 
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
@@ -553,13 +556,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    fn do_dip(&mut self, pass: &mut Trial, dip: &mut Dip) {
-        let plan = *dip;
+    fn do_valley(&mut self, pass: &mut Trial, valley: &mut Valley) {
+        let plan = *valley;
         let [a, b, mut c, d] = plan.edges;
         let mut at = b;
         let mut cuts = 0;
         pass.forget();
-        pass.step = ease::Step::Dip(Step::Do);
+        pass.step = ease::Step::Valley(Step::Do);
         if plan.enters() {
             self.cut(b, plan.cut.cuts[0]);
             cuts += 1;
@@ -578,7 +581,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
                 // The other end in the next call.
-                dip.edges = [at, at, c, d + 1];
+                valley.edges = [at, at, c, d + 1];
                 pass.last += 1;
                 return;
             }
@@ -609,7 +612,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.last += cuts;
         (pass.from, pass.cursor.next) = (at, at + 1);
         (pass.fit.fitting, pass.fit.head) = (false, 0);
-        *dip = Dip::NONE;
+        *valley = Valley::NONE;
         pass.step = ease::Step::Seek;
     }
 

@@ -1,5 +1,5 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::{Pace, Release};
+use crate::lookahead::{Pace, ReleasedSpan};
 use crate::math::float::{min, to_f32};
 use crate::quantity::{Distance, Speed};
 use crate::queue::SEGMENTS;
@@ -7,8 +7,8 @@ use crate::slope::brake::SHORT;
 
 /// Such a span.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight {
-    pub span: Release,
+pub(super) struct CommittedSpan {
+    pub span: ReleasedSpan,
     /// Path distance of its start, or of where it goes on after a standstill.
     pub start: Distance,
     /// Its first tick, and the time from its start to it.
@@ -25,7 +25,7 @@ pub(super) struct Flight {
     released: (Distance, Speed, bool),
 }
 
-impl Flight {
+impl CommittedSpan {
     /// It is released, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
@@ -69,7 +69,7 @@ impl Flight {
     fn enter_released(&self) -> Speed {
         let (start, v_in, _) = self.released;
         let length = Distance::from_bits(self.end().wrapping_sub(start.to_bits()));
-        Release { length, v_in, ..self.span }.enter()
+        ReleasedSpan { length, v_in, ..self.span }.enter()
     }
 
     /// Path distance of its end.
@@ -82,18 +82,18 @@ impl Flight {
 const SLOTS: usize = SEGMENTS;
 
 /// All of them, in a ring: written in place.
-pub(super) struct Flights {
-    slots: [Flight; SLOTS],
+pub(super) struct CommittedSpans {
+    slots: [CommittedSpan; SLOTS],
     front: usize,
     len: usize,
 }
 
-impl Flights {
+impl CommittedSpans {
     /// None; all bits zero.
     pub const fn new() -> Self {
         const { assert!(SLOTS.is_power_of_two()) };
-        let blank = Flight {
-            span: Release::BLANK,
+        let blank = CommittedSpan {
+            span: ReleasedSpan::BLANK,
             start: Distance::ZERO,
             first: 0,
             next: 0,
@@ -123,19 +123,19 @@ impl Flights {
 
     /// The one `k` behind the front.
     #[inline(always)]
-    pub fn get(&self, k: usize) -> Option<&Flight> {
+    pub fn get(&self, k: usize) -> Option<&CommittedSpan> {
         if k < self.len { self.slots.get((self.front + k) % SLOTS) } else { None }
     }
 
     /// The one `k` behind the front, to change it.
     #[inline(always)]
-    pub fn get_mut(&mut self, k: usize) -> Option<&mut Flight> {
+    pub fn get_mut(&mut self, k: usize) -> Option<&mut CommittedSpan> {
         if k < self.len { self.slots.get_mut((self.front + k) % SLOTS) } else { None }
     }
 
     /// The slot behind the last one, for the next one; it counts after [`Self::push`].
     #[inline(always)]
-    pub fn spare(&mut self) -> Option<&mut Flight> {
+    pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
         if self.len == SLOTS { None } else { self.slots.get_mut((self.front + self.len) % SLOTS) }
     }
 
@@ -155,27 +155,27 @@ impl Flights {
     }
 
     /// Those from the one `k` behind the front on.
-    pub fn from(&mut self, k: usize) -> impl Iterator<Item = &mut Flight> {
+    pub fn from(&mut self, k: usize) -> impl Iterator<Item = &mut CommittedSpan> {
         let (front, len) = (self.front, self.len);
         let slots = self.slots.iter_mut().enumerate();
         slots
             .filter(move |(slot, _)| (k..len).contains(&(slot.wrapping_sub(front) % SLOTS)))
-            .map(|(_, flight)| flight)
+            .map(|(_, committed)| committed)
     }
 
     /// The first `count` are to end at no more than `v_out`, and to be no faster before than that permits.
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
-            let Some(flight) = self.get_mut(k) else { return };
-            flight.span.v_out = flight.span.v_out.min(v_out);
-            let v_in = flight.span.enter();
-            let begins = flight.enter_released();
-            if v_in >= flight.span.v_in && begins >= flight.released.1 {
+            let Some(committed) = self.get_mut(k) else { return };
+            committed.span.v_out = committed.span.v_out.min(v_out);
+            let v_in = committed.span.enter();
+            let begins = committed.enter_released();
+            if v_in >= committed.span.v_in && begins >= committed.released.1 {
                 return;
             }
-            flight.span.v_in = flight.span.v_in.min(v_in);
-            flight.released.1 = begins;
-            v_out = flight.released.1;
+            committed.span.v_in = committed.span.v_in.min(v_in);
+            committed.released.1 = begins;
+            v_out = committed.released.1;
         }
     }
 

@@ -5,12 +5,13 @@ use crate::slope::limits::ROUNDED;
 
 /// How the speed of a block follows the override, in two numbers of 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Headroom {
-    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the feed, up to twice as
-    /// much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 − n/2^15. Both rounded towards the slower.
+pub struct OverrideRange {
+    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the
+    /// feed, up to twice as much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 −
+    /// n/2^15. Both rounded towards the slower.
     over: u16,
-    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so that the lowest reduced
-    /// speed (1 µm/s) is not 0 beside the highest speed.
+    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so
+    /// that the lowest reduced speed (1 µm/s) is not 0 beside the highest speed.
     reduced: u16,
 }
 
@@ -18,27 +19,28 @@ const ONE: f32 = 32_768.0;
 const EVEN: u16 = 1 << 15;
 const WHOLE: u16 = u16::MAX;
 
-impl Headroom {
+impl OverrideRange {
     /// Machine and feed permit the same.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
     /// Of no block; all bits zero.
     pub(crate) const BLANK: Self = Self { over: 0, reduced: 0 };
 
-    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is reduced.
+    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is
+    /// reduced.
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
-        let mut headroom = Self::NONE;
+        let mut override_range = Self::NONE;
         if v_max > feed {
-            headroom.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u32 as u16;
+            override_range.over = EVEN - (min(v_max / feed - 1.0, 1.0) * ONE) as u32 as u16;
         } else if v_max < feed {
-            headroom.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
+            override_range.over = EVEN + min((1.0 - v_max / feed) * ONE, ONE - 1.0) as u16;
         }
         let v = min(v_max, feed);
         if v_reduced < v {
             let root = (sqrt_f32(v_reduced / v) * (2.0 * ONE * ROUNDED)) as u16;
-            headroom.reduced = root.clamp(1, WHOLE - 1);
+            override_range.reduced = root.clamp(1, WHOLE - 1);
         }
-        headroom
+        override_range
     }
 
     /// Whether a reduced speed makes it slower.
@@ -69,7 +71,8 @@ impl Headroom {
         v / self.raised(level) * self.parts()[0]
     }
 
-    /// How a block follows the override that was planned with `v` for a level, where the machine permits no more than `most`.
+    /// How a block follows the override that was planned with `v` for a level, where the machine permits no
+    /// more than `most`.
     pub(crate) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);

@@ -6,7 +6,7 @@
 //! handed on while it is being read, and two pieces are a whole ring ([`crate::lookahead::Lookahead::is_full`]).
 use super::intake::Pass;
 use super::{Planning, to_f32};
-use crate::dynamics::{Headroom, Permitted, Share};
+use crate::dynamics::{OverrideRange, Permitted, Share};
 use crate::lookahead::SLOWEST;
 use crate::math::float::max;
 use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
@@ -14,7 +14,7 @@ use crate::quantity::Position;
 use crate::slope::limits::Limits;
 
 /// Such a block, or none. Written and read in its place: it is large.
-pub(super) struct Held<const AXES: usize> {
+pub(super) struct HeldLine<const AXES: usize> {
     /// There is one.
     is_held: bool,
     /// It stands for several, and is long enough.
@@ -24,13 +24,13 @@ pub(super) struct Held<const AXES: usize> {
     pass: Pass,
 }
 
-impl<const AXES: usize> Held<AXES> {
+impl<const AXES: usize> HeldLine<AXES> {
     pub const fn none() -> Self {
         Self {
             is_held: false,
             long: false,
             curve: Curve::Line(Stretch::BLANK),
-            limits: (Limits::WIDEST, Share::WHOLE, Headroom::NONE),
+            limits: (Limits::WIDEST, Share::WHOLE, OverrideRange::NONE),
             pass: Pass { feed: None, n: 0, number: 0, stop: false },
         }
     }
@@ -84,7 +84,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.let_go();
         if self.lookahead.ring.is_full() {
             *self.intake.held =
-                Held { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
+                HeldLine { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
             self.entrance().0.push(element, limits, &pass, pass.number, Some(target));
         }
@@ -138,7 +138,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn pass_on(&mut self) {
         let (mut entrance, held) = self.entrance();
-        let Held { curve, limits, pass, long, .. } = held;
+        let HeldLine { curve, limits, pass, long, .. } = held;
         match curve {
             Curve::Line(stretch) => {
                 let (shape, ends) = &stretch.line().parts();
