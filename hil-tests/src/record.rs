@@ -123,17 +123,16 @@ pub fn record_sessions<const AXES: usize, const BLOCKS: usize>(
     let counter = Counter::start();
     let _ = writeln!(report, "unit {UNIT}");
     let mut good = true;
+    let mut stacks = Stacks::default();
     for (name, window) in [("session", None), ("session_line", Some(line))] {
         let _ = writeln!(report, "case {name} axes {AXES} blocks {BLOCKS}");
         let (tick, plan, wait) = Default::default();
-        let mut recorder = Recorder { counter: &counter, report: &mut report, tick, plan, wait };
+        let (report, stacks) = (&mut report, &mut stacks);
+        let mut recorder = Recorder { counter: &counter, report, stacks, tick, plan, wait };
         let result = session(channel, machine, window, &mut recorder);
         let Recorder { tick, plan, wait, .. } = recorder;
-        report_costs(
-            &mut report,
-            [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())],
-        );
-        report_end(&mut report, &result);
+        report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())]);
+        report_end(report, &result);
         good &= result.is_ok();
     }
     report.flush();
