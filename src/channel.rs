@@ -1,109 +1,26 @@
 //! Planner, interpolator and operator: wiring only, all that an application holds.
 //!
 //! The front page of the crate shows how they are used.
+mod check;
+mod error;
 mod memory;
 mod rest;
 
+pub use error::{Error, MachineError};
 pub use memory::{Channel, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
 
-use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
-use crate::machine::{AxisKind, AxisName, Beyond, MachineData, SYNCHRONISED, Synch};
+use crate::machine::Synch;
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
     Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, Motion, NcError, NcWarning, NcWarningKind,
     Place, Spline, Step, Text,
 };
-use crate::path::measure::FEED_AXES;
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
-use crate::quantity::Position;
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
-
-/// Machine data that cannot be worked with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MachineError {
-    /// A parameter of the axis with this index is out of range.
-    Axis(usize, RangeError),
-    /// A parameter of the channel is out of range.
-    Channel(RangeError),
-    /// Two axes have this name.
-    Name(AxisName),
-    /// The name begins like another address of the language.
-    Reserved(AxisName),
-    /// This parameter gives the function with this number a synchronisation that this version does not have.
-    Synch(&'static str, u16, Synch),
-    /// This parameter names too many functions.
-    TooManySynch(&'static str),
-}
-
-impl core::fmt::Display for MachineError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Axis(_, e) | Self::Channel(e) => write!(
-                f,
-                "{} ({}) = {} is outside {}…{}, bound by {}",
-                e.name, e.id, e.value, e.min, e.max, e.because
-            ),
-            Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
-            Self::Reserved(name) => write!(
-                f,
-                "axis {}: {} is an address of the language; expected a name that begins with A, B, C, O, Q, U, V, W, X, Y or Z",
-                name.as_str(),
-                char::from(name.0[0])
-            ),
-            Self::Synch(name, code, synch) => {
-                write!(f, "{name}[{code}] = {} is known, not available in this version", synch.name())
-            }
-            Self::TooManySynch(name) => write!(f, "{name}: more than {SYNCHRONISED} functions"),
-        }
-    }
-}
-
-impl core::error::Error for MachineError {}
-
-fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) -> Result<(), MachineError> {
-    let channel = &machine.channel;
-    check_all(channel, CHANNEL).map_err(MachineError::Channel)?;
-    if channel.look_ahead as usize > BLOCKS {
-        return Err(MachineError::Channel(RangeError {
-            id: "P-STUP-00071",
-            name: "look_ahead",
-            value: channel.look_ahead.into(),
-            min: 10,
-            max: BLOCKS as i64,
-            because: "the memory compiled in",
-        }));
-    }
-    for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
-        if table.overflows() {
-            return Err(MachineError::TooManySynch(name));
-        }
-        if let Some((code, synch)) = table.entries().find(|entry| !entry.1.is_available()) {
-            return Err(MachineError::Synch(name, *code, *synch));
-        }
-    }
-    for (k, axis) in machine.axes.iter().enumerate() {
-        if axis.kind != AxisKind::Spindle {
-            if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
-                return Err(MachineError::Reserved(axis.name));
-            }
-            check_axis(axis).map_err(|e| MachineError::Axis(k, e))?;
-        }
-        if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
-            let (id, name, because) =
-                ("P-CHAN-00011", "default_feed_axis", "the axes of a path: 32, no spindle");
-            return Err(MachineError::Axis(k, RangeError { id, name, value: 1, min: 0, max: 0, because }));
-        }
-        if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
-            return Err(MachineError::Name(axis.name));
-        }
-    }
-    Ok(())
-}
 
 /// What one call of [`Planner::poll`] achieved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +28,8 @@ fn check<const AXES: usize, const BLOCKS: usize>(machine: &MachineData<AXES>) ->
 pub enum Progress {
     /// A bounded piece of work is done and there is more: call again.
     Working,
-    /// The queue is full, the program text has nothing yet, or the motion stands still for a feed hold or an acknowledgement: call
-    /// again after some ticks.
+    /// The queue is full, the program text has nothing yet, or the motion stands still for a feed hold or an
+    /// acknowledgement: call again after some ticks.
     Waiting,
     /// A motion block was planned for good: [`Planner::planned`].
     Planned,
@@ -120,98 +37,16 @@ pub enum Progress {
     Replanned,
     /// The program holds something doubtful; it goes on.
     Warning(NcWarning),
-    /// The program text comes late: the motion comes to a standstill at the end of what there is, and goes on when there is more.
-    /// Said once for each standstill.
+    /// The program text comes late: the motion comes to a standstill at the end of what there is, and goes on
+    /// when there is more. Said once for each standstill.
     Starved,
-    /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said once for each standstill.
+    /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said
+    /// once for each standstill.
     Late,
-    /// The program has ended and everything is handed to the interpolator. Commands of the operator still act on that: go on
-    /// calling as long as it moves.
+    /// The program has ended and everything is handed to the interpolator. Commands of the operator still act
+    /// on that: go on calling as long as it moves.
     Done,
 }
-
-/// Why a program was refused.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Error {
-    /// The text is not a program.
-    Nc(NcError),
-    /// A command that the language knows and this version does not do: its place and name.
-    NotAvailable(Place, &'static str),
-    /// A function that the machine data do not enable: its place, and what it needs.
-    NotEnabled(Place, &'static str),
-    /// A motion block without path or speed.
-    Motion(Place, MotionError),
-    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its
-    /// software limit.
-    SoftwareLimit(Place, AxisName, Beyond),
-    /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
-    PathAcceleration(Place),
-    /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
-    ReducedTooSlow,
-    /// The plan of a block failed its verification: a defect of the planner.
-    Unplannable,
-}
-
-impl Error {
-    /// The word it is about.
-    pub fn place(&self) -> Place {
-        match self {
-            Self::Nc(e) => e.place,
-            Self::NotAvailable(place, _)
-            | Self::NotEnabled(place, _)
-            | Self::Motion(place, _)
-            | Self::SoftwareLimit(place, ..)
-            | Self::PathAcceleration(place) => *place,
-            Self::ReducedTooSlow | Self::Unplannable => Place::default(),
-        }
-    }
-}
-
-impl core::fmt::Display for Error {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Nc(e) => e.fmt(f),
-            Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
-            Self::NotEnabled(_, needs) => f.write_str(needs),
-            Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
-            Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
-            Self::Motion(_, MotionError::Released) => {
-                f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
-            }
-            Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
-            Self::SoftwareLimit(_, axis, beyond) => {
-                f.write_str("axis ")?;
-                software_limit(f, axis.as_str(), beyond)
-            }
-            Self::Motion(_, MotionError::TooSlow) => f.write_str(
-                "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
-            ),
-            Self::PathAcceleration(_) => f.write_str(
-                "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
-            ),
-            Self::ReducedTooSlow => f.write_str(
-                "at the reduced speed a block takes more than 134 217 728 ticks; raise vb_max_red (P-AXIS-00214) or the override",
-            ),
-            Self::Unplannable => {
-                f.write_str("internal: the plan of a block broke a limit and is not executed")
-            }
-        }
-    }
-}
-
-/// Where an axis would come to, and its limit.
-fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
-    let at = Position::from_bits;
-    let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
-    let (position, limit) = (at(beyond.position), at(beyond.limit));
-    write!(
-        f,
-        "{axis} would come to {position:.6}, its {sign} software limit is {limit:.6} (P-AXIS-00{id}, machine coordinates)"
-    )
-}
-
-impl core::error::Error for Error {}
 
 /// Where the program stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -236,7 +71,8 @@ impl Held {
     }
 }
 
-/// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it lies in the [`Channel`].
+/// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it
+/// lies in the [`Channel`].
 ///
 /// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand
 /// and everything that was read is executed: before the first program, at the end of one, behind a refused
@@ -275,7 +111,8 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
-    /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or [`Progress::Planned`].
+    /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or
+    /// [`Progress::Planned`].
     ///
     /// # Errors
     /// A line is refused; what was planned before stays valid and comes to a standstill. Further calls go on
@@ -341,13 +178,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.is_waiting()
     }
 
-    /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`], before the next call
-    /// of [`Self::poll`].
+    /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`],
+    /// before the next call of [`Self::poll`].
     pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }
 
-    /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the line is short.
+    /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the
+    /// line is short.
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
             let step = self.decoder.step();

@@ -1,5 +1,5 @@
-//! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an operator,
-//! acknowledgements of functions.
+//! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an
+//! operator, acknowledgements of functions.
 //!
 //! The words behind [`crate::operator::Operator`], which gives the commands. Each word has one writer, the
 //! operator or the planner: commands can be given at any time, without a lock, without waiting and without

@@ -1,14 +1,15 @@
 //! Set points of one tick: time to path distance to axis positions.
 //!
-//! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the elements
-//! the path distance has left, and evaluates the one it is on. Integers only; no division, square root or search.
+//! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the
+//! elements the path distance has left, and evaluates the one it is on. Integers only; no division, square
+//! root or search.
 //!
 //! Which piece of time comes next, also where the planner has asked for a change or has come late:
 //! [`crate::queue::Timeline`]. At its end the tick marks the actions that are due and shows its result to the
 //! operator ([`crate::operator::Operator`]).
 //!
-//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in the ring,
-//! at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
+//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in
+//! the ring, at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{MAX_CURVES_PER_TICK, Receiver};
 
@@ -50,8 +51,8 @@ pub struct Interpolator<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it goes with a
-    /// [`crate::plan::Planning`] that takes motions from another source than an NC program.
+    /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it
+    /// goes with a [`crate::plan::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         queue.show(&start);
         Self { queue, set_points: start }

@@ -43,8 +43,8 @@ impl Counter {
     }
 }
 
-// QEMU clocks TIM2 at 1 GHz whatever RCC says, and with `-icount shift=0` one instruction takes 1 ns of virtual time:
-// one count is one instruction. No write to CNT, PSC or EGR.UG, which QEMU's model gets wrong.
+// QEMU clocks TIM2 at 1 GHz whatever RCC says, and with `-icount shift=0` one instruction takes 1 ns of
+// virtual time: one count is one instruction. No write to CNT, PSC or EGR.UG, which QEMU's model gets wrong.
 #[cfg(not(feature = "hardware"))]
 mod tim2 {
     const TIM2: usize = 0x4000_0000;

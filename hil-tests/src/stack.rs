@@ -4,7 +4,8 @@ use cortex_m::register::msp;
 use cortex_m_rt::STACK_PAINT_VALUE;
 
 unsafe extern "C" {
-    /// Lowest address of the stack, the address above its highest one, and the same of static memory: linker script.
+    /// Lowest address of the stack, the address above its highest one, and the same of static memory: linker
+    /// script.
     static _stack_end: u32;
     static _stack_start: u32;
     static _ram_start: u32;
@@ -15,7 +16,8 @@ unsafe extern "C" {
 pub fn depth() -> (usize, usize) {
     let (end, start) = (addr_of!(_stack_end), addr_of!(_stack_start).addr());
     let mut free = end;
-    // SAFETY: words of the stack, of which the lowest ones are in use by nobody: this function ends at the first that was.
+    // SAFETY: words of the stack, of which the lowest ones are in use by nobody: this function ends at the
+    // first that was.
     while free.addr() < start && unsafe { free.read_volatile() } == STACK_PAINT_VALUE {
         free = free.wrapping_add(1);
     }

@@ -1,6 +1,7 @@
-//! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as many as wanted:
-//! `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls]`; with `stalls` the planner gets no time now and
-//! then. `machines -- SEED` shows one seed, and what comes of it without an operator and without contour mode. Two threads.
+//! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as
+//! many as wanted: `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls]`;
+//! with `stalls` the planner gets no time now and then. `machines -- SEED` shows one seed, and what comes of
+//! it without an operator and without contour mode. Two threads.
 use host_tests::soak::{Outcome, plain, setup, soak};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

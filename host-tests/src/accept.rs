@@ -1,7 +1,7 @@
 //! Accepted tables: what a test makes today against what was accepted, with the reason in the table's head.
 //!
-//! `ACCEPT_TABLES="why the figures moved"` writes a table that differs. The run that does so fails: a table is accepted by one run
-//! and compared by the next one, which has nothing to say any more.
+//! `ACCEPT_TABLES="why the figures moved"` writes a table that differs. The run that does so fails: a table
+//! is accepted by one run and compared by the next one, which has nothing to say any more.
 use std::path::Path;
 
 /// The environment variable that holds the reason.
@@ -50,7 +50,8 @@ fn is_reason(reason: &str, head: Head) -> Result<(), String> {
     Ok(())
 }
 
-/// Compares a table with the accepted one; with a reason `write` puts the new one, with its head, in the old one's place.
+/// Compares a table with the accepted one; with a reason `write` puts the new one, with its head, in the old
+/// one's place.
 ///
 /// # Errors
 /// The first line that differs, a reason that is none, and that a table was accepted.

@@ -1,8 +1,8 @@
 //! Programs and machines to run: named ones, edges, and seeded random ones.
 //!
-//! A [`Program`] is data. It writes itself as NC text for the library, gives the exact contour for the judge and can
-//! be mirrored, turned or reversed. Coordinates are integers in nanometres (10^-6 degrees), so that the decimals in
-//! the text and the numbers of the judge are the same.
+//! A [`Program`] is data. It writes itself as NC text for the library, gives the exact contour for the judge
+//! and can be mirrored, turned or reversed. Coordinates are integers in nanometres (10^-6 degrees), so that
+//! the decimals in the text and the numbers of the judge are the same.
 
 pub mod machines;
 
@@ -201,8 +201,8 @@ impl Program {
         self.contour_of(machine, |nm| nm as f64 / NM as f64)
     }
 
-    /// The contour as it leaves the decoder: coordinates rounded to 2^-32 mm. For comparisons where that rounding is not
-    /// the question (the direction of a line of 1 µm turns by 10^-7 with it).
+    /// The contour as it leaves the decoder: coordinates rounded to 2^-32 mm. For comparisons where that
+    /// rounding is not the question (the direction of a line of 1 µm turns by 10^-7 with it).
     pub fn contour_as_decoded<const AXES: usize>(&self, machine: &MachineData<AXES>) -> Contour {
         self.contour_of(machine, |nm| set_point(nm) as f64 / (1u64 << 32) as f64)
     }

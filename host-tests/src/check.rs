@@ -1,14 +1,15 @@
-//! The judge: is a trace a permitted motion on the programmed contour? It knows set points, limits and the contour,
-//! and nothing of how the motion was planned.
+//! The judge: is a trace a permitted motion on the programmed contour? It knows set points, limits and the
+//! contour, and nothing of how the motion was planned.
 //!
 //! # Why finite differences need no safety factor
-//! Let x(t) be an axis' motion and x_k = x(kT). The n-th difference is a weighted mean of the n-th derivative,
+//! Let x(t) be an axis' motion and x_k = x(kT). The n-th difference is a weighted mean of the n-th
+//! derivative,
 //!
 //! D_n x_k / T^n = integral of x^(n)(t_k + uT) B_n(u) du over 0…n, B_n >= 0, integral of B_n = 1,
 //!
-//! with B_n the uniform B-spline of n intervals. So |D_n| / T^n never exceeds the largest |x^(n)|: no correct motion is
-//! refused, and a limit that is used for n ticks is met with equality. The only allowance is that set points are
-//! rounded: an error of r per sample adds at most 2^n r / T^n.
+//! with B_n the uniform B-spline of n intervals. So |D_n| / T^n never exceeds the largest |x^(n)|: no correct
+//! motion is refused, and a limit that is used for n ticks is met with equality. The only allowance is that
+//! set points are rounded: an error of r per sample adds at most 2^n r / T^n.
 //!
 //! Three rows of rest are added at both ends, so that a start or an end with a jump counts.
 
@@ -98,8 +99,8 @@ pub fn limits(trace: &Trace, limits: &[Limits]) -> Result<Vec<Peaks>, String> {
     Ok(all)
 }
 
-/// Checks start and end, and that every stop point is reached to the bit, in order. `ends` are the end points of all
-/// blocks with whether the motion must stop there.
+/// Checks start and end, and that every stop point is reached to the bit, in order. `ends` are the end points
+/// of all blocks with whether the motion must stop there.
 ///
 /// # Errors
 /// The first point that was not reached.

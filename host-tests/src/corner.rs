@@ -1,8 +1,9 @@
-//! Single corners for contour mode: seeded ones of any kind, and the judgement of what the library makes of them.
+//! Single corners for contour mode: seeded ones of any kind, and the judgement of what the library makes of
+//! them.
 //!
-//! The programmed contour is the f64 reference; the curve is only known by its points. A polynomial of the fifth
-//! degree is known by six of them: differences of six points give its derivatives at the ends without an error of their
-//! own, only the rounding of the points to 2^-32 mm shows.
+//! The programmed contour is the f64 reference; the curve is only known by its points. A polynomial of the
+//! fifth degree is known by six of them: differences of six points give its derivatives at the ends without
+//! an error of their own, only the rounding of the points to 2^-32 mm shows.
 use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
@@ -51,8 +52,8 @@ fn direction(r: &mut Random) -> Vector {
     }
 }
 
-/// From the corner along `t` (or to it, with `sense` -1) over about `length`: the other end and the block. An arc in the plane
-/// in which `t` lies best.
+/// From the corner along `t` (or to it, with `sense` -1) over about `length`: the other end and the block. An
+/// arc in the plane in which `t` lies best.
 fn side(
     r: &mut Random,
     corner: &[i64],
@@ -270,11 +271,11 @@ pub fn dev(path_dev: i64) -> Contour {
 pub struct Seen {
     /// Deviation over tolerance.
     pub used: f64,
-    /// Something else than the tolerance limits the corner distance: half a block, a quarter of a turn, or blocks that come
-    /// so near to each other behind the corner that only a smaller curve is even.
+    /// Something else than the tolerance limits the corner distance: half a block, a quarter of a turn, or
+    /// blocks that come so near to each other behind the corner that only a smaller curve is even.
     pub limited: bool,
-    /// Largest difference between path speed and speed along the curve, relative; where path is time, by which the curve is
-    /// faster.
+    /// Largest difference between path speed and speed along the curve, relative; where path is time, by
+    /// which the curve is faster.
     pub uneven: f64,
     /// Elements of the curve.
     pub elements: usize,

@@ -1,4 +1,5 @@
-//! How far a moved contour is from the programmed one, block by block, either way. Nothing but points is taken from the library.
+//! How far a moved contour is from the programmed one, block by block, either way. Nothing but points is
+//! taken from the library.
 use crate::corner::Piece;
 
 /// Points of each piece of the moved contour.
@@ -25,8 +26,9 @@ fn from_line(q: &Point, [a, b]: [&Point; 2]) -> f64 {
     apart(q, &between(a, b, u))
 }
 
-/// The largest distance between a polygon and what is moved in its place, and the block where it is. What a piece stands for are the
-/// blocks from that of the one before to that of the one behind: far parts that come near do not count.
+/// The largest distance between a polygon and what is moved in its place, and the block where it is. What a
+/// piece stands for are the blocks from that of the one before to that of the one behind: far parts that come
+/// near do not count.
 pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -> (f64, usize) {
     let blocks = corners.len() - 1;
     let number = |piece: &Piece<AXES>| piece.out.data.number as usize;
@@ -73,9 +75,9 @@ pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -
 /// The places between two points, as shares, where a linear and a quadratic condition hold: both convex.
 type Free = Option<[f64; 2]>;
 
-/// Whether a path goes along a contour in order, nowhere further from it than `path` in the first three axes and than `track` in every
-/// other one: the two can be gone through together, each forward only, and stay as near (Fréchet distance, by the free space of
-/// Alt and Godau). Both are polygons.
+/// Whether a path goes along a contour in order, nowhere further from it than `path` in the first three axes
+/// and than `track` in every other one: the two can be gone through together, each forward only, and stay as
+/// near (Fréchet distance, by the free space of Alt and Godau). Both are polygons.
 pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2]) -> bool {
     // Where on the line from `a` to `b` the point `q` is as near.
     let free = |q: &[f64], a: &[f64], b: &[f64]| -> Free {

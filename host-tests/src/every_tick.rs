@@ -1,11 +1,14 @@
-//! One disturbance before each tick of a program: a planner that gets no time, or a feed hold. The judge sees every tick of each run.
+//! One disturbance before each tick of a program: a planner that gets no time, or a feed hold. The judge sees
+//! every tick of each run.
 //!
-//! A [`Case`] is a path in one form of contour mode, a [`Slope`] its time law. [`Track::new`] runs it undisturbed and, at a low
-//! override, so slowly that its set points show the path. [`Track::disturb`] runs it again with one disturbance and checks:
+//! A [`Case`] is a path in one form of contour mode, a [`Slope`] its time law. [`Track::new`] runs it
+//! undisturbed and, at a low override, so slowly that its set points show the path. [`Track::disturb`] runs
+//! it again with one disturbance and checks:
 //!
 //! - speed, acceleration and jerk of every axis at every tick, so that no set point jumps;
 //! - the path distance never goes back, and each set point lies on the path of the slow run;
-//! - the motion ends at the end to the bit, with the same path distance, and says once at most that its planner was late;
+//! - the motion ends at the end to the bit, with the same path distance, and says once at most that its
+//!   planner was late;
 //! - a stall leads to a standstill, and so does a hold.
 //!
 //! What a feed hold needs is compared with the closed form, [`Stop`].
@@ -40,7 +43,8 @@ const STEEPEST: f64 = 16.0;
 /// Ticks of rest behind which it counts as a standstill that the planner has to end.
 const STANDS: usize = 3;
 
-/// Ticks from a command to the first one that differs: it is seen with the next call, and acts four ticks behind that.
+/// Ticks from a command to the first one that differs: it is seen with the next call, and acts four ticks
+/// behind that.
 pub const REACTION: usize = 5;
 
 /// Most ticks of a run.
@@ -182,7 +186,8 @@ impl Path {
                     let radius = [2.0, 3.5, 1.25][k % 3];
                     let feed = [9000, 6000][k % 2];
                     let word = ["G02", "G03"][k % 2];
-                    // A line, a half circle that leaves it at a right angle or goes on from it, and a line on.
+                    // A line, a half circle that leaves it at a right angle or goes on from it, and a line
+                    // on.
                     let _ = writeln!(text, "N{} G01 X{:.3} Y{} F{feed}", 30 * k + 10, x + 4.0, k % 2);
                     let _ =
                         writeln!(text, "N{} {word} X{:.3} I{radius}", 30 * k + 20, x + 4.0 + 2.0 * radius);
@@ -343,8 +348,8 @@ pub struct Track<const AXES: usize> {
     scan: Run,
 }
 
-/// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at hand there the shortest
-/// stop.
+/// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at
+/// hand there the shortest stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
     /// The tick of the command.
@@ -455,8 +460,8 @@ impl<const AXES: usize> Track<AXES> {
         Ok(())
     }
 
-    /// Path distance of the tick behind a row, mm. In a curve over time the axes slow down and turn while the path goes on evenly: what
-    /// a stop there has to slow down is the path.
+    /// Path distance of the tick behind a row, mm. In a curve over time the axes slow down and turn while the
+    /// path goes on evenly: what a stop there has to slow down is the path.
     fn step(&self, run: &Run, row: usize) -> f64 {
         let next = (row + 1).min(run.distances.len() - 1);
         (run.distances[next] - run.distances[row]) as f64 / 2.0_f64.powi(44)
@@ -473,8 +478,8 @@ impl<const AXES: usize> Track<AXES> {
         if main > 0.0 { main } else { length(3..AXES.max(3)) }
     }
 
-    /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of the axis with the largest
-    /// part of it.
+    /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of
+    /// the axis with the largest part of it.
     fn shortest(&self, row: usize, v: f64, a: f64) -> Stop {
         let (mut share, mut gone) = (0.0_f64, 0.0);
         let mut stop = Stop::default();

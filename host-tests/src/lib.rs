@@ -1,5 +1,5 @@
-//! What the interpolator is measured against. Nothing here shares code with the library beyond the public types
-//! of its interface: the judge, the reference and the cases would notice if the library were wrong.
+//! What the interpolator is measured against. Nothing here shares code with the library beyond the public
+//! types of its interface: the judge, the reference and the cases would notice if the library were wrong.
 //!
 //! | module | question it answers |
 //! |---|---|

@@ -115,11 +115,12 @@ const RESTS: usize = 20_000;
 /// Why a run was given up that may be a good one.
 pub const TOO_LONG: &str = "longer than a million ticks";
 
-/// Calls of the planner between two ticks: enough to keep up where no corners are rounded, or as many as it wants.
+/// Calls of the planner between two ticks: enough to keep up where no corners are rounded, or as many as it
+/// wants.
 pub const POLLS: [usize; 3] = [12, 40, 1000];
 
-/// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at most
-/// `polls` times between two ticks.
+/// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at
+/// most `polls` times between two ticks.
 ///
 /// # Errors
 /// What the library refused, or a motion that does not end.
@@ -249,8 +250,8 @@ pub fn judge<const AXES: usize>(
     keeps_limits(&run.trace, &course, &contour, machine)
 }
 
-/// A random program, every second one with NO_OPT=0 where the slope is HSC, a random machine with any slope, any mode of the override and a reduced speed, and random numbers for the
-/// operator.
+/// A random program, every second one with NO_OPT=0 where the slope is HSC, a random machine with any slope,
+/// any mode of the override and a reduced speed, and random numbers for the operator.
 pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     let mut machine = machines::arbitrary::<3>(seed);
     machine.channel.slope_profile = (seed % 4) as u8;
@@ -264,8 +265,8 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     (program, machine, random)
 }
 
-/// Whether a block may take more than the 2^26 ticks that one can have: the reduced speed is a limit, however slow, and an
-/// override makes it slower still. Such a run may end with an error.
+/// Whether a block may take more than the 2^26 ticks that one can have: the reduced speed is a limit, however
+/// slow, and an override makes it slower still. Such a run may end with an error.
 pub fn crawls<const AXES: usize>(machine: &MachineData<AXES>, acts: &[(usize, Act)]) -> bool {
     crawls_along(machine, acts, LENGTH)
 }
@@ -290,7 +291,8 @@ pub fn crawls_along<const AXES: usize>(
     reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < length)
 }
 
-/// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in order; at last 100 %.
+/// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in
+/// order; at last 100 %.
 pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;
     for _ in 0..1 + random.bits() % 8 {
@@ -331,15 +333,18 @@ pub fn with_starvation(random: &mut Random, ticks: usize, others: Vec<(usize, Ac
     acts
 }
 
-/// Whether the planner gets no time at some ticks of a seed of [`random_setup`]: with every slope, every mode of the override, and NO_OPT=0.
+/// Whether the planner gets no time at some ticks of a seed of [`random_setup`]: with every slope, every mode
+/// of the override, and NO_OPT=0.
 pub fn is_stalled(seed: u64) -> bool {
     !(seed / 24).is_multiple_of(2)
 }
 
-/// Ticks behind a command within which no stall begins: what waits for the planner at the end of the queue is not made anew yet.
+/// Ticks behind a command within which no stall begins: what waits for the planner at the end of the queue is
+/// not made anew yet.
 const QUIET: usize = 16;
 
-/// Times without any call of the planner at random ticks of a motion of so many, mixed with `others`, which come in order.
+/// Times without any call of the planner at random ticks of a motion of so many, mixed with `others`, which
+/// come in order.
 pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut stalls: Vec<[usize; 2]> = (0..1 + random.bits() % 4)
         .map(|_| [random.unit() * ticks as f64, random.magnitude(1.0, 2000.0)].map(|x| x as usize))

@@ -20,11 +20,12 @@ pub struct Verdict {
     pub course: Course,
 }
 
-/// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then tangential
-/// and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric ramp time).
+/// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then
+/// tangential and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric
+/// ramp time).
 ///
-/// `slope` as in P-CHAN-00071. A ramp of SIN2 has a jerk of π/2 · a / ramp time; STEP has any, and the larger one of the
-/// accelerations of its stages.
+/// `slope` as in P-CHAN-00071. A ramp of SIN2 has a jerk of π/2 · a / ramp time; STEP has any, and the larger
+/// one of the accelerations of its stages.
 pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bool) -> Limits {
     if slope == 0 {
         let sets = [(feed, axis.vb_max, axis.stages(false)), (rapid, axis.vb_eilgang, axis.stages(true))];
@@ -61,9 +62,9 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
     limits
 }
 
-/// Limits of an axis at a place: inside a straight block what its slope may show; in an arc and at a joint also what the contour may
-/// cause. At a joint jerk is free where the machine data permit a step: of speed with P-AXIS-00013, of acceleration without
-/// P-CHAN-00009 where an arc takes part.
+/// Limits of an axis at a place: inside a straight block what its slope may show; in an arc and at a joint
+/// also what the contour may cause. At a joint jerk is free where the machine data permit a step: of speed
+/// with P-AXIS-00013, of acceleration without P-CHAN-00009 where an arc takes part.
 pub fn permitted_at<const AXES: usize>(
     machine: &MachineData<AXES>,
     axis: usize,
@@ -142,8 +143,8 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     Ok(Verdict { run, contour, peaks, course })
 }
 
-/// Blocks follow each other in order, each starts at the speed at which the last one ended, and their durations and
-/// waits add up to the ticks of the motion. `optimised`: they may end within a block.
+/// Blocks follow each other in order, each starts at the speed at which the last one ended, and their
+/// durations and waits add up to the ticks of the motion. `optimised`: they may end within a block.
 fn plan_is_consistent(run: &Run, optimised: bool) -> Result<(), String> {
     let mut v = Speed::ZERO;
     let mut n = 0;

@@ -1,6 +1,8 @@
-//! Seeds of the tests with random cases: fixed ones, the same in each run, and behind them some that every run has for itself.
+//! Seeds of the tests with random cases: fixed ones, the same in each run, and behind them some that every
+//! run has for itself.
 //!
-//! The first of a run's own seeds is printed, and printed again beside a failure. `GLIDEPATH_SEED=number` repeats them.
+//! The first of a run's own seeds is printed, and printed again beside a failure. `GLIDEPATH_SEED=number`
+//! repeats them.
 use std::sync::OnceLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -1,7 +1,8 @@
-//! Random machine data over their permitted ranges, random programs of about their size, and an operator: one number gives all of it.
+//! Random machine data over their permitted ranges, random programs of about their size, and an operator: one
+//! number gives all of it.
 //!
-//! Lengths, radii and feeds follow from what the machine can do in some ticks, so that every run has some thousand ticks, with an
-//! acceleration of 1 mm/s² at 0.1 ms as with 50 000 mm/s² at 10 ms.
+//! Lengths, radii and feeds follow from what the machine can do in some ticks, so that every run has some
+//! thousand ticks, with an acceleration of 1 mm/s² at 0.1 ms as with 50 000 mm/s² at 10 ms.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::{NM, Program, decimal, set_point};
@@ -267,7 +268,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     setup
 }
 
-/// A line of contour mode with a tolerance about the lengths of the blocks; `k`: the block before whose end it stands.
+/// A line of contour mode with a tolerance about the lengths of the blocks; `k`: the block before whose end
+/// it stands.
 fn contour_mode<const AXES: usize>(
     r: &mut Random,
     setup: &Setup<AXES>,
@@ -409,9 +411,9 @@ impl<const AXES: usize> Setup<AXES> {
         modes.any(|line| line.contains("CHECK_JERK=0") || (off && !line.contains("CHECK_JERK")))
     }
 
-    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is good to [`PATH`]
-    /// (`src/slope/emit.rs`); an axis that travels further than the path shows as many times that. In contour mode the start of each
-    /// curve adds [`CUT`].
+    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is
+    /// good to [`PATH`] (`src/slope/emit.rs`); an axis that travels further than the path shows as many times
+    /// that. In contour mode the start of each curve adds [`CUT`].
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
         let travels = (0..AXES).map(|axis| {

@@ -29,7 +29,8 @@ pub const RAMP: f64 = 1.0 / 8_388_608.0;
 /// Speeds at transitions and durations against the reference planner, relative.
 pub const PLAN: f64 = 1e-6;
 
-/// Times of two ways through a corner that differ by less are a tie, relative: single precision may decide it either way.
+/// Times of two ways through a corner that differ by less are a tie, relative: single precision may decide it
+/// either way.
 pub const TIE: f64 = 1e-6;
 
 /// Part of speeds and accelerations that the library leaves unused.
@@ -38,8 +39,8 @@ pub const SPEED_MARGIN: f64 = 1.0 / 524_288.0;
 /// Part of the jerk that the library leaves unused.
 pub const JERK_MARGIN: f64 = 1.0 / 8192.0;
 
-/// What rounding the start of a curve may move an axis by, mm. With such a start in each tick a difference of order n shows 2^(n-1) times
-/// that at most: the sum of every second one of its weights.
+/// What rounding the start of a curve may move an axis by, mm. With such a start in each tick a difference of
+/// order n shows 2^(n-1) times that at most: the sum of every second one of its weights.
 pub const CUT: f64 = 0.5 / 4_294_967_296.0;
 
 /// Set points of a mirrored program, LSB.

@@ -157,8 +157,8 @@ pub fn run<const AXES: usize, const BLOCKS: usize>(
     run_in_bursts::<AXES, BLOCKS>(program, machine, 1)
 }
 
-/// Set points of an arbitrary motion: `at` gives the block and the parameter in it for a time, `None` when over.
-/// The judge is tested with motions made here.
+/// Set points of an arbitrary motion: `at` gives the block and the parameter in it for a time, `None` when
+/// over. The judge is tested with motions made here.
 pub fn sampled(contour: &Contour, cycle: f64, at: impl Fn(f64) -> Option<Vec<f64>>) -> Trace {
     let bits =
         |p: &[f64]| -> Vec<i64> { p.iter().map(|x| (x * (1u64 << 32) as f64).round() as i64).collect() };

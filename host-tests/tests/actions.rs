@@ -1,4 +1,5 @@
-//! M and H functions with synchronisation: where they come out, where the motion waits, and what an operator does meanwhile.
+//! M and H functions with synchronisation: where they come out, where the motion waits, and what an operator
+//! does meanwhile.
 use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::machine::{MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;
@@ -175,7 +176,8 @@ fn a_block_begins_when_its_function_is_acknowledged() {
         assert!((from + 201..from + 206).contains(&to), "{from} … {to}");
         assert_eq!(run.end(), mm([0, 10, 0]));
         assert!(run.waits.contains(&(from + 200)) && !run.waits.contains(&to));
-        // Idle meanwhile, but for the tick that shows the point, and the next one where the law ends between both.
+        // Idle meanwhile, but for the tick that shows the point, and the next one where the law ends between
+        // both.
         assert!(run.active[from] && !run.active[from + 2..from + 200].contains(&true), "slope {slope}");
     }
 }
@@ -284,7 +286,8 @@ fn at_a_rounded_corner_the_action_decides_where_it_stands() {
                 assert!(output.waits);
                 let (from, to) = run.stands(0);
                 assert!(from == row && (from + 121..from + 126).contains(&to), "{from} … {to}\n{text}");
-                // What is left of N110 and the first half of the curve; the second half and what is left of N120.
+                // What is left of N110 and the first half of the curve; the second half and what is left of
+                // N120.
                 let main = run.blocks[0].length.to_bits();
                 let half = run.length(110);
                 let curve = run.blocks.iter().filter(|b| b.n == 120).map(|b| b.length.to_bits());
@@ -569,7 +572,8 @@ fn a_function_of_a_motion_that_is_refused_does_not_come_out() {
 
 #[test]
 fn a_dwell_between_rounded_blocks() {
-    // POST_ACTION: M25 behind the first curve; the dwell keeps the corner before it sharp; M26 behind the last curve.
+    // POST_ACTION: M25 behind the first curve; the dwell keeps the corner before it sharp; M26 behind the
+    // last curve.
     let text = "%c\nN20 G91 G01 F6000\nN30 #CONTOUR MODE [DEV PATH_DEV=3 POST_ACTION]\nN40 X40 G61 M25\nN50 Y40 F3000\n\
         N60 X40 G61 F6000\nN70 G04 X0.2\nN80 Y40\nN100 X40 G61\nN110 Y40 M26\nN120 G04 X0.1\nM30\n";
     for slope in 0..4 {
@@ -622,7 +626,8 @@ fn random_programs_with_functions_keep_limits_and_path() {
             let delay = Some(random.magnitude(1.0, 1000.0) as usize - 1);
             let mut acts = random_acts(&mut random, ticks.trace.len());
             acts.truncate(if k == 0 { 0 } else { acts.len() });
-            // Behind a gate the queue is empty: a dozen calls a tick would not keep up with blocks of three ticks.
+            // Behind a gate the queue is empty: a dozen calls a tick would not keep up with blocks of three
+            // ticks.
             let polls = POLLS[1 + (random.bits() % 2) as usize];
             let run = run_from(&text, start, &Case { machine: &machine, delay, acts: &acts, polls });
             let operated = Operated {

@@ -147,7 +147,8 @@ fn a_ramp_of_sin2_is_a_sine_squared_within_a_hundredth() {
             v += exact(t) * h;
         }
         assert!(close(v, v1, 1e-7), "{v} {v1}");
-        // q is larger than that of the sine, 1/4 − 1/π², at the lower speed for it, at the higher one against it.
+        // q is larger than that of the sine, 1/4 − 1/π², at the lower speed for it, at the higher one against
+        // it.
         let excess = 0.149_970_798_037_416 - (0.25 - std::f64::consts::FRAC_1_PI.powi(2));
         let shift = change.a_peak * (up * up - down * down) * excess;
         assert!(close(s + shift, change.distance, 1e-6), "{s} {shift} {}", change.distance);

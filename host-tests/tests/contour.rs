@@ -228,7 +228,8 @@ fn short_blocks_are_left_out() {
     assert!([5, 6].iter().all(|n| replaced.lengths(*n).is_empty()), "{:?}", replaced.lengths(6));
     let curve_and_rest: f64 = replaced.lengths(7).iter().sum();
     assert!(curve_and_rest > 0.5, "{:?}", replaced.lengths(7));
-    // The minimum is that of the system, not another one: the curve reaches into half of that line, or of the block.
+    // The minimum is that of the system, not another one: the curve reaches into half of that line, or of the
+    // block.
     for (end, stands) in [("X5.609 Y0.807", true), ("X5.607 Y0.809", true), ("X5.613 Y0.806", false)] {
         let text = format!("N05 X5.6 Y0.79\nN06 X5.6 Y0.795\nN07 {end}\nN08 X9 Y9\n");
         let reach = 5.0 - super_short(&text).lengths(4)[0];
@@ -254,8 +255,8 @@ fn short_blocks_are_left_out() {
     }
 }
 
-/// Contouring goes on up to where it is switched off, gets other parameters or has to stand still: the corner before the blocks left out is
-/// rounded, and the last of them ends where it was programmed to.
+/// Contouring goes on up to where it is switched off, gets other parameters or has to stand still: the corner
+/// before the blocks left out is rounded, and the last of them ends where it was programmed to.
 #[test]
 fn what_ends_a_row_of_short_blocks_keeps_the_corner_before_it() {
     let rows =
@@ -293,8 +294,8 @@ fn what_ends_a_row_of_short_blocks_keeps_the_corner_before_it() {
     assert!(plain.lengths(6).is_empty() && plain.distance([5.2, 0.8]) > 0.05);
 }
 
-/// RELEVANT_PATH is for both neighbours of a corner with DEV, for the one behind it with DIST; there a block before it is too short below
-/// 16 µm.
+/// RELEVANT_PATH is for both neighbours of a corner with DEV, for the one behind it with DIST; there a block
+/// before it is too short below 16 µm.
 #[test]
 fn which_neighbours_the_relevant_path_concerns() {
     let joined = |mode: &str, x: f64| {
@@ -414,7 +415,8 @@ fn knees_beyond_the_largest_angle_stay() {
     );
 }
 
-/// Two lines of 20 mm at this knee, or an arc instead of one of them. At constant speed no curve gives way to a standstill.
+/// Two lines of 20 mm at this knee, or an arc instead of one of them. At constant speed no curve gives way to
+/// a standstill.
 #[test]
 fn the_largest_angle_is_178_degrees_and_concerns_two_lines() {
     let pieces = |knee: f64, parameters: &str, arc: usize| {
@@ -491,7 +493,8 @@ fn jerk_is_checked_where_it_is_asked_for() {
     assert_eq!(run(between).time(), none);
 }
 
-/// CHECK_JERK=1: P-AXIS-00199 limits the jerk that a curve causes where it is longer than the ramp times, too.
+/// CHECK_JERK=1: P-AXIS-00199 limits the jerk that a curve causes where it is longer than the ramp times,
+/// too.
 #[test]
 fn a_geometric_ramp_time_above_the_ramp_times_slows_curves_down() {
     let run = |check: u8, geometric: u32| {
@@ -573,12 +576,14 @@ fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
             };
             let [low, high] = inside(&varying);
             let what = format!("PATH_DEV={dev} X{x} Y{y}, slope {slope}");
-            // STEP knows no jerk: its curve is passed evenly, and sooner. A standstill may be the quickest of all.
+            // STEP knows no jerk: its curve is passed evenly, and sooner. A standstill may be the quickest of
+            // all.
             let sharp = low == f64::INFINITY;
             assert!(slope == 0 || sharp || high > 1.05 * low, "{what}: {low} … {high}");
             let [least, most] = inside(&constant);
             assert!(most < 1.002 * least, "{what}: {least} … {most}");
-            // STEP: its acceleration is divided between path and contour by element, which may cost a tick or two.
+            // STEP: its acceleration is divided between path and contour by element, which may cost a tick or
+            // two.
             let more = if slope == 0 { 1.003 } else { 1.0 };
             assert!(varying.time() <= more * constant.time(), "{what}");
             faster += usize::from(varying.time() < constant.time());
@@ -587,7 +592,8 @@ fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
     assert!(faster >= 10, "{faster} of 15");
 }
 
-/// As in D3-EX08: a corner with the speed that each of its parts permits, and another one with constant speed.
+/// As in D3-EX08: a corner with the speed that each of its parts permits, and another one with constant
+/// speed.
 #[test]
 fn constant_speed_is_switched_on_from_corner_to_corner() {
     let text = "#CONTOUR MODE ON [DEV PATH_DEV=2]\nN6 G01 X100 F40000\nN7 Y100\n\
@@ -611,7 +617,8 @@ fn constant_speed_is_switched_on_from_corner_to_corner() {
     assert!(seen[0] > 1.05 && (1.0..1.002).contains(&seen[1]) && seen[2] > 1.05, "{seen:?}");
 }
 
-/// The little acceleration of such a curve is not that of the lines beside it: with HSC they were one span, which took 30 times as long.
+/// The little acceleration of such a curve is not that of the lines beside it: with HSC they were one span,
+/// which took 30 times as long.
 #[test]
 fn constant_speed_costs_no_more_with_hsc() {
     for (dev, y) in [(1.0, 10), (1.0, 60), (0.1, 60), (0.01, 60)] {
@@ -754,8 +761,8 @@ fn what_cannot_be_a_curve_stays_a_corner() {
     assert!(far.distance([400.0, -300.0]) < 1.0);
 }
 
-/// Through a point a picometre beside its start the curve is bent more than the format of a polynomial holds: a straight line leads to its
-/// end, and the program ends where it has to, to the bit.
+/// Through a point a picometre beside its start the curve is bent more than the format of a polynomial holds:
+/// a straight line leads to its end, and the program ends where it has to, to the bit.
 #[test]
 fn a_curve_that_no_format_holds_ends_where_it_has_to() {
     for (pre, post) in [(1e-6, 1e-5), (1e-6, 1e-3), (1e-6, 0.1), (1e-5, 1e-9)] {

@@ -6,7 +6,8 @@ use host_tests::rounded::{Run, quick, run_from};
 
 /// Lowest and highest speed between where N10 is left and N20 is entered, mm/s, over how many ticks.
 ///
-/// The derivative at a tick is that of the polynomial through five of them: of a chord the speed would be too low by (κ·v·T)²/24.
+/// The derivative at a tick is that of the polynomial through five of them: of a chord the speed would be too
+/// low by (κ·v·T)²/24.
 fn inside(run: &Run) -> ([f64; 2], usize) {
     let points: Vec<Vec<f64>> = (0..run.trace.len()).map(|i| run.trace.mm(i)).collect();
     let mut way = vec![0.0];

@@ -50,7 +50,8 @@ fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
     const V: f64 = 20_000.0 / 60.0;
     let run = go(&handling("DIST_MASTER SYM_DIST=-1", 20_000), &led());
     assert!(run.warnings.is_empty(), "{:?}", run.warnings);
-    // From the first corner to the last one X has its feed, and so the whole takes as long as a straight line.
+    // From the first corner to the last one X has its feed, and so the whole takes as long as a straight
+    // line.
     let row = |i: usize| run.trace.mm(i);
     for (i, v) in run.axis_speeds(0).into_iter().enumerate() {
         let x = row(i)[0];
@@ -58,8 +59,8 @@ fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
     }
     let straight = go("N10 G01 X600 F20000\nM30\n", &led()).time();
     assert!((run.time() - straight).abs() < 3e-3, "{} {straight}", run.time());
-    // Each corner by the formula: acceleration is a trapezoid over the time T = 2·D/V, and both motions of an axis follow it, so
-    // that y = yC + m2·(x − xC) + (m1 − m2)·(what one of them still has to go).
+    // Each corner by the formula: acceleration is a trapezoid over the time T = 2·D/V, and both motions of an
+    // axis follow it, so that y = yC + m2·(x − xC) + (m1 − m2)·(what one of them still has to go).
     for corner in 1..SLOPES.len() {
         let at = 100.0 * corner as f64;
         let change = [0, 1].map(|k| SLOPES[corner][k] - SLOPES[corner - 1][k]);
@@ -166,8 +167,8 @@ fn peaks_within(run: &Run, reach: f64) -> [f64; 2] {
 
 #[test]
 fn acceleration_and_ramp_of_a_corner_follow_their_keywords() {
-    // Y changes its speed in the middle of a long way: nothing else accelerates it. Of 2000 mm/s² a curve takes 93 % at most, of
-    // 40 000 mm/s³ 85 %: that is 100 %, with a ramp of 55 ms.
+    // Y changes its speed in the middle of a long way: nothing else accelerates it. Of 2000 mm/s² a curve
+    // takes 93 % at most, of 40 000 mm/s³ 85 %: that is 100 %, with a ramp of 55 ms.
     let peaks = |run: &Run| peaks_within(run, 100.0);
     let corner = |rest: &str| {
         go(
@@ -241,7 +242,8 @@ fn acceleration_and_ramp_of_a_corner_follow_their_keywords() {
 
 #[test]
 fn blocks_are_divided_by_the_neighbours_on_the_masters_path() {
-    // N20 is 20 mm of X between 60 mm and 30 mm, however far Y goes: half of it for each corner, or two thirds and one.
+    // N20 is 20 mm of X between 60 mm and 30 mm, however far Y goes: half of it for each corner, or two
+    // thirds and one.
     let divided = |weight: &str| {
         let text = format!(
             "#CONTOUR MODE ON [DIST_MASTER SYM_DIST=-1 ACC_MIN=1 ACC_MAX=5 {weight}]\nN10 G01 X60 Y50 F20000\nN20 X80 Y-40\nN30 G260 X110 Y30\nN40 X200\nM30\n"
@@ -433,7 +435,8 @@ fn tolerances_are_distances_in_space_whatever_measures_the_path() {
 
 #[test]
 fn a_curve_takes_its_tolerance_whatever_measures_the_path() {
-    // Over time it may be less: what is given is the deviation where both motions are equally far from the corner.
+    // Over time it may be less: what is given is the deviation where both motions are equally far from the
+    // corner.
     for (feed, slope, constant, least) in [
         (&[0][..], 1, 1, 0.999),
         (&[0], 1, 0, 0.6),

@@ -64,7 +64,8 @@ fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
     let ptp = run_from(&text("PTP PATH_DEV=0.1"), [Position::ZERO; 3], &quick(1000));
     let dev = run_from(&text("DEV PATH_DEV=0.1"), [Position::ZERO; 3], &quick(1000));
     assert!(ptp.time() < dev.time(), "{} {}", ptp.time(), dev.time());
-    // All rows between the one where Y begins and the one where X ends: X with its jerk, and still slowing down.
+    // All rows between the one where Y begins and the one where X ends: X with its jerk, and still slowing
+    // down.
     let row = |i: usize| ptp.trace.mm(i);
     let begins = (0..ptp.trace.len()).find(|&i| row(i)[1] > 0.0).expect("Y moves");
     let ends = (0..ptp.trace.len()).find(|&i| row(i)[0] >= 80.0).expect("X arrives");
@@ -390,7 +391,8 @@ fn actions_of_curves_over_time_have_their_place() {
 
 #[test]
 fn two_curves_that_fill_a_block_leave_nothing_between_them() {
-    // Steps of 40 mm: each corner takes half of what is beside it, and what rounding leaves would be too short to be fast.
+    // Steps of 40 mm: each corner takes half of what is beside it, and what rounding leaves would be too
+    // short to be fast.
     let steps: String =
         (1..=6).map(|i| format!("N{i}0 G01 X{} Y{}\n", 40 * (i + 1) / 2, 40 * (i / 2))).collect();
     for mode in ["DIST_SOFT PATH_DIST=-1", "DIST_SOFT PATH_DIST=20", "PTP PATH_DEV=20", "DEV PATH_DEV=20"] {

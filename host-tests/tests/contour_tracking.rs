@@ -39,7 +39,8 @@ fn a_block_that_is_short_in_space_alone_is_kept() {
     }
 }
 
-/// Up to RELEVANT_TRACK, of each tracking axis by itself, a block is short, and not beyond it: behind a corner, and before one.
+/// Up to RELEVANT_TRACK, of each tracking axis by itself, a block is short, and not beyond it: behind a
+/// corner, and before one.
 #[test]
 fn the_relevant_track_is_a_limit_of_each_axis() {
     for mode in ["DEV PATH_DEV=2 RELEVANT_PATH=1", "DIST PRE_DIST=2 POST_DIST=2 RELEVANT_PATH=1"] {

@@ -1,5 +1,5 @@
-//! Corners do not hold the motion back: not by what is left between two curves, not by a curve that is slower than a standstill, not
-//! by jerk that is permitted and not used.
+//! Corners do not hold the motion back: not by what is left between two curves, not by a curve that is slower
+//! than a standstill, not by jerk that is permitted and not used.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

@@ -1,4 +1,5 @@
-//! A planner without time, and a feed hold, before each tick of whole programs: limits, path and end at every tick of every run.
+//! A planner without time, and a feed hold, before each tick of whole programs: limits, path and end at every
+//! tick of every run.
 //!
 //! The example `every_tick` does the same with any program, slope and range of ticks.
 use host_tests::every_tick::{
@@ -35,8 +36,8 @@ fn stalls(case: &str, slope: &str) {
     assert!(report.used[1] > 0.3, "{:?}", report.used);
 }
 
-/// A hold until it stands: within 1.5 times the closed form for 95 % of the ticks, and within `most` times for all. Nothing is asked of
-/// very slow motion, where a tick counts.
+/// A hold until it stands: within 1.5 times the closed form for 95 % of the ticks, and within `most` times
+/// for all. Nothing is asked of very slow motion, where a tick counts.
 fn holds(case: &str, slope: &str, most: f64) {
     let report = all_ticks(case, slope, Disturbance::Hold);
     let worst = |which: usize| report.worst(which).copied().unwrap_or_default();
@@ -82,15 +83,16 @@ fn a_hold_before_every_tick_on_chords_with_curves() {
     holds("mm-soft", "HSC", 1.5);
 }
 
-/// In the last ticks before a curve the motion ends its slowing down, and a hold cannot go on with it: 1.5 is the aim.
+/// In the last ticks before a curve the motion ends its slowing down, and a hold cannot go on with it: 1.5 is
+/// the aim.
 #[test]
 fn a_hold_before_every_tick_in_corners_with_curves() {
     holds("corners-soft", "TRAPEZ", 1.65);
     holds("arcs-dev", "HSC", 1.65);
 }
 
-/// A rotary axis turns by far more in one half of a curve than in the other, and STEP leaves a quarter of its acceleration to knees: there
-/// 1.5 times the closed form is the aim, and not reached everywhere.
+/// A rotary axis turns by far more in one half of a curve than in the other, and STEP leaves a quarter of its
+/// acceleration to knees: there 1.5 times the closed form is the aim, and not reached everywhere.
 #[test]
 fn a_hold_before_every_tick_with_a_rotary_axis() {
     holds("rotary-dev", "STEP", 2.9);

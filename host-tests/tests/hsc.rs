@@ -1,4 +1,5 @@
-//! HSC: acceleration runs across the ends of blocks. Cutting a path changes nothing, and the limits hold as ever.
+//! HSC: acceleration runs across the ends of blocks. Cutting a path changes nothing, and the limits hold as
+//! ever.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
@@ -255,8 +256,8 @@ fn no_opt_0_changes_nothing_but_hsc() {
     assert_eq!(digest("TYPE=HSC"), digest("TYPE=HSC NO_OPT=1"));
 }
 
-/// Corners in random programs on random machines. With seeds 235 and 692 a span once began faster than the highest speed that it had been
-/// left: what follows was refused as impossible.
+/// Corners in random programs on random machines. With seeds 235 and 692 a span once began faster than the
+/// highest speed that it had been left: what follows was refused as impossible.
 #[test]
 fn random_corners_can_be_planned() {
     for seed in host_tests::seeds::seeds((0..12).chain([235, 692]), 3) {
@@ -302,8 +303,8 @@ fn above_the_feed(path: &Feeds, run: &Operated, part: f64, from: usize) -> Optio
     })
 }
 
-/// A span has one law for blocks of several feeds: no block is faster than its part of the feed, and all of it takes no longer than
-/// the override makes it.
+/// A span has one law for blocks of several feeds: no block is faster than its part of the feed, and all of
+/// it takes no longer than the override makes it.
 #[test]
 fn an_override_is_kept_in_every_block() {
     // Slowing down from the highest feed, with the reaction before.
@@ -335,7 +336,8 @@ fn an_override_is_kept_in_every_block() {
     }
 }
 
-/// The same behind a higher override: what was planned for that is left no faster than the one of now permits.
+/// The same behind a higher override: what was planned for that is left no faster than the one of now
+/// permits.
 #[test]
 fn an_override_is_kept_in_every_block_behind_a_higher_one() {
     const SETTLED: usize = 500;
@@ -371,8 +373,8 @@ fn an_override_is_kept_in_every_block_behind_a_higher_one() {
     }
 }
 
-/// Many metres of tangential lines and quarter circles: the way is long enough for more speed than numbers hold. A line beside an arc
-/// has the acceleration of both in one span, which costs some per cent.
+/// Many metres of tangential lines and quarter circles: the way is long enough for more speed than numbers
+/// hold. A line beside an arc has the acceleration of both in one span, which costs some per cent.
 #[test]
 fn a_long_way_is_hardly_slower_than_with_trapez() {
     for (line, radius, feed) in [(3000.0, 100.0, 60_000.0), (6000.0, 1500.0, 900_000.0)] {

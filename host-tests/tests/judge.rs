@@ -8,8 +8,8 @@ use host_tests::reference::profile::{Profile, Ramps};
 use host_tests::tolerance;
 use host_tests::trace::{Trace, sampled};
 
-/// A program, its contour, and a motion along it that stops at every joint, with `scale` times the permitted speed,
-/// acceleration and jerk.
+/// A program, its contour, and a motion along it that stops at every joint, with `scale` times the permitted
+/// speed, acceleration and jerk.
 fn motion(program: &Program, cycle_us: u32, scale: [f64; 3]) -> (Contour, Trace) {
     let machine = machines::even::<3>(cycle_us);
     let contour = program.contour(&machine);

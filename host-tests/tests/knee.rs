@@ -66,8 +66,8 @@ fn bend(on: bool, weight: u32) -> MachineData<3> {
     machine
 }
 
-/// P-CHAN-00009 = 1 and P-AXIS-00154: the step of acceleration, v²/R, has that part of the jerk which a transition may cause: two fifths of
-/// a / ramp time, here with the geometric one of a cycle.
+/// P-CHAN-00009 = 1 and P-AXIS-00154: the step of acceleration, v²/R, has that part of the jerk which a
+/// transition may cause: two fifths of a / ramp time, here with the geometric one of a cycle.
 #[test]
 fn a_tangential_transition_causes_the_part_of_the_jerk_that_its_weight_gives() {
     for (weight, part) in [(1, 0.001), (10, 0.01), (100, 0.1), (500, 0.5), (1000, 1.0), (0, 1.0)] {
@@ -84,7 +84,8 @@ fn a_tangential_transition_causes_the_part_of_the_jerk_that_its_weight_gives() {
 fn a_tangential_transition_may_have_any_jerk_by_default() {
     let v = tangential_speed(&bend(false, 1));
     assert!((v * v / 20.0 / A - 1.0).abs() < 1e-5, "{v} mm/s");
-    // A circle of 10 mm at 6000 mm/min, with a geometric ramp of 10 ms: 100 mm/s, and 28.28 with limited jerk.
+    // A circle of 10 mm at 6000 mm/min, with a geometric ramp of 10 ms: 100 mm/s, and 28.28 with limited
+    // jerk.
     let program = Program::new("tangential", 3).line(&[50.0, 0.0], 6000.0).arc(
         &[60.0, 10.0],
         [0.0, 10.0],
@@ -108,8 +109,8 @@ fn a_tangential_transition_may_have_any_jerk_by_default() {
     }
 }
 
-/// Step of the speed of Y at a knee so slight that it is to come at 180 mm/s, of lines with a feed of 200 mm/s, mm/s: so passing it is
-/// quicker than standing still in it, though a knee takes jerk from both lines.
+/// Step of the speed of Y at a knee so slight that it is to come at 180 mm/s, of lines with a feed of 200
+/// mm/s, mm/s: so passing it is quicker than standing still in it, though a knee takes jerk from both lines.
 fn slight_knee(machine: &MachineData<3>, step: f64) -> f64 {
     // As far as coordinates go: 1 nm.
     let rise = (50.0 * step / 180.0 * 1e6).round() * 1e-6;
@@ -119,8 +120,8 @@ fn slight_knee(machine: &MachineData<3>, step: f64) -> f64 {
     v * rise / 50f64.hypot(rise)
 }
 
-/// P-AXIS-00013 up to 100 %, whatever the jerk: the step of speed is all that the acceleration gives in a cycle, and beside an arc what the
-/// arc leaves.
+/// P-AXIS-00013 up to 100 %, whatever the jerk: the step of speed is all that the acceleration gives in a
+/// cycle, and beside an arc what the arc leaves.
 #[test]
 fn a_weight_permits_any_jerk_at_a_knee() {
     for (weight, part) in [(100, 0.1), (400, 0.4), (1000, 1.0)] {

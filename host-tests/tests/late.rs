@@ -1,5 +1,5 @@
-//! Program text that comes late, and a planner that does not keep up: the motion slows down on its slope, stands at the end of what
-//! there is, goes on, and loses nothing.
+//! Program text that comes late, and a planner that does not keep up: the motion slows down on its slope,
+//! stands at the end of what there is, goes on, and loses nothing.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, Random, program};
@@ -129,8 +129,8 @@ fn zigzag(pitch: f64, method: &str) -> String {
     text + "G260\nM30\n"
 }
 
-/// A planner with a few calls a tick, with all of the text or as it trickles in, in contour mode too: without handing on what there
-/// is before the next corner is made, the queue ran out at speed.
+/// A planner with a few calls a tick, with all of the text or as it trickles in, in contour mode too: without
+/// handing on what there is before the next corner is made, the queue ran out at speed.
 #[test]
 fn a_planner_that_does_not_keep_up_brakes() {
     let zigzags = [(1.0, "DEV PATH_DEV=0.05"), (0.3, "DEV PATH_DEV=0.02"), (3.0, "DIST_SOFT PATH_DIST=0.5")]
@@ -176,8 +176,8 @@ fn random_programs_late_held_and_overridden() {
     }
 }
 
-/// The ring is never full: everything is handed on as it comes. With the last seed a block once was planned for a standstill at its
-/// end, and too short for the higher speed that came later.
+/// The ring is never full: everything is handed on as it comes. With the last seed a block once was planned
+/// for a standstill at its end, and too short for the higher speed that came later.
 #[test]
 fn random_programs_that_trickle_in() {
     for seed in host_tests::seeds::seeds((0..200).chain([3371]), 20) {

@@ -1,4 +1,5 @@
-//! The ring is planned for the override of now: the table of P-CHAN-00066 in every block, and nothing is left of an override before.
+//! The ring is planned for the override of now: the table of P-CHAN-00066 in every block, and nothing is left
+//! of an override before.
 use glidepath::machine::MachineData;
 use host_tests::cases::{Program, machines};
 use host_tests::operate::{Act, Operated, judge, operate};
@@ -21,7 +22,8 @@ fn mm(distance: i64) -> f64 {
     distance as f64 / 2f64.powi(44)
 }
 
-/// Length of a block, mm, and feeds of two that take turns, mm/min; a block in the middle of a change has no steady speed.
+/// Length of a block, mm, and feeds of two that take turns, mm/min; a block in the middle of a change has no
+/// steady speed.
 const LENGTH: f64 = 600.0;
 const FEEDS: [f64; 2] = [80_000.0, 20_000.0];
 const BLOCKS: usize = 24;
@@ -42,7 +44,8 @@ fn fastest(run: &Operated) -> Vec<f64> {
     fastest
 }
 
-/// D3-264 to D3-267 with an override from the start, and after another one: every block of a span reaches what the table says.
+/// D3-264 to D3-267 with an override from the start, and after another one: every block of a span reaches
+/// what the table says.
 #[test]
 fn every_block_has_the_speed_of_the_table() {
     for (slope, optimised) in [(0, false), (1, false), (2, false), (3, false), (3, true)] {
@@ -111,7 +114,8 @@ fn nothing_is_left_of_a_higher_override() {
                 let acts =
                     [(0, Act::Override(back)), (500, Act::Override(1500)), (1500, Act::Override(back))];
                 let changed = run(&program, &machine, &acts);
-                // A second behind the change there are blocks that were planned for another override; later there are none.
+                // A second behind the change there are blocks that were planned for another override; later
+                // there are none.
                 for (tick, tolerance) in [(2500, 0.01), (20_000, 0.001)] {
                     let from = changed.distances[tick].wrapping_sub(changed.distances[0]);
                     let [changed, steady] = [&changed, &steady].map(|run| rest(run, from));

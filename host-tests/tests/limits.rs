@@ -156,8 +156,8 @@ fn depth_of_look_ahead_costs_time_only() {
     }
 }
 
-/// STEP gains speed from a knee on at once: the next one came within two ticks, though its block is as long as three at the speed of the
-/// first (225.2 of 225 mm/s²).
+/// STEP gains speed from a knee on at once: the next one came within two ticks, though its block is as long
+/// as three at the speed of the first (225.2 of 225 mm/s²).
 #[test]
 fn knees_that_step_brings_close_share_the_acceleration() {
     let (program, machine, _) = random_setup(107_052);

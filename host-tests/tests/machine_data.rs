@@ -59,7 +59,8 @@ fn a_geometric_ramp_of_zero_is_the_smallest_ramp() {
     }
 }
 
-/// A geometric ramp time far below a cycle permits any jerk, and no more speed at a knee than acceleration does.
+/// A geometric ramp time far below a cycle permits any jerk, and no more speed at a knee than acceleration
+/// does.
 #[test]
 fn a_geometric_ramp_below_the_cycle_keeps_the_acceleration() {
     for slope in 1..4 {
@@ -75,8 +76,8 @@ fn a_geometric_ramp_below_the_cycle_keeps_the_acceleration() {
     }
 }
 
-/// A ramp time of all axes in cycles, corners that are curves over time, and holds and overrides at many ticks: the largest share of
-/// `a_max` that an axis shows.
+/// A ramp time of all axes in cycles, corners that are curves over time, and holds and overrides at many
+/// ticks: the largest share of `a_max` that an axis shows.
 fn short_ramps(cycles: f64, slope: u8, contour: &str, cycle_us: u32) -> f64 {
     let ramp = (cycles * f64::from(cycle_us)) as u32;
     let mut machine = geometric(ramp, |axis| {
@@ -328,8 +329,9 @@ fn each_ramp_has_its_name() {
     }
 }
 
-/// What the look-ahead permits a curve over its length keeps the jerk of every axis: x'''·v³ + 3·x''·v·a + x'·j ≤ a / geometric ramp time.
-/// Where acceleration is bought with speed, so that v + a²/2j ≤ V, at every such pair of v and a.
+/// What the look-ahead permits a curve over its length keeps the jerk of every axis: x'''·v³ + 3·x''·v·a +
+/// x'·j ≤ a / geometric ramp time. Where acceleration is bought with speed, so that v + a²/2j ≤ V, at every
+/// such pair of v and a.
 #[test]
 fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
     let mut machine = machines::even::<3>(1000);

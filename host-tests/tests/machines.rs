@@ -1,5 +1,5 @@
-//! Random machine data over their permitted ranges, random programs and an operator: every limit of every axis at every tick, the exact
-//! end. The example `machines` goes on with it, and shows the run of one seed.
+//! Random machine data over their permitted ranges, random programs and an operator: every limit of every
+//! axis at every tick, the exact end. The example `machines` goes on with it, and shows the run of one seed.
 use host_tests::soak::{Outcome, soak};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -42,9 +42,10 @@ fn random_machines_keep_every_limit_where_the_planner_stalls() {
     all_good(300..500, true);
 }
 
-/// Blocks of less than 2^24 LSB filled by their slope, reduced speeds below 2^-16 of the feed, standstills at the end of a law that has no
-/// tick, curves of a nanometre, a slowing down that ends at a speed near zero far before the end of its span. With stalls: at a planned
-/// standstill, and while another law waits for its tick.
+/// Blocks of less than 2^24 LSB filled by their slope, reduced speeds below 2^-16 of the feed, standstills at
+/// the end of a law that has no tick, curves of a nanometre, a slowing down that ends at a speed near zero
+/// far before the end of its span. With stalls: at a planned standstill, and while another law waits for its
+/// tick.
 #[test]
 fn seeds_that_once_failed() {
     for seed in [17, 158, 296, 351, 500, 1025, 1298, 3112, 4103, 4157, 5739, 6290, 10838, 11415, 17903, 49820]

@@ -1,4 +1,5 @@
-//! Blocks that go on in a straight line are one: as fast as the whole line, and nothing that belongs to a point between is lost.
+//! Blocks that go on in a straight line are one: as fast as the whole line, and nothing that belongs to a
+//! point between is lost.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
@@ -9,7 +10,8 @@ use host_tests::cases::{Program, machines};
 use host_tests::properties::{Verdict, verify};
 use host_tests::trace::{Run, run_text};
 
-/// From zero to `end` in `blocks` pieces of random lengths, the longest four times the shortest, rounded to six decimals.
+/// From zero to `end` in `blocks` pieces of random lengths, the longest four times the shortest, rounded to
+/// six decimals.
 fn cut(end: &[f64], blocks: usize, seed: u64, feed: f64) -> Program {
     let mut random = Random::new(seed);
     let lengths: Vec<f64> = (0..blocks).map(|_| random.between(1.0, 4.0)).collect();

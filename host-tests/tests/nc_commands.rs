@@ -1,4 +1,5 @@
-//! Rows NC-009 and NC-010 and every # command, G word and axis command of the inventory: typed, with keywords and ranges.
+//! Rows NC-009 and NC-010 and every # command, G word and axis command of the inventory: typed, with keywords
+//! and ranges.
 mod nc_decode;
 use glidepath::nc::*;
 use glidepath::quantity::Position;

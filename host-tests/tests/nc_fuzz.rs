@@ -1,5 +1,5 @@
-//! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every call is
-//! bounded.
+//! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every
+//! call is bounded.
 mod nc_decode;
 use glidepath::nc::{Decoder, DecoderMemory, Step};
 use nc_decode::{Random, decode_text, decode_with, setup};

@@ -28,7 +28,8 @@ fn refusal(text: &str) -> Option<NcErrorKind> {
     }
 }
 
-/// A line for every keyword that goes with a method: row, method, keyword. All pairs that are not there are refused as a mismatch.
+/// A line for every keyword that goes with a method: row, method, keyword. All pairs that are not there are
+/// refused as a mismatch.
 fn only_with(patterns: &[&str], methods: &[&str], rows: &[(&str, &str, &str)]) {
     for pattern in patterns {
         for (of, _, keyword) in rows {

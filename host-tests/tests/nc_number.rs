@@ -42,8 +42,8 @@ fn coordinates_are_rounded_once() {
     }
 }
 
-/// Decimals of at most nine digits are multiplied instead of divided: those next to the middle between two fixed-point numbers are
-/// the first that a reciprocal with too few bits would round wrongly.
+/// Decimals of at most nine digits are multiplied instead of divided: those next to the middle between two
+/// fixed-point numbers are the first that a reciprocal with too few bits would round wrongly.
 #[test]
 fn decimals_next_to_a_tie() {
     for scale in 1..=9 {

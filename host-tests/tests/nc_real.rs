@@ -1,4 +1,5 @@
-//! Functions of expressions against std, through the language: at most 2 ulp, and exact where the true value is simple.
+//! Functions of expressions against std, through the language: at most 2 ulp, and exact where the true value
+//! is simple.
 mod nc_decode;
 use glidepath::nc::NcErrorKind;
 use nc_decode::{Random, error, value};

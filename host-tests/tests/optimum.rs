@@ -1,4 +1,5 @@
-//! The optimum along paths with changing feeds: closed forms, brute force, bounds, symmetries, and the accepted table.
+//! The optimum along paths with changing feeds: closed forms, brute force, bounds, symmetries, and the
+//! accepted table.
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::random::Random;
 use host_tests::reference::optimum::anchors::{at_borders, borders, in_valleys};
@@ -58,7 +59,8 @@ fn assert_permitted(found: &Optimum, blocks: &[Block], limits: &Limits) {
     assert!((sum - found.time).abs() < ROUNDING * sum);
 }
 
-/// Time with unlimited jerk: speed over distance from a pass in either direction. A lower bound from other formulas.
+/// Time with unlimited jerk: speed over distance from a pass in either direction. A lower bound from other
+/// formulas.
 fn without_jerk_limit(blocks: &[Block], limits: &Limits) -> f64 {
     let n = blocks.len();
     let mut squares = vec![0.0; n + 1];
@@ -118,8 +120,8 @@ fn a_single_block_takes_the_closed_form() {
     }
 }
 
-/// A short slow block between fast ones: the acceleration rises through zero once inside it. All such motions have a
-/// lowest speed, somewhere in the block.
+/// A short slow block between fast ones: the acceleration rises through zero once inside it. All such motions
+/// have a lowest speed, somewhere in the block.
 #[test]
 fn a_short_valley_takes_what_brute_force_finds() {
     let limits = Limits::even(ACCELERATION, 0.05);
@@ -167,8 +169,8 @@ fn in_profile(profile: &Profile, s: f64) -> f64 {
     profile.at(high).v
 }
 
-/// A long slow block: speed dips below its limit behind the start and before the end. Entered with acceleration -e, the
-/// speed is lowest e²/2J below the limit, v e/J - e³/3J² behind the start.
+/// A long slow block: speed dips below its limit behind the start and before the end. Entered with
+/// acceleration -e, the speed is lowest e²/2J below the limit, v e/J - e³/3J² behind the start.
 #[test]
 fn a_long_valley_takes_what_brute_force_finds() {
     let limits = Limits::even(ACCELERATION, 0.05);

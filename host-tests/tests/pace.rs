@@ -1,4 +1,5 @@
-//! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the path.
+//! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the
+//! path.
 use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
@@ -18,8 +19,8 @@ fn speeds(run: &Operated) -> Vec<f64> {
     run.distances.windows(2).map(|w| w[1].wrapping_sub(w[0]) as f64 * per_minute).collect()
 }
 
-/// Ticks within which a change of speed is complete: a command is seen a tick later, acts four ticks behind that, and the change
-/// itself takes no longer than from standstill to the highest speed.
+/// Ticks within which a change of speed is complete: a command is seen a tick later, acts four ticks behind
+/// that, and the change itself takes no longer than from standstill to the highest speed.
 const REACTION: usize = 5;
 
 #[test]
@@ -204,7 +205,8 @@ fn no_axis_is_faster_than_its_reduced_speed() {
     {
         texts.push(format!("%c\n#CONTOUR MODE ON [{mode}]\n{corners}"));
     }
-    // Steps, one slow block in seven, with ten blocks known at a time: it leaves when the ones behind it are fast.
+    // Steps, one slow block in seven, with ten blocks known at a time: it leaves when the ones behind it are
+    // fast.
     let steps: String = (1..=40).map(|k| if k % 7 == 0 { "Y30\n" } else { "X30\n" }).collect();
     texts.push(format!("%h\nG91 G01 F20000\n{steps}M30\n"));
     let few = MachineData { channel: ChannelData { look_ahead: 10, ..machine.channel }, ..machine };
@@ -252,7 +254,8 @@ fn override_of_zero_holds() {
 
 #[test]
 fn random_overrides_in_random_programs() {
-    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, and with holds between them.
+    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, and with holds
+    // between them.
     for seed in host_tests::seeds::seeds(0..150, 15) {
         let (program, machine, mut random) = random_setup(seed);
         let acts = with_overrides(&mut random, 3000, Vec::new());
@@ -262,8 +265,9 @@ fn random_overrides_in_random_programs() {
     }
 }
 
-/// The last span known is cut by a slowing down, what is left of it ends slower than planned, and then the override rises before
-/// the interrupt is there: the whole span gets a law again, and has to be able to slow down to that end.
+/// The last span known is cut by a slowing down, what is left of it ends slower than planned, and then the
+/// override rises before the interrupt is there: the whole span gets a law again, and has to be able to slow
+/// down to that end.
 #[test]
 fn a_law_taken_back_can_reach_an_end_made_slower() {
     let machine = machines::with_slope(machines::examples::<3>(4000), 1);
@@ -277,7 +281,8 @@ fn a_law_taken_back_can_reach_an_end_made_slower() {
     assert!(run.trace.row(run.trace.len() - 1).eq(end));
 }
 
-/// Rapid motion has no feed to go beyond: above 100 % it stays as fast as the axes allow in curves too, and below it is slower.
+/// Rapid motion has no feed to go beyond: above 100 % it stays as fast as the axes allow in curves too, and
+/// below it is slower.
 #[test]
 fn the_override_does_not_raise_rapid_motion_in_curves() {
     let text =

@@ -81,8 +81,9 @@ fn compare<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) ->
     let profiles = plan(&blocks, machine.channel.look_ahead as usize);
     assert_eq!(run.blocks.len(), profiles.len(), "{}", program.name);
     let mut largest = 0.0_f64;
-    // Where a speed was possible only because the next one is lower, that one follows from the difference of a distance
-    // and a length: it is known to a part of the higher speed, and the duration 2·length/(v_in + v_out) to twice as much.
+    // Where a speed was possible only because the next one is lower, that one follows from the difference of
+    // a distance and a length: it is known to a part of the higher speed, and the duration 2·length/(v_in +
+    // v_out) to twice as much.
     let tight = |p: &Profile| p.rise.time() == 0.0 && p.v_out < 0.7 * p.v_in && p.cruise < 1e-6 * p.time();
     let mut scale_in = 0.0;
     for (i, (block, profile)) in run.blocks.iter().zip(&profiles).enumerate() {
@@ -147,8 +148,8 @@ fn the_library_plans_what_the_reference_plans_at_the_edges() {
     same_plan::<3>([named::pieces(600, 0.2, 60_000.0), named::wave(600, 0.3, 60_000.0)].into_iter(), 1000);
 }
 
-/// Fewer than the ring holds: lines straight on, 100 nm to a millimetre long, of two feeds (at most `feed`) so that none grows. With `arcs`, quarter circles
-/// behind short ones.
+/// Fewer than the ring holds: lines straight on, 100 nm to a millimetre long, of two feeds (at most `feed`)
+/// so that none grows. With `arcs`, quarter circles behind short ones.
 fn short_blocks(seed: u64, feed: f64, arcs: bool) -> Program {
     let mut state = seed;
     let mut next = |n: u64| {

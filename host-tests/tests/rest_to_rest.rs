@@ -5,8 +5,8 @@ use host_tests::properties::verify;
 use host_tests::reference::profile::{Profile, Ramps, Slope, rest_to_rest};
 use host_tests::tolerance::SPEED_MARGIN;
 
-/// Time of the motion beside the optimum: never faster, at most one tick slower. 1e-9 s: f64. Feeds keep a margin, seen
-/// in moves that take minutes.
+/// Time of the motion beside the optimum: never faster, at most one tick slower. 1e-9 s: f64. Feeds keep a
+/// margin, seen in moves that take minutes.
 fn optimal<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, optimum: f64) {
     let verdict = verify::<AXES, 120>(program, machine).unwrap();
     let (time, cycle) = (verdict.run.trace.time(), verdict.run.trace.cycle);
@@ -42,8 +42,8 @@ fn four_different_ramps_of_sin2() {
     }
 }
 
-/// Time of a motion from rest to rest with accelerations `a` and decelerations `d` below and above `change_over`: speed over
-/// distance is v² = v0² + 2 a s in each stage.
+/// Time of a motion from rest to rest with accelerations `a` and decelerations `d` below and above
+/// `change_over`: speed over distance is v² = v0² + 2 a s in each stage.
 fn stepped(length: f64, v: f64, a: [f64; 2], d: [f64; 2], change_over: f64) -> f64 {
     // Distance and time up to the speed `to` and down again.
     let both = |to: f64| {

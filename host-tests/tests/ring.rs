@@ -1,4 +1,5 @@
-//! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives back.
+//! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives
+//! back.
 use glidepath::path::{LONGEST, Shape};
 use glidepath::quantity::{Distance, Position};
 use glidepath::queue::{
@@ -42,8 +43,8 @@ fn found(follower: &mut CurveConsumer<'_, 1>, distance: i64) -> Option<(u32, i64
     Some((number, along))
 }
 
-/// Every fill, every number of curves that have begun, and the seams of both arrays at several places. Whether curves are handed on
-/// makes no difference.
+/// Every fill, every number of curves that have begun, and the seams of both arrays at several places.
+/// Whether curves are handed on makes no difference.
 #[test]
 fn a_tick_passes_to_the_last_curve_that_has_begun() {
     const LENGTH: i64 = 10;
@@ -98,7 +99,8 @@ fn a_full_ring_takes_nothing() {
     assert!(layer.is_full());
 }
 
-/// Where the motion ends with the last curve handed on, the interrupt is on the next one: it counts as on the last one.
+/// Where the motion ends with the last curve handed on, the interrupt is on the next one: it counts as on the
+/// last one.
 #[test]
 fn curves_handed_on_are_counted_apart_from_those_of_the_look_ahead() {
     let mut course = CurveRing::<1, 100>::new();
@@ -119,7 +121,8 @@ fn curves_handed_on_are_counted_apart_from_those_of_the_look_ahead() {
     assert_eq!((layer.taken(), layer.len()), (layer.handed(), 1));
 }
 
-/// Lengths from the shortest to the longest mixed, path distance beyond its range, curves taken back: against a list.
+/// Lengths from the shortest to the longest mixed, path distance beyond its range, curves taken back: against
+/// a list.
 #[test]
 fn curves_of_all_lengths_are_found() {
     let mut random = Random::new(7);
@@ -166,7 +169,8 @@ fn curves_of_all_lengths_are_found() {
             }
             fullest = fullest.max(list.len() - at);
             if random.once_in(40) {
-                // What the interrupt has not reached is taken back, as after an abort; or only the look-ahead.
+                // What the interrupt has not reached is taken back, as after an abort; or only the
+                // look-ahead.
                 let left = if random.once_in(2) { at + 1 } else { handed.max(at + 1) };
                 withdrawn += list.len() - left;
                 list.truncate(left);
@@ -236,7 +240,8 @@ impl Slot for Numbered {
     const BLANK: Self = Self(0);
 }
 
-/// Of the items put in, the planner sees the last ones, as many as there are slots, whatever the interrupt has taken.
+/// Of the items put in, the planner sees the last ones, as many as there are slots, whatever the interrupt
+/// has taken.
 #[test]
 fn a_ring_holds_as_many_items_as_it_has_slots_and_shows_the_last_ones() {
     const SLOTS: u32 = 8;

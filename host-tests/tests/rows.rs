@@ -7,7 +7,8 @@ use host_tests::reference::profile::{Profile, Ramps};
 use host_tests::rounded::{quick, run_from};
 use host_tests::trace::run;
 
-/// No curve straight on and straight back, with any method that has its distance from the corner alone; one at a corner between.
+/// No curve straight on and straight back, with any method that has its distance from the corner alone; one
+/// at a corner between.
 #[test]
 fn no_method_makes_a_curve_straight_on_or_straight_back() {
     let mut machine = machines::even::<3>(1000);
@@ -85,7 +86,8 @@ fn an_interim_point_leaves_no_block_out() {
     }
 }
 
-/// PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the smaller one counts.
+/// PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the
+/// smaller one counts.
 #[test]
 fn a_distance_of_ptp_counts_without_its_deviation() {
     let corner = |mode: &str| {

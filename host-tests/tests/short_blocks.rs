@@ -1,6 +1,7 @@
 //! Blocks shorter than a tick, without a straight line among them.
 //!
-//! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop in the look-ahead.
+//! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop
+//! in the look-ahead.
 use glidepath::lookahead::ReleasedSpan;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Speed};
@@ -11,7 +12,8 @@ use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines};
 use host_tests::properties::verify;
 
-/// Chords of so many mm on two radians of a circle, too bent to be merged, between tangential lines of `lead` mm.
+/// Chords of so many mm on two radians of a circle, too bent to be merged, between tangential lines of `lead`
+/// mm.
 fn chords(chord: f64, radius: f64, lead: f64, feed: f64) -> Program {
     let count = (2.0 * radius / chord) as u32;
     let mut program = Program::new(format!("chords of {chord} mm"), 3).line(&[lead, 0.0], feed);
@@ -64,8 +66,8 @@ fn no_faster_than_a_tick_can_pass() {
     assert!(fastest > 0.3 && fastest <= 0.3101, "{fastest}");
 }
 
-/// A slowing down that fills a block: where the block has few LSB of length (2^-44 mm), rounding it is a larger part of it than limits
-/// have to spare.
+/// A slowing down that fills a block: where the block has few LSB of length (2^-44 mm), rounding it is a
+/// larger part of it than limits have to spare.
 #[test]
 fn a_slope_that_fills_a_block_of_few_lsb() {
     let mut r = Random::new(7);

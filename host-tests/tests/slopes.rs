@@ -1,4 +1,5 @@
-//! SIN2 and STEP, and slopes that change within a program: limits at every tick, exact ends, the same motion mirrored and again.
+//! SIN2 and STEP, and slopes that change within a program: limits at every tick, exact ends, the same motion
+//! mirrored and again.
 use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, program};
@@ -109,7 +110,8 @@ fn slopes_of<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, 
     of
 }
 
-/// Another slope first: what says DEFAULT has that of P-CHAN-00071 again, and both commands mean the same slopes.
+/// Another slope first: what says DEFAULT has that of P-CHAN-00071 again, and both commands mean the same
+/// slopes.
 #[test]
 fn the_default_is_the_slope_of_the_machine() {
     const NAMES: [&str; 4] = ["STEP", "TRAPEZ", "SIN2", "HSC"];
@@ -179,8 +181,8 @@ fn slopes_change_within_a_program() {
     }
 }
 
-/// STEP: the speed of an axis steps by what its smallest acceleration gives in a tick, or by a quarter of P-AXIS-00008 where that
-/// is less; P-AXIS-00013 is for the other slopes.
+/// STEP: the speed of an axis steps by what its smallest acceleration gives in a tick, or by a quarter of
+/// P-AXIS-00008 where that is less; P-AXIS-00013 is for the other slopes.
 #[test]
 fn a_knee_of_step_takes_a_tick_of_the_acceleration() {
     for (a_max, step) in [(100_000, 1.2), (2000, 0.5)] {
@@ -214,7 +216,8 @@ fn a_line_in_pieces_takes_the_time_of_the_whole_with_step() {
     }
 }
 
-/// One line after the other, on one machine: acceleration in steps, with straight edges, and as a sine squared.
+/// One line after the other, on one machine: acceleration in steps, with straight edges, and as a sine
+/// squared.
 #[test]
 fn each_slope_has_its_shape() {
     let machine = machines::with_slope(machines::even::<3>(1000), 0);
@@ -259,7 +262,8 @@ fn each_slope_has_its_shape() {
     assert!(ends.iter().all(|&step| step < 0.4 * mean), "SIN2: {ticks}, {steps:?}");
 }
 
-/// Long blocks are as fast with TRAPEZ as with HSC; of many short ones with other feeds HSC takes about half the time.
+/// Long blocks are as fast with TRAPEZ as with HSC; of many short ones with other feeds HSC takes about half
+/// the time.
 #[test]
 fn long_blocks_need_no_hsc_and_short_ones_do() {
     let ticks = |program: &Program, slope| {

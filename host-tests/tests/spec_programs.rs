@@ -1,8 +1,10 @@
-//! The example programs of the sources, run as files: what each must show, or how it is refused; with three slopes at the start.
+//! The example programs of the sources, run as files: what each must show, or how it is refused; with three
+//! slopes at the start.
 //!
-//! They lie beside the repository, in `../shared/spec/programs`, or in the folder `spec/programs` of the one that the variable
-//! GLIDEPATH_SHARED names. Where they are not, the test says so and checks nothing. Where Python with numpy is (`python3`, or what the
-//! variable PYTHON names), `tools/check_trace.py` of the same folder judges each motion again, from the decoded lines.
+//! They lie beside the repository, in `../shared/spec/programs`, or in the folder `spec/programs` of the one
+//! that the variable GLIDEPATH_SHARED names. Where they are not, the test says so and checks nothing. Where
+//! Python with numpy is (`python3`, or what the variable PYTHON names), `tools/check_trace.py` of the same
+//! folder judges each motion again, from the decoded lines.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
 use glidepath::nc::{Command, Decoder, DecoderMemory, MotionKind, Setup, Step};
@@ -27,7 +29,8 @@ const SLOPES: [(&str, u8); 3] = [("default", 0), ("TRAPEZ", 1), ("HSC", 3)];
 
 /// What a program must show.
 enum Show {
-    /// This is its last point, this its distance from the programmed lines at most, and this is true of the run.
+    /// This is its last point, this its distance from the programmed lines at most, and this is true of the
+    /// run.
     Runs { end: [f64; 2], off: f64, and: fn(&Run) -> Result<(), String> },
     /// This is refused, in these words.
     Refused(&'static str),
@@ -325,7 +328,8 @@ fn nothing_is_rounded(run: &Run) -> Result<(), String> {
 }
 
 fn rounded_up_to_73_degrees(run: &Run) -> Result<(), String> {
-    // How near each visit to the corner comes: one for each pass, and one on the way back from a pass straight on.
+    // How near each visit to the corner comes: one for each pass, and one on the way back from a pass
+    // straight on.
     let (mut visits, mut inside) = (Vec::new(), false);
     for q in run.rows() {
         let off = q[0].hypot(q[1]);

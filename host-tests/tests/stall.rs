@@ -1,5 +1,6 @@
-//! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out, stands on its path, goes on
-//! when the planner is called again, and loses nothing. What does not last as long as the queue is not felt.
+//! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out,
+//! stands on its path, goes on when the planner is called again, and loses nothing. What does not last as
+//! long as the queue is not felt.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::random::Random;
@@ -28,8 +29,8 @@ const SHORT: [usize; 5] = [1, 5, 20, 60, 200];
 /// A planner that keeps up: called until it has nothing to do.
 const KEEPS_UP: usize = 1_000_000;
 
-/// A planner that is called so many ticks before a plan begins to differ is not late. The way to a standstill begins as planned: with the
-/// rest of a ramp, with blocks too short to stop in.
+/// A planner that is called so many ticks before a plan begins to differ is not late. The way to a standstill
+/// begins as planned: with the rest of a ramp, with blocks too short to stop in.
 const AHEAD: usize = 160;
 
 /// A law ends between two ticks, and the tick that shows its end comes from the planner: 4 µm, LSB 2^-44 mm.
@@ -165,7 +166,8 @@ impl Track {
         self.functions(run)
     }
 
-    /// The set point of a path distance is between those of the scan on both sides, no further off than these are apart.
+    /// The set point of a path distance is between those of the scan on both sides, no further off than these
+    /// are apart.
     fn on_path(&self, run: &Operated, tick: usize) -> Result<(), String> {
         let (at, seen) = (run.distances[tick], run.trace.mm(tick));
         let scan = &self.scan;
@@ -201,7 +203,8 @@ impl Track {
     /// Path distances at which the undisturbed motion rests or passes a standstill, the end too.
     fn rests(&self) -> Vec<i64> {
         let s = &self.plain.distances;
-        // As far as a tick gets from rest: with STEP half of 6 m/s² times 1 ms squared, otherwise far less. LSB 2^-44 mm.
+        // As far as a tick gets from rest: with STEP half of 6 m/s² times 1 ms squared, otherwise far less.
+        // LSB 2^-44 mm.
         let step = if self.machine.channel.slope_profile == 0 { 1 << 36 } else { 1 << 31 };
         let rests = s.windows(2).filter(|w| w[1] - w[0] < step).map(|w| w[0]);
         rests.chain([0]).chain(s.last().copied()).collect()
@@ -324,7 +327,8 @@ fn all(slope: usize) {
     faults.none(tried);
 }
 
-/// What an operator does about a stall of so many ticks from tick `at` on, and whether nothing of it makes the motion stand.
+/// What an operator does about a stall of so many ticks from tick `at` on, and whether nothing of it makes
+/// the motion stand.
 fn operations(at: usize, ticks: usize) -> Vec<(Vec<(usize, Act)>, bool)> {
     use Act::{Hold, Override, Resume};
     let (before, stall, behind) = (at - 100, (at, Act::Stall(ticks)), at + ticks + 100);
@@ -371,8 +375,8 @@ fn stalls_while_an_operator_acts() {
     faults.none(tried);
 }
 
-/// A knee, an arc, short blocks, an exact stop: stalled long and short before every 41st tick; before every one with the variable
-/// EVERY_TICK, in minutes. All ticks of other programs: `every_tick.rs`.
+/// A knee, an arc, short blocks, an exact stop: stalled long and short before every 41st tick; before every
+/// one with the variable EVERY_TICK, in minutes. All ticks of other programs: `every_tick.rs`.
 #[test]
 fn a_stall_before_every_41st_tick() {
     let stride = if std::env::var_os("EVERY_TICK").is_some() { 1 } else { 41 };
@@ -401,8 +405,8 @@ fn a_stall_before_every_41st_tick() {
     faults.none(tried);
 }
 
-/// The queue ends at an exact stop, between two ticks, and the next block has not arrived: no tick in it shows that end. It is shown all
-/// the same where the planner gets no time, and nobody is late.
+/// The queue ends at an exact stop, between two ticks, and the next block has not arrived: no tick in it
+/// shows that end. It is shown all the same where the planner gets no time, and nobody is late.
 #[test]
 fn a_stall_while_the_queue_ends_in_an_exact_stop() {
     let mut faults = Vec::new();
@@ -436,7 +440,8 @@ fn a_stall_while_the_queue_ends_in_an_exact_stop() {
 /// Random programs on random machines, with stalls alone and beside an operator.
 #[test]
 fn random_programs_stalled() {
-    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, with text that comes late too.
+    // `cargo run --release -p host-tests --example operate -- 0 100000` goes on with it, with text that comes
+    // late too.
     let (mut faults, mut first) = (0, String::new());
     for seed in host_tests::seeds::seeds(0..200, 20) {
         let (program, machine, mut random) = random_setup(seed);
@@ -491,8 +496,9 @@ fn called_rarely_it_is_not_late() {
     }
 }
 
-/// Lines and arcs so long that the interrupt does not know all of the queue and the look-ahead at once: the way to a standstill is in
-/// what it knows. Stalled before every tick in which that way is moved on, at the end of each block.
+/// Lines and arcs so long that the interrupt does not know all of the queue and the look-ahead at once: the
+/// way to a standstill is in what it knows. Stalled before every tick in which that way is moved on, at the
+/// end of each block.
 #[test]
 fn a_way_through_blocks_of_60_metres_is_known() {
     let (line, radius) = (60_000.0, 45_000.0);

@@ -53,14 +53,15 @@ fn turned_by_a_quarter() {
 
 #[test]
 fn reversed_takes_the_same_time() {
-    // Acceleration and deceleration are alike on this machine, and all blocks are in view: time may run backward.
+    // Acceleration and deceleration are alike on this machine, and all blocks are in view: time may run
+    // backward.
     for program in samples().filter(|p| p.moves.len() < 100) {
         let (plain, other) = (of(&program), of(&program.reversed()));
         // Every standstill waits for the next tick.
         let stops = plain.blocks.iter().filter(|b| b.v_out.to_bits() == 0).count() as i64;
         let off = plain.trace.ticks() as i64 - other.trace.ticks() as i64;
-        // A corner without a curve is judged by what the corner before it has left of the block between them: where passing and
-        // standing still take the same time, the order decides.
+        // A corner without a curve is judged by what the corner before it has left of the block between them:
+        // where passing and standing still take the same time, the order decides.
         let ties = plain.trace.ticks() as i64 / 10_000;
         assert!(off.abs() <= stops + 1 + ties, "{}: {off} ticks, {stops} stops", program.name);
     }

@@ -1,5 +1,5 @@
-//! G130…G134, G231…G233, G338, G339: a weighted machine is the machine with other data, block by block, and every axis
-//! stays inside what its weights of the moment permit.
+//! G130…G134, G231…G233, G338, G339: a weighted machine is the machine with other data, block by block, and
+//! every axis stays inside what its weights of the moment permit.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Position;
@@ -114,7 +114,8 @@ fn a_weight_is_of_the_machine_data_and_leaves_the_axes_not_named() {
     equivalent(&tour, &m, &["G130 X10 Y20 Z30", "G133 10", "G131 100", "G133 100"], |_, _| {});
 }
 
-/// With STEP both stages are weighted, decelerations that are taken over from accelerations too; in rapid motion by G231.
+/// With STEP both stages are weighted, decelerations that are taken over from accelerations too; in rapid
+/// motion by G231.
 #[test]
 fn weights_act_on_the_stages_of_step() {
     let mut m = machines::with_slope(machine(), 0);
@@ -185,8 +186,8 @@ fn channel_data_choose_what_is_weighted() {
     equivalent(&line, &chosen(0, 4), &["G133 50"], |_, a| a.tr_brems_ab /= 2);
 }
 
-/// D3-EX25 and D3-EX26, and the same with an exact stop: then no joint takes its part of the jerk, and the axes show
-/// just what the weights say.
+/// D3-EX25 and D3-EX26, and the same with an exact stop: then no joint takes its part of the jerk, and the
+/// axes show just what the weights say.
 #[test]
 fn weighted_accelerations_and_ramps_are_used_in_full() {
     let machine = machines::even::<3>(1000);
@@ -214,7 +215,8 @@ fn weighted_accelerations_and_ramps_are_used_in_full() {
     }
 }
 
-/// Weights in force for each block: percent of acceleration and of ramps at feed, the same in rapid motion, geometric.
+/// Weights in force for each block: percent of acceleration and of ramps at feed, the same in rapid motion,
+/// geometric.
 type Percents = [[u32; 5]; 3];
 
 fn weighted(axis: &AxisData, [a, ramp, a_rapid, ramp_rapid, geometric]: [u32; 5]) -> AxisData {

@@ -1,5 +1,6 @@
 //! The memory of a channel, and what is made in it.
-use super::{MachineError, Planner, Source, check};
+use super::check::check;
+use super::{MachineError, Planner, Source};
 use crate::machine::MachineData;
 use crate::nc::{Decoder, DecoderMemory, Setup, Text};
 use crate::operator::Operator;

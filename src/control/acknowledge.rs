@@ -6,10 +6,10 @@
 //! | `put_out` | the operator, who takes functions out | the last ticket put out |
 //! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
 //!
-//! A function is *open* when it is planned and put out, and not acknowledged. A ticket holds function and sequence number, and
-//! words are compared as a whole. So no order of contexts can take one acknowledgement for another: neither one that comes early
-//! or twice, nor one for what an abort has thrown away. No word is changed from what it was known to be: that
-//! would need a compare-and-swap, which small cores do not have.
+//! A function is *open* when it is planned and put out, and not acknowledged. A ticket holds function and
+//! sequence number, and words are compared as a whole. So no order of contexts can take one acknowledgement
+//! for another: neither one that comes early or twice, nor one for what an abort has thrown away. No word is
+//! changed from what it was known to be: that would need a compare-and-swap, which small cores do not have.
 //!
 //! Places are used in turn, and a place is given no ticket that its other words still hold.
 use crate::technology::{Function, Ticket};
@@ -20,7 +20,8 @@ pub(crate) const OPEN: usize = 32;
 
 const FREE: u32 = 0;
 
-/// A ticket: a bit that makes it another word than [`FREE`], M or H, number, which of the places, sequence number.
+/// A ticket: a bit that makes it another word than [`FREE`], M or H, number, which of the places, sequence
+/// number.
 const PLANNED: u32 = 1;
 const OF_H: u32 = 1 << 2;
 const CODE: u32 = 3;
@@ -105,7 +106,8 @@ impl Acknowledgements {
         Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 
-    /// Plans one that comes behind all others with a lower `sequence`; `None` if there is no room. For the planner.
+    /// Plans one that comes behind all others with a lower `sequence`; `None` if there is no room. For the
+    /// planner.
     pub fn plan(&self, function: Function, sequence: u8) -> Option<Ticket> {
         let planned = word(function)? | PLANNED | u32::from(sequence) << SEQUENCE;
         let first = self.next.load(Ordering::Relaxed);

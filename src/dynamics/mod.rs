@@ -1,23 +1,25 @@
 //! Permitted path speed, acceleration and jerk of one element and of one transition, from those of the axes.
 //!
-//! Everything here is per tick and in `f32`; three margins make up for its rounding and for that of the integers
-//! behind it, so that the limits of the axes hold exactly:
+//! Everything here is per tick and in `f32`; three margins make up for its rounding and for that of the
+//! integers behind it, so that the limits of the axes hold exactly:
 //!
 //! | of | factor | covers |
 //! |---|---|---|
 //! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
 //!
-//! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it: where a
-//! contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that add up to at most
-//! `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows at most the larger one of `B` and
-//! π/2 · a / ramp time.
+//! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it:
+//! where a contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that
+//! add up to at most `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows
+//! at most the larger one of `B` and π/2 · a / ramp time.
 //!
-//! The curvature of a curve with CHECK_JERK=1 has `a / geometric ramp time`, which is less than `B` where that time is the longer one.
+//! The curvature of a curve with CHECK_JERK=1 has `a / geometric ramp time`, which is less than `B` where
+//! that time is the longer one.
 //!
-//! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an acceleration beside that of
-//! the slope, which does not vanish there. A quarter of `a_max` is left to knees: beside them and beside blocks that may pass
-//! within a tick on lines, always on arcs. A knee takes no more than what the acceleration of a stage changes in a cycle.
+//! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an
+//! acceleration beside that of the slope, which does not vanish there. A quarter of `a_max` is left to knees:
+//! beside them and beside blocks that may pass within a tick on lines, always on arcs. A knee takes no more
+//! than what the acceleration of a stage changes in a cycle.
 
 mod axis;
 mod override_range;
@@ -47,9 +49,9 @@ pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
-/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the ends
-/// of a block, which leaves the knee its part, unless their ramps are as short as the difference looks, or
-/// acceleration passes the knee (HSC).
+/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the
+/// ends of a block, which leaves the knee its part, unless their ramps are as short as the difference looks,
+/// or acceleration passes the knee (HSC).
 const KNEE_PART: f32 = 0.25;
 /// Part of what a transition may show that passes for none.
 const SLIGHT: f32 = 1.0 / 64.0;
@@ -62,7 +64,8 @@ const NO_LIMIT: f32 = 1e20;
 /// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them.
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
-    /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the weights.
+    /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the
+    /// weights.
     before: Option<[[TransitionLimits; 2]; AXES]>,
     machine: MachineData<AXES>,
     weights: Weights<AXES>,
@@ -99,7 +102,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both sides.
+    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both
+    /// sides.
     pub fn weigh(&mut self, weight: &Weight<AXES>) {
         self.weights.set(weight);
         self.change();
@@ -239,8 +243,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and no more than
-    /// `of` a_max and of `B`.
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and
+    /// no more than `of` a_max and of `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
         let [mut a, mut j] = [f32::MAX; 2];
         for (axis, part) in self.axes.iter().zip(parts) {
@@ -263,7 +267,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion to `parts`.
+    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion
+    /// to `parts`.
     pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
         let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
         axes.fold(f32::MAX, |j, (axis, part)| {

@@ -18,7 +18,8 @@ const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
 
-/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed: the less, the sooner a feed hold stands in it.
+/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed: the less, the
+/// sooner a feed hold stands in it.
 const STEADY_NORMAL_PART: f32 = 0.95;
 const STEADY_PART: f32 = 0.88;
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
@@ -28,7 +29,8 @@ const CONSTANT_SLOPE_PART: f32 = 0.02;
 /// What limits a curve that replaces a corner, beside the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curving {
-    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp times.
+    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp
+    /// times.
     pub jerk: u8,
     /// CONST_VEL: its speed does not change.
     pub constant: Option<Steady>,
@@ -48,8 +50,8 @@ impl Steady {
     pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
 }
 
-/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their arc length
-/// adds to that.
+/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their
+/// arc length adds to that.
 const CONSTANT: f32 = 3e-4;
 
 /// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the
@@ -97,13 +99,14 @@ impl Limits {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's derivatives, each at
-    /// its largest, share the acceleration a_max and the jerk budget:
+    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's
+    /// derivatives, each at its largest, share the acceleration a_max and the jerk budget:
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to be passed at one speed, the
-    /// highest, and what is left to its acceleration is for an operator's command.
+    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to
+    /// be passed at one speed, the highest, and what is left to its acceleration is for an operator's
+    /// command.
     pub fn polynomial(
         &self,
         element: &Element<AXES>,
@@ -184,8 +187,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as long as it is passed at
-    /// the highest speed. What is left to its slope: [`Self::trade`].
+    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as
+    /// long as it is passed at the highest speed. What is left to its slope: [`Self::trade`].
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
@@ -214,23 +217,25 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk; a path acceleration
-    /// needs 3·x''·v·a beside it.
+    /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk;
+    /// a path acceleration needs 3·x''·v·a beside it.
     ///
-    /// Acceleration is bought with speed: v + a²/(2·j) ≤ V. That is so from acceleration zero at a speed of V at most, and to there,
-    /// with that jerk; and a slowing down that has it where the curve begins keeps it inside. The only question is, how high j may be.
-    /// With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an axis needs
+    /// Acceleration is bought with speed: v + a²/(2·j) ≤ V. That is so from acceleration zero at a speed of V
+    /// at most, and to there, with that jerk; and a slowing down that has it where the curve begins keeps it
+    /// inside. The only question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an
+    /// axis needs
     ///
     /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
     ///
-    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2 times 2·(1 − e);
-    /// e·(1 − e²) is at most 0.385. With x = √(2·j·V), A = |x''|·V², C = |x'''|·V³ and D = 3·|x''|·V what is to be kept becomes
+    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2
+    /// times 2·(1 − e); e·(1 − e²) is at most 0.385. With x = √(2·j·V), A = |x''|·V², C = |x'''|·V³ and D =
+    /// 3·|x''|·V what is to be kept becomes
     ///
     /// - A + |x'|·x ≤ a_max or A² + (|x'|·x)²/7 ≤ a_max·A, and |x'|·x ≤ a_max and 9/16·A + |x'|·x/2 ≤ a_max;
     /// - C + 0.385·D·x + |x'|·j ≤ B or C² + D²·x²/9 ≤ (B − |x'|·j)·C, and 27/64·C + 0.385·D·x + |x'|·j ≤ B.
     ///
-    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so j is known from it. With a
-    /// lower V and the same x, the rule is stricter at any speed.
+    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so
+    /// j is known from it. With a lower V and the same x, the rule is stricter at any speed.
     fn trade(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
         let v = limits.v;
         let SlopeLaw::JerkLimited { shape: ramp, j: ramps, .. } = &mut limits.law else { return };

@@ -14,22 +14,25 @@ const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
 /// Part of `B` for an acceleration that turns with the path at a transition.
 const TURN_PART: f32 = 0.05;
 
-/// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it, and
-/// all of the budget is left to the slope.
+/// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it,
+/// and all of the budget is left to the slope.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay inside
-    /// what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None` if the
-    /// transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the shorter one, mm.
+    /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay
+    /// inside what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None`
+    /// if the transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the
+    /// shorter one, mm.
     ///
-    /// Jerk is not limited in two places, because the machine data say so. A step of acceleration is free without P-CHAN-00009; with it,
-    /// it has the part of the transition's jerk that P-AXIS-00154 gives. A step of speed is limited by acceleration
-    /// alone where P-AXIS-00013 is given. Acceleration is limited everywhere.
+    /// Jerk is not limited in two places, because the machine data say so. A step of acceleration is free
+    /// without P-CHAN-00009; with it, it has the part of the transition's jerk that P-AXIS-00154 gives. A
+    /// step of speed is limited by acceleration alone where P-AXIS-00013 is given. Acceleration is limited
+    /// everywhere.
     ///
-    /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps that
-    /// follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
-    /// acceleration beside the transition where it does not vanish there (STEP), otherwise 0.
+    /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps
+    /// that follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
+    /// `a` is the largest acceleration beside the transition where it does not vanish there (STEP), otherwise
+    /// 0.
     pub fn transition(
         &self,
         from: &End<AXES>,
@@ -89,8 +92,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
-    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the transition's part of the jerk
-    /// budget: with a block between both that takes less than a tick, steps at its two ends are one.
+    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the
+    /// transition's part of the jerk budget: with a block between both that takes less than a tick, steps at
+    /// its two ends are one.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
@@ -101,7 +105,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         sqrt_f32(square) * MARGIN
     }
 
-    /// Highest speed at which a change of direction is rounding of coordinates: all of the limits are left to the slope.
+    /// Highest speed at which a change of direction is rounding of coordinates: all of the limits are left to
+    /// the slope.
     pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
         let mut v = f32::MAX;
@@ -115,15 +120,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         v * MARGIN
     }
 
-    /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is `off` (mm) beside where
-    /// it should be: the knee is at most `off` over its length. Where that takes long, it shows.
+    /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is
+    /// `off` (mm) beside where it should be: the knee is at most `off` over its length. Where that takes
+    /// long, it shows.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
         let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)
     }
 
-    /// Whether a transition is tangential but for rounding of coordinates: at the speed `fastest` each axis shows far less than
-    /// what a transition may.
+    /// Whether a transition is tangential but for rounding of coordinates: at the speed `fastest` each axis
+    /// shows far less than what a transition may.
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
@@ -134,8 +140,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of every
-    /// axis' acceleration stays inside its part of the jerk budget.
+    /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of
+    /// every axis' acceleration stays inside its part of the jerk budget.
     pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
         self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
             let set = if rapid { &axis.rapid } else { &axis.feed };
@@ -144,13 +150,14 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// Speed of a transition with steps of speed, `alone` if no other one is within three ticks, where speed changes by `a` per tick beside
-/// it; `quarter` is a fourth of its part by its knee, `length` that of the shorter block.
+/// Speed of a transition with steps of speed, `alone` if no other one is within three ticks, where speed
+/// changes by `a` per tick beside it; `quarter` is a fourth of its part by its knee, `length` that of the
+/// shorter block.
 ///
-/// A block that begins or ends with the speed v takes three ticks if it is 3 v + 9/2 a long. Asked in two steps: a difference of length
-/// and a would be known badly where it is small. Otherwise the steps of all that pass within
-/// a tick share a fourth of the part: v·√(v² + a·length) ≤ quarter·length, where the root is the speed in the middle of a block with v at
-/// both ends.
+/// A block that begins or ends with the speed v takes three ticks if it is 3 v + 9/2 a long. Asked in two
+/// steps: a difference of length and a would be known badly where it is small. Otherwise the steps of all
+/// that pass within a tick share a fourth of the part: v·√(v² + a·length) ≤ quarter·length, where the root is
+/// the speed in the middle of a block with v at both ends.
 fn beside_others(alone: f32, quarter: f32, length: f32, a: f32) -> f32 {
     let part = if length >= 45.0 * a {
         0.3

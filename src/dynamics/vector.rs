@@ -1,10 +1,13 @@
 //! #VECTOR LIMIT: limits along the path, for the blocks that follow. They only lower what the axes permit.
 //!
-//! - ACC, DEC and VEL are switched on and off one by one; ALL is the three of them. Without a value they are those of the
-//!   channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
-//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. Where no main axis moves, degrees.
-//! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends both.
-//! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a weight.
+//! - ACC, DEC and VEL are switched on and off one by one; ALL is the three of them. Without a value they are
+//!   those of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
+//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. Where no main axis
+//!   moves, degrees.
+//! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends
+//!   both.
+//! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a
+//!   weight.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
 use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};

@@ -1,8 +1,9 @@
 //! G130…G134, G231…G233, G338, G339: the machine data of an axis, weighted.
 //!
-//! A weight is percent of the machine data, not of a weight before it: 50 % twice is 50 %, an axis that is not named has
-//! 100 %. It acts on the blocks that follow, to the end of the program. What it leads to stays inside the ranges of the
-//! machine data, so that everything that holds for these holds for weighted ones too:
+//! A weight is percent of the machine data, not of a weight before it: 50 % twice is 50 %, an axis that is
+//! not named has 100 %. It acts on the blocks that follow, to the end of the program. What it leads to stays
+//! inside the ranges of the machine data, so that everything that holds for these holds for weighted ones
+//! too:
 //!
 //! | value | from | to |
 //! |---|---|---|
@@ -10,7 +11,8 @@
 //! | ramp times at feed | the larger one of P-AXIS-00201 and P-AXIS-00293 | 2^32 µs |
 //! | rapid and geometric ramp time | P-AXIS-00201, or the machine data where they are below it | 2^32 µs |
 //!
-//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed. G338 and G339 are taken as G133 and G233.
+//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed. G338 and G339 are taken as
+//! G133 and G233.
 use crate::machine::{AxisData, ChannelData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;

@@ -1,5 +1,5 @@
-//! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on both sides, and whether
-//! acceleration may pass it.
+//! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on
+//! both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Marks, UNPLANNED};
 use super::pace::Slowest;
 use super::ring::Ring;
@@ -121,8 +121,8 @@ impl<const AXES: usize> Next<'_, AXES> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than the way to a
-    /// standstill from its speed.
+    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than
+    /// the way to a standstill from its speed.
     #[inline(always)]
     pub(crate) fn push(
         &mut self,

@@ -21,7 +21,8 @@ pub struct Block {
     pub(super) highest: f32,
     /// Planned speed at its start.
     pub(super) v_in: Speed,
-    /// Speed at its start as far as it can be reached from the first block. Not of an anchor: [`Ease`], if any.
+    /// Speed at its start as far as it can be reached from the first block. Not of an anchor: [`Ease`], if
+    /// any.
     pub(super) v_reached: Speed,
     /// The speed that the last complete plan had there: it stays possible.
     pub(super) v_old: Speed,
@@ -35,8 +36,9 @@ pub struct Block {
     pub(super) trades: bool,
 }
 
-/// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*: it is the piece of a
-/// slow block in a faster span, where the speed at the anchor beside it keeps its limit ([`super::valley`]).
+/// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*:
+/// it is the piece of a slow block in a faster span, where the speed at the anchor beside it keeps its limit
+/// ([`super::valley`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 

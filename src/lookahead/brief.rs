@@ -1,10 +1,11 @@
 //! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, so that 31
 //! in a row take a tick at least.
 //!
-//! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours would bring all of the
-//! motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which take less than that. The others then take the
-//! 20th part of a tick each: twenty of them are a tick. A block is brief only where it is far shorter than the last one that is not, so
-//! that a chain of equal blocks keeps its 31 in a tick.
+//! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours
+//! would bring all of the motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which
+//! take less than that. The others then take the 20th part of a tick each: twenty of them are a tick. A block
+//! is brief only where it is far shorter than the last one that is not, so that a chain of equal blocks keeps
+//! its 31 in a tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;
@@ -13,8 +14,8 @@ use crate::queue::MAX_CURVES_PER_TICK;
 const ROW: u32 = MAX_CURVES_PER_TICK - 1;
 /// Brief ones among them at most.
 const MOST_BRIEF: u32 = 11;
-/// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time rounding to 2^-36 tick is a
-/// 2^-18th part.
+/// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time
+/// rounding to 2^-36 tick is a 2^-18th part.
 const ALL: f32 = ROW as f32;
 const OTHERS: f32 = (ROW - MOST_BRIEF) as f32;
 const BRIEF: f32 = (1 << 18) as f32;
@@ -42,8 +43,8 @@ impl Row {
         self.brief & 1 != 0
     }
 
-    /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that. `timed`: its speed is
-    /// given; it is a part of a curve of several ticks.
+    /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that.
+    /// `timed`: its speed is given; it is a part of a curve of several ticks.
     #[inline(always)]
     pub fn take(
         &mut self,

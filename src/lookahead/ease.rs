@@ -1,13 +1,15 @@
 //! Knees: anchors that a gentler law does without.
 //!
-//! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to zero there and has
-//! to be built up again behind it. One law for the spans on both sides may be faster: with so little acceleration, or
-//! deceleration, that it passes the slow block at just its speed, or with the speed of a slow block as its highest.
+//! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to
+//! zero there and has to be built up again behind it. One law for the spans on both sides may be faster: with
+//! so little acceleration, or deceleration, that it passes the slow block at just its speed, or with the
+//! speed of a slow block as its highest.
 //!
-//! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all that the
-//! blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or slows down, the secant
-//! method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at its peak, its highest speed is lowered. After a
-//! few rounds it keeps all limits, or the anchor stays; as it does where that law takes longer.
+//! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all
+//! that the blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or
+//! slows down, the secant method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at
+//! its peak, its highest speed is lowered. After a few rounds it keeps all limits, or the anchor stays; as it
+//! does where that law takes longer.
 use super::block::{Marks, UNPLANNED};
 use super::law::{LSB_44, Law, RISE, Span};
 use super::plan::spend;
@@ -29,7 +31,8 @@ impl Limits {
     }
 }
 
-/// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have its speed.
+/// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have
+/// its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
     /// Of acceleration and of deceleration, LSB 2^-8.
@@ -108,8 +111,8 @@ pub(super) enum Step {
     Gather,
     /// Compare the law with the blocks.
     Compare,
-    /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with the first
-    /// number, enough with the second. What is tried next, if that is known.
+    /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with
+    /// the first number, enough with the second. What is tried next, if that is known.
     Search(usize, [u8; 2], Option<u8>),
     /// The anchor stays where it is, unless it becomes a valley: see [`super::valley`].
     Valley(valley::Step),
@@ -195,8 +198,8 @@ impl Trial {
         Self { last, ..Self::NONE }
     }
 
-    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the end. That stays as
-    /// it is: what follows relies on it.
+    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the
+    /// end. That stays as it is: what follows relies on it.
     fn law(&self, ease: Ease) -> Option<Law> {
         let [v_in, _, v_end] = self.speeds;
         let mut span = self.spans[0];
@@ -219,8 +222,8 @@ impl Trial {
 }
 
 impl Excess {
-    /// That of the limit `v` between two distances, and whether it is one of the slowing down; `None` where less acceleration is no
-    /// help.
+    /// That of the limit `v` between two distances, and whether it is one of the slowing down; `None` where
+    /// less acceleration is no help.
     fn new(law: &mut Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
         let [v_in, v_out] = law.ends();
         let (side, way, low, at) = if to <= law.reaches_at() {
@@ -236,8 +239,8 @@ impl Excess {
 }
 
 impl Excess {
-    /// [`Ease::less`] with which the limit is just kept, about: without the ramp at the higher speed, and as if the mean speed were
-    /// that of both ends. With jerk j and time t, a t − a²/(2j) = dv.
+    /// [`Ease::less`] with which the limit is just kept, about: without the ramp at the higher speed, and as
+    /// if the mean speed were that of both ends. With jerk j and time t, a t − a²/(2j) = dv.
     fn guess(&self, limits: &Limits, side: usize) -> u8 {
         let (a, j) = if side == 0 { (limits.a_up, limits.jerk(0)) } else { (limits.a_down, limits.jerk(3)) };
         let t = 2.0 * self.dv / self.a;
@@ -529,8 +532,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = Step::Search(side, [fast, slow], first);
     }
 
-    /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`: what that
-    /// permits at its start.
+    /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`:
+    /// what that permits at its start.
     pub(super) fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
         let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
         if block > 0

@@ -97,8 +97,8 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves unused may lower its highest
-    /// speed below `cap`.
+    /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves
+    /// unused may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
         self.faster(&self.limits.brake(), v_out, min(cap, self.limits.v))
     }
@@ -187,8 +187,8 @@ impl Law {
         to + near <= reached || (self.firm && from - near >= left)
     }
 
-    /// So far before it reaches the speed `v`, or behind where it leaves it, is the distance `at` from its start; negative where it
-    /// is faster.
+    /// So far before it reaches the speed `v`, or behind where it leaves it, is the distance `at` from its
+    /// start; negative where it is faster.
     pub fn margin(&mut self, v: f32, at: f32) -> f32 {
         if v >= self.peak {
             return f32::MAX;
@@ -210,8 +210,8 @@ impl Law {
     }
 }
 
-/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too short even for
-/// a standstill. `kept`: the speed at its start may have been planned for another end speed.
+/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too
+/// short even for a standstill. `kept`: the speed at its start may have been planned for another end speed.
 #[inline(always)]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
@@ -260,10 +260,11 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
     v_out.to_bits().saturating_add(gain).saturating_add(gain >> 21) >= v_in.to_bits()
 }
 
-/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way round.
+/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way
+/// round.
 ///
-/// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's LSB in
-/// `f32`.
+/// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's
+/// LSB in `f32`.
 #[inline(always)]
 pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);

@@ -1,18 +1,20 @@
 //! Limits over distance: a ring of blocks and, for each transition, the speed at which it may be taken.
 //!
-//! Two rules fix the speeds. Backward, from a standstill at the end of the ring: a block may be entered at the speed
-//! from which its end speed can be reached within its length. Forward, when a block is handed on: its end speed is at
-//! most what its start speed can grow to. Both use the slope with zero acceleration at the ends of the block. The
-//! plan therefore always stops inside the ring. A higher end speed may lower what the first rule allows at the start;
-//! then the speed planned before stays, and the end speed gives way when the block is handed on.
+//! Two rules fix the speeds. Backward, from a standstill at the end of the ring: a block may be entered at
+//! the speed from which its end speed can be reached within its length. Forward, when a block is handed on:
+//! its end speed is at most what its start speed can grow to. Both use the slope with zero acceleration at
+//! the ends of the block. The plan therefore always stops inside the ring. A higher end speed may lower what
+//! the first rule allows at the start; then the speed planned before stays, and the end speed gives way when
+//! the block is handed on.
 //!
-//! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both sides have the same
-//! limits, as it is in a circle of several arcs), the blocks on both sides belong to one *span*: one change of speed after the
-//! other runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
-//! which transitions are anchors, `ease` does without some of them.
+//! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both
+//! sides have the same limits, as it is in a circle of several arcs), the blocks on both sides belong to one
+//! *span*: one change of speed after the other runs across them. Transitions between spans are *anchors*:
+//! acceleration is zero there. `span` decides which transitions are anchors, `ease` does without some of
+//! them.
 //!
-//! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed on. It
-//! ends early at the first transition whose speed did not change.
+//! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed
+//! on. It ends early at the first transition whose speed did not change.
 mod append;
 mod block;
 mod brief;
@@ -75,8 +77,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Speeds are planned for another level; only before a plan begins. The first block is entered at the speed `v_in`. `false`, and
-    /// nothing has changed, if that is too fast for a lower level. What was planned stays possible.
+    /// Speeds are planned for another level; only before a plan begins. The first block is entered at the
+    /// speed `v_in`. `false`, and nothing has changed, if that is too fast for a lower level. What was
+    /// planned stays possible.
     pub fn set_level(&mut self, level: f32, v_in: Speed) -> bool {
         let lower = level < self.ring.level();
         if lower && v_in > self.ring.entry_for(level) {
@@ -90,8 +93,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         true
     }
 
-    /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need its
-    /// part of the limits, which must not lower what is planned now.
+    /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need
+    /// its part of the limits, which must not lower what is planned now.
     pub fn begin_pass(&mut self, open: bool) {
         self.ring.begin_pass(open);
         self.plan.begin(&mut self.ring);

@@ -6,35 +6,37 @@
 //! | 1 | min(v_prog · override, v_max) |
 //! | 2 | as 1 while the speed is reduced, as 0 otherwise |
 //!
-//! v_prog is the programmed feed, v_max what the machine permits on the block; it is never exceeded. While the speed is
-//! reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at which every axis keeps its P-AXIS-00214.
-//! In rapid motion v_prog is v_max.
+//! v_prog is the programmed feed, v_max what the machine permits on the block; it is never exceeded. While
+//! the speed is reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at which
+//! every axis keeps its P-AXIS-00214. In rapid motion v_prog is v_max.
 //!
-//! The ring is planned for a *level*, and follows the override with it whenever a plan begins: at least 100 %, but where the override
-//! counts for the programmed feed alone (mode 1) that of now. What is slower is
-//! decided when the time law of a span is made: so an override that falls acts at once, and what was possible stays
-//! possible. The level falls when the motion enters the ring at that part of the speed planned there
-//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level of the moment at which they are taken in, at least
-//! 100 %, and exceed that speed only when new blocks come.
+//! The ring is planned for a *level*, and follows the override with it whenever a plan begins: at least 100
+//! %, but where the override counts for the programmed feed alone (mode 1) that of now. What is slower is
+//! decided when the time law of a span is made: so an override that falls acts at once, and what was possible
+//! stays possible. The level falls when the motion enters the ring at that part of the speed planned there
+//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level of the moment at which
+//! they are taken in, at least 100 %, and exceed that speed only when new blocks come.
 //!
-//! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an override below the level it is
-//! that law at a part of its speed, s(t · part): all accelerations are smaller then, and no block is faster than its part. That
-//! needs the span to be entered at the same part of its planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is
-//! left of a span when the override changes, or after a hold, it is the law from where it cruises on. Entered at another speed,
+//! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an
+//! override below the level it is that law at a part of its speed, s(t · part): all accelerations are smaller
+//! then, and no block is faster than its part. That needs the span to be entered at the same part of its
+//! planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is left of a span when the
+//! override changes, or after a hold, it is the law from where it cruises on. Entered at another speed,
 //! before and behind its cruise, and while the speed is reduced, its slowest block is the limit.
 //!
-//! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks that are known may be. So there
-//! is always time to get as slow as the next one needs.
+//! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
+//! that are known may be. So there is always time to get as slow as the next one needs.
 //!
-//! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there. Reduced speed is a limit
-//! and has no such end.
+//! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there.
+//! Reduced speed is a limit and has no such end.
 use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Speed, speed_f32};
 
-/// The lowest reduced speed of the last blocks: of as many as the ring has at least, of twice as many at most.
+/// The lowest reduced speed of the last blocks: of as many as the ring has at least, of twice as many at
+/// most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowest {
     /// All of it.
@@ -147,8 +149,9 @@ impl Pace {
         self.reduce(span, max(v * part, slowest))
     }
 
-    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`; `None`
-    /// where the slowest of them is the limit instead: entered at another speed, the law is not the one that keeps all of them.
+    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed
+    /// `v_in`; `None` where the slowest of them is the limit instead: entered at another speed, the law is
+    /// not the one that keeps all of them.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced {
             return None;
@@ -166,8 +169,8 @@ impl Pace {
         (as_planned && most * SLOWER <= begins && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
-    /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next one is entered as planned.
-    /// A little less: with what roundings add up to it is still that part.
+    /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next
+    /// one is entered as planned. A little less: with what roundings add up to it is still that part.
     pub fn part(&self, level: f32) -> f32 {
         let level = if self.is_of_program() { level } else { max(1.0, level) };
         if self.over >= level { 1.0 } else { self.over / level * LESS }

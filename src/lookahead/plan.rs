@@ -1,6 +1,7 @@
 //! The plan at work: which pass it is in, what each of them knows, and how much of it one call does.
 //!
-//! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the next one begins.
+//! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the
+//! next one begins.
 use super::block::Marks;
 use super::ease::Trial;
 use super::law::{faster, length_mm};
@@ -14,8 +15,8 @@ use crate::quantity::Speed;
 pub(super) enum Pass {
     /// Complete.
     Done,
-    /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of the last of
-    /// them.
+    /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of
+    /// the last of them.
     Blocks(usize, Speed),
     /// Speeds from which the plan can still stop, from the end to the front.
     Backward,
@@ -38,7 +39,8 @@ pub(super) struct Plan {
     pub valley: Valley,
 }
 
-/// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for the blocks.
+/// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for
+/// the blocks.
 const STEPS: usize = 16;
 /// What one call does with spans, LSB about 32 instructions: a call costs 1,000.
 const WORK: usize = 520;
@@ -146,9 +148,10 @@ impl Plan {
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
             let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
             let v = faster(&brake, length_mm(block), v_out, block.cap());
-            // With no acceleration at both ends, slowing down by less may take longer: where the largest acceleration
-            // is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows with w up to about v/2.
-            // What was planned with a lower end speed stays possible, and is not taken back.
+            // With no acceleration at both ends, slowing down by less may take longer: where the largest
+            // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
+            // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
+            // taken back.
             block.marks.set(Marks::KEPT, v < block.v_in);
             let v = v.max(block.v_in);
             if v == block.v_in && left <= ring.scope.until {

@@ -25,8 +25,8 @@ pub struct ReleasedSpan {
     pub v_in: Speed,
     /// Speed at its end.
     pub v_out: Speed,
-    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the faster
-    /// one of `v_least` and `v_in`.
+    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the
+    /// faster one of `v_least` and `v_in`.
     pub checked: bool,
     /// A deceleration may pass its start.
     pub smooth: bool,
@@ -98,8 +98,9 @@ impl ReleasedSpan {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Its highest speed, if the law planned for it, over `length` from the speed `v_in` on, has reached that at the distance `at`
-    /// and does not slow down yet: all blocks from there up to its slowing down permit it. Otherwise 0.
+    /// Its highest speed, if the law planned for it, over `length` from the speed `v_in` on, has reached that
+    /// at the distance `at` and does not slow down yet: all blocks from there up to its slowing down permit
+    /// it. Otherwise 0.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);
@@ -127,15 +128,16 @@ impl ReleasedSpan {
         law::leave(&self.limits, self.length.to_bits(), true, self.v_in, next).unwrap_or(Speed::ZERO)
     }
 
-    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most that planned.
+    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most
+    /// that planned.
     pub fn leave(&self, v_in: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
     }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first block, `None` if there
-    /// is none.
+    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first
+    /// block, `None` if there is none.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
         let (front, back) = self.blocks.as_slices();
         Self::span_of(front.iter().chain(back), release)?;
@@ -149,8 +151,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there is none. Not while the plan
-    /// is at work.
+    /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there
+    /// is none. Not while the plan is at work.
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;

@@ -112,7 +112,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.blocks.front().map_or(Speed::ZERO, |first| scaled(first.v_in, self.lowers(level)))
     }
 
-    /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of limits.
+    /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
+    /// limits.
     fn lowers(&self, level: f32) -> i64 {
         to_bits::<36>(level / self.level * LOWERS)
     }
@@ -137,9 +138,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Speeds are planned for a lower level; the first block is entered at `v_in`, at most [`Self::entry_for`]. What was planned
-    /// stays possible at the part of its speed that the level is lowered by: all accelerations are smaller then. Slow blocks
-    /// get back what they have lent.
+    /// Speeds are planned for a lower level; the first block is entered at `v_in`, at most
+    /// [`Self::entry_for`]. What was planned stays possible at the part of its speed that the level is
+    /// lowered by: all accelerations are smaller then. Slow blocks get back what they have lent.
     pub(super) fn lower(&mut self, level: f32, v_in: Speed) {
         let part = self.lowers(level);
         let before = core::mem::replace(&mut self.level, level);
@@ -237,7 +238,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.blocks.front().map_or(Speed::ZERO, |block| block.v_in)
     }
 
-    /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is at work.
+    /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is
+    /// at work.
     pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
@@ -254,7 +256,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.until = 0;
     }
 
-    /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the plan is at work.
+    /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the
+    /// plan is at work.
     pub fn open_gate(&mut self, number: usize) -> Option<usize> {
         let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
         let (index, block) = gates.nth(number)?;

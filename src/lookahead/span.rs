@@ -7,9 +7,9 @@
 //! ring, unless [`super::ease`] finds a faster law without it.
 //!
 //! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
-//! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end of a
-//! span is final, the slowing down before it counts. And when a ring is full of one span, it is cut where its slowing down would
-//! begin, or behind the first quarter.
+//! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end
+//! of a span is final, the slowing down before it counts. And when a ring is full of one span, it is cut
+//! where its slowing down would begin, or behind the first quarter.
 use super::block::{Marks, UNPLANNED};
 use super::ease::Trial;
 use super::law::{LSB_44, Law, Span};
@@ -73,7 +73,8 @@ struct Worst {
     at: [i64; 2],
 }
 
-/// What it is to take in a block, to find a speed, to make a law, and to compare a block with it: see [`spend`].
+/// What it is to take in a block, to find a speed, to make a law, and to compare a block with it: see
+/// [`spend`].
 const ADD: usize = 3;
 const RAMP: usize = 14;
 const LAW: usize = 50;
@@ -138,8 +139,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 return self.start_forward(plan);
             }
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
-            // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way.
-            // A flat span goes on as the plan before had it: faster, the anchors that gave way would be needed again.
+            // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way. A
+            // flat span goes on as the plan before had it: faster, the anchors that gave way would be needed
+            // again.
             let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
                 block.v_old
             } else {
@@ -413,8 +415,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         plan.pass = Pass::Forward;
     }
 
-    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both inside. Where it is at
-    /// both, and blocks may be cut, it begins with the one that the law comes to with acceleration.
+    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both
+    /// inside. Where it is at both, and blocks may be cut, it begins with the one that the law comes to with
+    /// acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;

@@ -1,8 +1,9 @@
 //! Whether a corner without a curve is passed, or the motion stands still in it.
 //!
-//! A step of speed shows as jerk, so beside a knee both blocks leave it a part of their own. At a sharp corner the speed that this buys is
-//! next to nothing, and longer ramps on both sides cost more than it gains. So the times of both blocks are compared, each from rest
-//! at its other end: with a standstill in the corner and all of the limits, or passing it with what is left of them.
+//! A step of speed shows as jerk, so beside a knee both blocks leave it a part of their own. At a sharp
+//! corner the speed that this buys is next to nothing, and longer ramps on both sides cost more than it
+//! gains. So the times of both blocks are compared, each from rest at its other end: with a standstill in the
+//! corner and all of the limits, or passing it with what is left of them.
 use crate::dynamics::Share;
 use crate::math::float::{max, min};
 use crate::path::End;
@@ -30,8 +31,8 @@ pub(super) enum Way {
     Standing,
 }
 
-/// The way that takes the least time between two blocks, which leave their shares if the corner is passed with the speed `v`. `passes`:
-/// acceleration may pass it, which needs more of their own.
+/// The way that takes the least time between two blocks, which leave their shares if the corner is passed
+/// with the speed `v`. `passes`: acceleration may pass it, which needs more of their own.
 pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
     if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;
@@ -56,7 +57,8 @@ pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool
 /// Times that differ by less are one: with acceleration through the corner its neighbours may do more.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 
-/// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to rest.
+/// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to
+/// rest.
 fn time(limits: &Limits, length: f32, v: f32) -> f32 {
     let [up, down] = [limits.speed_up(), limits.brake()];
     let v = min(v, min(up.reach(0.0, length), limits.v));

@@ -1,4 +1,5 @@
-//! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under their names.
+//! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under
+//! their names.
 
 pub mod parameter;
 mod planned;
@@ -70,12 +71,14 @@ pub struct AxisData {
     pub vb_max: u32,
     /// P-AXIS-00008 `dynamik.a_max`: largest acceleration, tangential and normal together.
     pub a_max: u32,
-    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour; 0: `tr_min`.
+    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour; 0:
+    /// `tr_min`.
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %. The step of speed there is at most that
-    /// acceleration times the cycle; its jerk may exceed all limits. 0: cycle time / ramp time, and limits of jerk hold.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %. The step of speed
+    /// there is at most that acceleration times the cycle; its jerk may exceed all limits. 0: cycle time /
+    /// ramp time, and limits of jerk hold.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -93,14 +96,16 @@ pub struct AxisData {
     pub tr_brems_zu: u32,
     /// P-AXIS-00200 `slope_profil.tr_grenz`: the one ramp time of rapid motion.
     pub tr_grenz: u32,
-    /// P-AXIS-00154 `dynamik.r_trans_weight`: part of the permitted jerk that a tangential transition may cause, 0.1 %; 0: all
-    /// of it. Only with P-CHAN-00009.
+    /// P-AXIS-00154 `dynamik.r_trans_weight`: part of the permitted jerk that a tangential transition may
+    /// cause, 0.1 %; 0: all of it. Only with P-CHAN-00009.
     pub r_trans_weight: u32,
-    /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0: `tr_min`.
+    /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0:
+    /// `tr_min`.
     pub tr_w_min: u32,
     /// P-AXIS-00214 `vb_max_red`: largest speed while the reduced speed is asked for.
     pub vb_max_red: u32,
-    /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at feed.
+    /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at
+    /// feed.
     pub a_stufe: [u32; 2],
     /// P-AXIS-00282 and 00283 `lslope_profil.d_stufe_1`, `d_stufe_2`: its decelerations; 0: as `a_stufe`.
     pub d_stufe: [u32; 2],
@@ -114,7 +119,8 @@ pub struct AxisData {
     pub vb_grenz_stufe_1_2: u32,
     /// P-AXIS-00015 `kenngr.achs_mode`: bit mask, [`MODE_LINEAR`] and [`MODE_MASTER`].
     pub achs_mode: u32,
-    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Where no axis is one, along the main axes.
+    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Where no axis is one, along the
+    /// main axes.
     pub default_feed_axis: bool,
     /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
@@ -135,8 +141,8 @@ pub const ZERO_OFFSETS: usize = 6;
 /// P-AXIS-00015: positions are not reduced to a turn. Every axis is like that in this version.
 pub const MODE_LINEAR: u32 = 0x1;
 
-/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG says that there is such a mark,
-/// but not where: here it is the highest bit of ISG's range.
+/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG says that
+/// there is such a mark, but not where: here it is the highest bit of ISG's range.
 pub const MODE_MASTER: u32 = 0x1000_0000;
 
 /// The slope STEP of one axis in one kind of motion, as it is to be applied.
@@ -235,16 +241,18 @@ pub struct ChannelData {
     pub feedrate_factor_milli: u32,
     /// P-CHAN-00071 `prog_start.slope.profile`: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
     pub slope_profile: u8,
-    /// P-CHAN-00001 `prog_start.slope.acceleration`: G130 and G131 weight 0 both, 1 acceleration, 2 deceleration.
+    /// P-CHAN-00001 `prog_start.slope.acceleration`: G130 and G131 weight 0 both, 1 acceleration, 2
+    /// deceleration.
     pub acceleration_weight: u8,
-    /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195, 3 00198,
-    /// 4 00197.
+    /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195,
+    /// 3 00198, 4 00197.
     pub ramp_weight: u8,
-    /// P-CHAN-00009 `corr_v_trans_jerk`: the jerk of tangential transitions between lines and arcs is limited (P-AXIS-00154).
-    /// Without it such a transition is passed as fast as acceleration permits, and its jerk may exceed all limits.
+    /// P-CHAN-00009 `corr_v_trans_jerk`: the jerk of tangential transitions between lines and arcs is limited
+    /// (P-AXIS-00154). Without it such a transition is passed as fast as acceleration permits, and its jerk
+    /// may exceed all limits.
     pub corr_v_trans_jerk: bool,
-    /// P-CHAN-00066 `override_weight_prog_feed`: 0 the override acts on what the axes permit, 1 on the programmed feed,
-    /// 2 as 1 while the speed is reduced, else as 0.
+    /// P-CHAN-00066 `override_weight_prog_feed`: 0 the override acts on what the axes permit, 1 on the
+    /// programmed feed, 2 as 1 while the speed is reduced, else as 0.
     pub override_weight_prog_feed: u8,
     /// P-CHAN-00002 `vector.acceleration`, in thousandths of [`Self::vector_unit`].
     pub vector_acceleration_milli: u64,
@@ -256,14 +264,15 @@ pub struct ChannelData {
     pub vector_unit: AccelerationUnit,
     /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration acts on arcs too.
     pub cir_radial_acc_limit: bool,
-    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time,
-    /// 2 by the ramp times.
+    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the
+    /// geometric ramp time, 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
     /// P-CHAN-00041 `m_synch[n]`: synchronisation of M functions.
     pub m_synch: SynchTable,
     /// P-CHAN-00027 `h_synch[n]`: the same of H functions.
     pub h_synch: SynchTable,
-    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is allowed.
+    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is
+    /// allowed.
     pub ptp: bool,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
@@ -301,8 +310,8 @@ impl Default for ChannelData {
     }
 }
 
-/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes. The path is
-/// measured along the feed axes (P-CHAN-00011).
+/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes.
+/// The path is measured along the feed axes (P-CHAN-00011).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MachineData<const AXES: usize> {
     /// The axes.

@@ -35,8 +35,9 @@ macro_rules! parameters {
     };
 }
 
-/// Axis parameters, in the order of the ISG ids. Ranges of [`crate::machine`] fields that depend on one another
-/// (accelerations up to `a_max`, ramp times from `tr_min`, speeds up to `vb_max`) are checked by [`check_axis`].
+/// Axis parameters, in the order of the ISG ids. Ranges of [`crate::machine`] fields that depend on one
+/// another (accelerations up to `a_max`, ramp times from `tr_min`, speeds up to `vb_max`) are checked by
+/// [`check_axis`].
 pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00001" "slope_profil.a_beschl" ["mm/s²"] 1..=100_000_000 => a_beschl,
     "P-AXIS-00002" "slope_profil.a_brems" ["mm/s²"] 1..=100_000_000 => a_brems,
@@ -357,8 +358,8 @@ fn check_between(
     Ok(())
 }
 
-/// The linear slope: its defaults are limited by `a_max` and `vb_max` ([`AxisData::stages`]), other values are refused
-/// beyond them.
+/// The linear slope: its defaults are limited by `a_max` and `vb_max` ([`AxisData::stages`]), other values
+/// are refused beyond them.
 fn check_stages(axis: &AxisData) -> Result<(), RangeError> {
     let default = AxisData::new(axis.name, axis.kind);
     check_given_stages(axis, |parameter| (parameter.get)(axis) != (parameter.get)(&default))

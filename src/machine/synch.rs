@@ -1,4 +1,5 @@
-//! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027 `h_synch[n]`.
+//! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027
+//! `h_synch[n]`.
 
 /// When a function is put out, and up to where it has to be acknowledged.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

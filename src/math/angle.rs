@@ -49,9 +49,9 @@ const fn alternating(z: u64, c: &[u64; 9]) -> u64 {
 /// Sine and cosine of turns·2^-64 revolutions with 62 fraction bits; absolute error ≤ 2^-61.9, about one
 /// unit of the result (2^-61.98 over 2·10^7 random angles).
 ///
-/// Exact at the quarter turns; sine is exactly odd and cosine exactly even, except at odd multiples of an eighth
-/// of a turn, where they agree within the error. Taylor series on ±π/4, 21 products, 321
-/// instructions on thumbv7em.
+/// Exact at the quarter turns; sine is exactly odd and cosine exactly even, except at odd multiples of an
+/// eighth of a turn, where they agree within the error. Taylor series on ±π/4, 21 products, 321 instructions
+/// on thumbv7em.
 pub const fn sin_cos_fine(turns: u64) -> (i64, i64) {
     // Nearest quarter turn and what is left of it, at most 2^61.
     let quarter = turns.wrapping_add(1 << 61) >> 62;
@@ -100,8 +100,9 @@ const ARCTAN: [u64; 17] = [
 ///
 /// Any scale of the arguments, exact on the axes and diagonals; a mirrored vector gives the mirrored angle.
 ///
-/// In the first octant, with k the nearest sixteenth to y/x, the rotation by −atan(k/16) is exact in integers and
-/// leaves a slope w of at most about 1/32, for which six terms of the arc tangent suffice: w^13/13 < 2^-68.
+/// In the first octant, with k the nearest sixteenth to y/x, the rotation by −atan(k/16) is exact in integers
+/// and leaves a slope w of at most about 1/32, for which six terms of the arc tangent suffice: w^13/13 <
+/// 2^-68.
 pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     let (abs_x, abs_y) = (x.unsigned_abs(), y.unsigned_abs());
     let steep = abs_y > abs_x;

@@ -1,10 +1,10 @@
-//! Conversions between 64-bit integers and `f32` without library calls. Both use only exact or correctly rounded
-//! operations, so that they give the same bits everywhere.
+//! Conversions between 64-bit integers and `f32` without library calls. Both use only exact or correctly
+//! rounded operations, so that they give the same bits everywhere.
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// `x` as `f32`, relative error at most 2^-23: each half is rounded, then their sum. Mirrored input gives mirrored
-/// output.
+/// `x` as `f32`, relative error at most 2^-23: each half is rounded, then their sum. Mirrored input gives
+/// mirrored output.
 #[inline(always)]
 pub fn to_f32(x: i64) -> f32 {
     let size = size_f32(x.unsigned_abs());

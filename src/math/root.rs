@@ -1,8 +1,8 @@
 //! Square and cube roots: exact in integers, and close in `f32`.
 //!
-//! The integer roots scale the radicand to x in [1/4, 1), find 1/√x by Newton's y ← y + y·(1 − x·y²)/2, first in `f32`, take
-//! s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder of one last
-//! step settles the last unit. No division, no loop.
+//! The integer roots scale the radicand to x in [1/4, 1), find 1/√x by Newton's y ← y + y·(1 − x·y²)/2, first
+//! in `f32`, take s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact
+//! remainder of one last step settles the last unit. No division, no loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 
@@ -69,7 +69,8 @@ pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     settle(root, error < 0, error > (root as i128) << 1) >> half_shift
 }
 
-/// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next one fits too.
+/// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next
+/// one fits too.
 #[inline(always)]
 const fn settle(root: u64, above: bool, below: bool) -> u64 {
     if above {
@@ -103,7 +104,8 @@ pub fn sqrt_u64(x: u64) -> u32 {
 /// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
 /// divisions.
 ///
-/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
+/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding
+/// only.
 #[inline(always)]
 pub fn sqrt_f32(x: f32) -> f32 {
     // Neither 0, subnormal, infinite nor negative.

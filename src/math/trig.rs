@@ -5,16 +5,16 @@
 //!
 //! sin = S + C·sin r − S·(1 − cos r),  cos = C − S·sin r − C·(1 − cos r).
 //!
-//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only what matters: with
-//! sin r and 1 − cos r in 64 fraction bits split in two words, the upper word times the table's upper word
-//! (30 fraction bits) accumulates directly in the result's 62 fraction bits.
+//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only what matters:
+//! with sin r and 1 − cos r in 64 fraction bits split in two words, the upper word times the table's upper
+//! word (30 fraction bits) accumulates directly in the result's 62 fraction bits.
 use super::angle::sin_cos_fine;
 
 /// Table points per revolution.
 const POINTS: usize = 1024;
 
-/// Sine with 62 fraction bits at multiples of 1/1024 revolution, one quarter more than a revolution: the cosine
-/// is the sine a quarter further. 10 kB.
+/// Sine with 62 fraction bits at multiples of 1/1024 revolution, one quarter more than a revolution: the
+/// cosine is the sine a quarter further. 10 kB.
 static SINE: [i64; POINTS + POINTS / 4] = table();
 
 const fn table() -> [i64; POINTS + POINTS / 4] {
@@ -49,16 +49,17 @@ const fn split(v: i64) -> (i32, i32) {
     (((v >> 32) as i32).wrapping_add((v as u32 >> 31) as i32), v as i32)
 }
 
-/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over 8·10^6
-/// random angles).
+/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over
+/// 8·10^6 random angles).
 ///
-/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but for the
-/// exact midpoints between two table points, where the sides differ by up to 2^-47.6.
+/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but
+/// for the exact midpoints between two table points, where the sides differ by up to 2^-47.6.
 ///
 /// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined.
 ///
-/// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49 fraction bits,
-/// S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself 2^-62.
+/// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49
+/// fraction bits, S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself
+/// 2^-62.
 #[inline]
 pub fn sin_cos(turns: u64) -> (i64, i64) {
     // Nearest table point, and the rest in units of ρ·2^-63.
@@ -66,8 +67,8 @@ pub fn sin_cos(turns: u64) -> (i64, i64) {
     let point = (shifted >> 54) as usize;
     let rest = ((shifted << 10) ^ (1 << 63)) as i64;
 
-    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles agree;
-    // it may wrap to −2^31, whose square is the same.
+    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles
+    // agree; it may wrap to −2^31, whose square is the same.
     let nearest = (rest.wrapping_add(0x7fff_ffff - (rest >> 63)) >> 32) as i32;
     let square = (nearest as i64 * nearest as i64) as u64 >> 31;
     let upper = (rest >> 32) as i32;

@@ -1,8 +1,8 @@
 //! Products wider than 64 bits, from 32×32→64 multiplications.
 //!
-//! A factor is split as a = a1·2^32 + a0 with a0 unsigned; the signed part of a product sits in a1 only, so that
-//! each of the four partial products plus two 32-bit carries still fits 64 bits:
-//! (2^32 − 1)² + 2·(2^32 − 1) = 2^64 − 1.
+//! A factor is split as a = a1·2^32 + a0 with a0 unsigned; the signed part of a product sits in a1 only, so
+//! that each of the four partial products plus two 32-bit carries still fits 64 bits: (2^32 − 1)² + 2·(2^32 −
+//! 1) = 2^64 − 1.
 
 /// The low 32 bits.
 const fn low(a: u64) -> u64 {
@@ -52,8 +52,8 @@ pub const fn square_wide(a: u64) -> (u64, u64) {
 
 /// a·b / 2^shift rounded to nearest, ties up; the low 64 bits of that where it does not fit.
 ///
-/// Shift 0…127, its higher bits are ignored. Exact for all factors. At most 95 instructions on thumbv7em, 28 inlined
-/// with a shift known to the compiler.
+/// Shift 0…127, its higher bits are ignored. Exact for all factors. At most 95 instructions on thumbv7em, 28
+/// inlined with a shift known to the compiler.
 #[inline]
 pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     let high = mul_hi(a, b);
@@ -75,8 +75,8 @@ pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
 
 /// floor(a·n / 2^shift) from a 96-bit product; the low 64 bits of that where it does not fit.
 ///
-/// Shift 0…32, a larger one counts as 32. For the tick: with a shift known to the compiler 4 to 8 instructions inlined
-/// on thumbv7em, three of them multiplications; otherwise 22.
+/// Shift 0…32, a larger one counts as 32. For the tick: with a shift known to the compiler 4 to 8
+/// instructions inlined on thumbv7em, three of them multiplications; otherwise 22.
 #[inline(always)]
 pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     let shift = if shift > 32 { 32 } else { shift };
@@ -86,8 +86,8 @@ pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     (high << (32 - shift)) | (low(first) >> shift) as i64
 }
 
-/// A 64-bit number cut into its upper word and the upper 31 bits of its lower one, for products that need not be
-/// exact in their last bit: `upper·2^32 + 2·lower`, at most 1 below the number.
+/// A 64-bit number cut into its upper word and the upper 31 bits of its lower one, for products that need not
+/// be exact in their last bit: `upper·2^32 + 2·lower`, at most 1 below the number.
 #[derive(Clone, Copy)]
 pub struct Halves {
     upper: i32,

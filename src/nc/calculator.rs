@@ -1,10 +1,11 @@
 //! What expressions are worked out with, and how much of it a call may do.
 //!
-//! A line may hold more arithmetic than one call of the decoder is to do. What is left for the call is counted; where it does not
-//! suffice, the expression at hand is laid aside in the middle, and everything above it is left as if the text were wrong
-//! ([`Calculator::is_halted`] tells the one from the other). The next call reads the line again: words that were complete are not
-//! read again, expressions of the statement at hand that were complete are known by where they begin, and the one laid aside goes
-//! on. So nothing may be changed before the last expression of a statement, or of a word of a block, is complete.
+//! A line may hold more arithmetic than one call of the decoder is to do. What is left for the call is
+//! counted; where it does not suffice, the expression at hand is laid aside in the middle, and everything
+//! above it is left as if the text were wrong ([`Calculator::is_halted`] tells the one from the other). The
+//! next call reads the line again: words that were complete are not read again, expressions of the statement
+//! at hand that were complete are known by where they begin, and the one laid aside goes on. So nothing may
+//! be changed before the last expression of a statement, or of a word of a block, is complete.
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
@@ -152,7 +153,8 @@ impl Calculator {
         }
     }
 
-    /// End and value of the expression that begins at `start`, if it was complete before the statement was read again.
+    /// End and value of the expression that begins at `start`, if it was complete before the statement was
+    /// read again.
     pub fn recall(&self, start: usize) -> Option<(usize, f64)> {
         let known = self.known.iter().take(self.count.get()).map(Cell::get);
         known

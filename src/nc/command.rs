@@ -140,9 +140,9 @@ pub struct Motion<const AXES: usize> {
     pub exact_stop: bool,
 }
 
-/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of the text,
-/// with the functions that [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion, then motion or dwell, then the other M
-/// and H, then the program end.
+/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of
+/// the text, with the functions that [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion, then
+/// motion or dwell, then the other M and H, then the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
     /// G00…G03.

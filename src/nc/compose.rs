@@ -224,7 +224,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         push(&mut w.before, span, ItemKind::Motion)
     }
 
-    /// Centre or radius of an arc to `target`. Coordinates of the centre that are not programmed are the start's.
+    /// Centre or radius of an arc to `target`. Coordinates of the centre that are not programmed are the
+    /// start's.
     fn arc(&self, w: &Words<AXES>, target: &[Position; AXES], span: Span) -> Result<ArcBy, Fault> {
         let plane = self.modal.plane.main_axes();
         let mut axes = [0; 2];

@@ -12,7 +12,8 @@ const STATEMENT: &str = "a $ statement";
 /// Bit that tells names from block numbers in labels.
 const NAME: u64 = 1 << 63;
 
-/// The label at the start of a line (`N20:` or `[NAME]`), after which a `$` word may follow; steps over N too.
+/// The label at the start of a line (`N20:` or `[NAME]`), after which a `$` word may follow; steps over N
+/// too.
 pub(super) fn label_of(c: &mut Cursor<'_>) -> Option<u64> {
     let mut label = None;
     if c.peek_upper() == b'N' {
@@ -242,7 +243,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Goes on with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside of it.
+    /// Goes on with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside of
+    /// it.
     fn next_round(&mut self, left: Option<u16>) -> Result<Next, NcErrorKind> {
         let Some(open) = self.flow.innermost().copied() else { return Err(NcErrorKind::NoLoop) };
         match open.block {

@@ -243,8 +243,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// One to nine digits with at most one point among them, and neither E nor another point behind them. `None`, and not one
-    /// step further, if it is anything else.
+    /// One to nine digits with at most one point among them, and neither E nor another point behind them.
+    /// `None`, and not one step further, if it is anything else.
     #[inline(always)]
     pub fn plain_decimal(&mut self) -> Option<Plain> {
         let rest = self.bytes.get(self.at..)?;
@@ -323,7 +323,8 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Appends the digits that `text` begins with to `number`, and says how many; of more than nine the number is of no use.
+/// Appends the digits that `text` begins with to `number`, and says how many; of more than nine the number is
+/// of no use.
 fn digits(text: &[u8], number: &mut u32) -> usize {
     let mut count = 0;
     for byte in text {

@@ -38,11 +38,13 @@ enum Work {
 /// Work of a line without its words, and bytes read for one unit of work, as [`super::calculator`] counts it.
 const LINE: u32 = 10;
 const BYTES: u32 = 2;
-/// Work so small that a line may follow in the same call, and that what the line at hand said may be carried out in it.
+/// Work so small that a line may follow in the same call, and that what the line at hand said may be carried
+/// out in it.
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
-/// Memory of a [`Decoder`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
+/// Memory of a [`Decoder`], which makes in it what is large. All bits zero when new, so that it takes no room
+/// in flash.
 pub struct DecoderMemory<const AXES: usize> {
     line: Line,
     interpreter: MaybeUninit<Interpreter<AXES>>,
@@ -80,8 +82,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Self { reader: LineReader::new(text), line, interpreter, refused: false }
     }
 
-    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a line with much
-    /// arithmetic a part.
+    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a
+    /// line with much arithmetic a part.
     ///
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until
@@ -125,8 +127,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.hand_out()
     }
 
-    /// Whether the last step did so little that another one may follow in the same call of the planner: a line, or what this
-    /// one said.
+    /// Whether the last step did so little that another one may follow in the same call of the planner: a
+    /// line, or what this one said.
     pub(crate) fn has_done_little(&self) -> bool {
         let Interpreter { queue, single, calculator, .. } = &*self.interpreter;
         let waits = !queue.is_empty() || single.is_some();
@@ -188,16 +190,17 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused = false;
     }
 
-    /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched back).
+    /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched
+    /// back).
     pub fn set_position(&mut self, axis: usize, position: Position) {
         if let Some(slot) = self.interpreter.position.get_mut(axis) {
             *slot = position;
         }
     }
 
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59. It counts from the next line on that is understood,
-    /// also where that zero offset is in force. `false` if there is no such set or axis, or the offset is beyond
-    /// ±[`COORDINATE_MAX`].
+    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59. It counts from the next line
+    /// on that is understood, also where that zero offset is in force. `false` if there is no such set or
+    /// axis, or the offset is beyond ±[`COORDINATE_MAX`].
     #[must_use]
     pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> bool {
         let slot = self.interpreter.setup.zero_offsets.get_mut(set).and_then(|offsets| offsets.get_mut(axis));

@@ -325,7 +325,8 @@ pub enum NcWarningKind {
 }
 
 impl NcWarningKind {
-    /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the decoder.
+    /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the
+    /// decoder.
     pub const fn is_of_curve(&self) -> bool {
         matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests | Self::DwellAtCorner)
     }

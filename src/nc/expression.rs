@@ -1,7 +1,7 @@
 //! Arithmetic expressions without recursion: two fixed stacks, operators by priority.
 //!
-//! `**`, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, AND, OR/XOR; square brackets group.
-//! A condition is true from 0.5 on. `P` binds to the index that follows it: `P5`, `PP5`, `P[P1+5]`.
+//! `**`, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, AND, OR/XOR; square brackets
+//! group. A condition is true from 0.5 on. `P` binds to the index that follows it: `P5`, `PP5`, `P[P1+5]`.
 use super::calculator::{Aside, Calculator};
 use super::cursor::Cursor;
 use super::number::Number;
@@ -313,7 +313,8 @@ impl Evaluation<'_> {
     }
 }
 
-/// Reads an expression as far as it goes. A lone literal stays exact. Where it is more than the call is to do, it is laid aside.
+/// Reads an expression as far as it goes. A lone literal stays exact. Where it is more than the call is to
+/// do, it is laid aside.
 pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<Number, Fault> {
     let start = c.mark();
     if let Some(literal) = literal(c) {

@@ -1,4 +1,5 @@
-//! What the program text does to its own order: control blocks, calls, jumps; bounded stacks of places in the text.
+//! What the program text does to its own order: control blocks, calls, jumps; bounded stacks of places in the
+//! text.
 use super::line::Mark;
 use super::{NcErrorKind, Place};
 use heapless::Vec;
@@ -194,7 +195,8 @@ impl Flow {
         self.origin = origin;
     }
 
-    /// Leaves control blocks until a loop (or a switch) is innermost and says how many; `None` if there is none.
+    /// Leaves control blocks until a loop (or a switch) is innermost and says how many; `None` if there is
+    /// none.
     pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
         let base = self.base();
         let mut left = 0;

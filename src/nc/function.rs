@@ -1,4 +1,5 @@
-//! Commands other than motion, as types: what is `None` was not programmed and keeps its value (ISG defaults in brackets).
+//! Commands other than motion, as types: what is `None` was not programmed and keeps its value (ISG defaults
+//! in brackets).
 //!
 //! Lengths in mm, angles in degrees, both with an LSB of 2^-32, to nearest.
 use super::Place;

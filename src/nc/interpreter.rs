@@ -1,4 +1,5 @@
-//! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short queue.
+//! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short
+//! queue.
 use super::block::{Item, Waiting};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
@@ -15,8 +16,8 @@ use heapless::Deque;
 /// Words of a block that can wait for their turn.
 pub const BLOCK_WORDS: usize = 16;
 
-/// Lines that may be carried out one after the other without a command coming out of them: beyond it a program is taken
-/// for an endless loop. Lines that are passed over do not count.
+/// Lines that may be carried out one after the other without a command coming out of them: beyond it a
+/// program is taken for an endless loop. Lines that are passed over do not count.
 pub const QUIET_LINES: u32 = 1_000_000;
 
 /// Where the program stands.
@@ -131,7 +132,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(Refusal::At(open.place, NcErrorKind::Unclosed { closing: open.block.closing() }))
     }
 
-    /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is none.
+    /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is
+    /// none.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         if !goes_on
             && self.phase == Phase::Running

@@ -1,7 +1,7 @@
 //! Bytes to logical lines: comments dropped, continuations joined, the place of every byte kept.
 //!
-//! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is worth a
-//! warning, because what was meant to follow it in the line is gone.
+//! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is
+//! worth a warning, because what was meant to follow it in the line is gone.
 mod skip;
 
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
@@ -349,7 +349,8 @@ impl<T: Text> LineReader<T> {
         Ok(Fill::Partial)
     }
 
-    /// The usual case: bytes of words, perhaps with some blanks before and between them, at most `budget`; says how many.
+    /// The usual case: bytes of words, perhaps with some blanks before and between them, at most `budget`;
+    /// says how many.
     fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
         let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
         let rest = rest.get(..budget).unwrap_or(rest);

@@ -7,8 +7,8 @@
 //!                                          └ hash, keyword   # commands and axis[…] with their keywords
 //! ```
 //!
-//! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to 2^-32);
-//! expressions are f64 from + − × ÷ alone, the same bits everywhere.
+//! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to
+//! 2^-32); expressions are f64 from + − × ÷ alone, the same bits everywhere.
 
 mod axis_command;
 mod block;

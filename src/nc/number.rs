@@ -82,9 +82,9 @@ const PLAIN_MANTISSA: u64 = 1 << 31;
 
 /// For 1 to 9 places.
 ///
-/// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal lies above the quotient by
-/// mantissa · excess / (10^scale · 2^(32 + shift)). As long as that is less than such a step, both have the same whole part: the table
-/// is compiled only if it is, for all plain mantissas.
+/// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal lies
+/// above the quotient by mantissa · excess / (10^scale · 2^(32 + shift)). As long as that is less than such a
+/// step, both have the same whole part: the table is compiled only if it is, for all plain mantissas.
 const RECIPROCALS: [Reciprocal; PLAIN_SCALE as usize] = {
     let mut table = [Reciprocal { factor: 0, shift: 0 }; PLAIN_SCALE as usize];
     let mut scale = 1;

@@ -1,4 +1,5 @@
-//! Plain blocks: N, G00 or G01, F and axes with plain decimals right behind the letters, understood in one pass over the line.
+//! Plain blocks: N, G00 or G01, F and axes with plain decimals right behind the letters, understood in one
+//! pass over the line.
 //!
 //! Most lines of most programs are plain. Where a line holds anything else, or anything is wrong with it,
 //! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
@@ -23,7 +24,8 @@ const MOST_AXES: u8 = 32;
 /// Letters of the alphabet.
 const LETTERS: usize = 26;
 
-/// The axes that one letter names: index by letter. An axis whose letter begins another axis' name, too, is left out.
+/// The axes that one letter names: index by letter. An axis whose letter begins another axis' name, too, is
+/// left out.
 pub(super) struct Letters([u8; LETTERS]);
 
 impl Letters {
@@ -46,7 +48,8 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Carries a plain block out that moves; its motion is to be handed out. `None`, and nothing is changed, if the line is none.
+    /// Carries a plain block out that moves; its motion is to be handed out. `None`, and nothing is changed,
+    /// if the line is none.
     #[inline(never)]
     pub fn plain_block(&mut self, line: &Line) -> Option<()> {
         let mut c = Cursor::new(line.bytes());

@@ -1,8 +1,9 @@
 //! f64 functions of expressions, from + − × ÷ alone so that every machine gives the same bits.
 //!
-//! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors against the true
-//! value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at most 2 ulp, tangent and the arc functions of it 3
-//! (host-tests/tests/nc_real.rs); powers with whole exponents at most 1 ulp per multiplication.
+//! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors
+//! against the true value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at
+//! most 2 ulp, tangent and the arc functions of it 3 (host-tests/tests/nc_real.rs); powers with whole
+//! exponents at most 1 ulp per multiplication.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
@@ -32,7 +33,8 @@ pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
         // Both exact: one rounding.
         return mantissa as f64 / power;
     }
-    // 127 bits over at most 64: a quotient of 63 bits or more, made odd where a rest is left, rounds correctly.
+    // 127 bits over at most 64: a quotient of 63 bits or more, made odd where a rest is left, rounds
+    // correctly.
     let shift = 63 + mantissa.leading_zeros();
     let dividend = u128::from(mantissa) << shift;
     let divisor = power as u64;

@@ -14,8 +14,8 @@ impl Keywords for Slope {
     }
 }
 
-/// Keywords of each method of #CONTOUR MODE. The actions go with all of them but those that are optimised over time between two
-/// blocks.
+/// Keywords of each method of #CONTOUR MODE. The actions go with all of them but those that are optimised
+/// over time between two blocks.
 const fn contour_list(method: ContourMethod) -> (&'static str, &'static [&'static str]) {
     match method {
         ContourMethod::Dev => (

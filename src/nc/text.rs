@@ -1,7 +1,7 @@
 //! Where program text comes from: slices in flash, files on a desktop, a block device.
 
-/// Random access to the bytes of an NC program and of the files it calls with `L`. Loops and subroutines read parts
-/// of them again.
+/// Random access to the bytes of an NC program and of the files it calls with `L`. Loops and subroutines read
+/// parts of them again.
 pub trait Text {
     /// Copies bytes of a file from `offset` on into `buffer` and says how many; 0 at the end of the file.
     /// `file` is 0 for the main program, or what [`Text::open`] answered.
@@ -10,8 +10,8 @@ pub trait Text {
     /// The device failed, or there is nothing at `offset` yet.
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError>;
 
-    /// The number of the file a program calls by `name` (ASCII, at most 83 bytes), the same for every call; `None` if
-    /// there is no such file. A text without this is one file alone.
+    /// The number of the file a program calls by `name` (ASCII, at most 83 bytes), the same for every call;
+    /// `None` if there is no such file. A text without this is one file alone.
     ///
     /// # Errors
     /// The device failed. A file whose text is still on its way can be opened.
@@ -45,8 +45,8 @@ pub trait Text {
 pub enum TextError {
     /// The device failed: the program is refused.
     Failed,
-    /// It has not arrived yet (a serial line, a slow card): the decoder asks again. What has arrived moves on; where it ends, the
-    /// motion comes to a standstill.
+    /// It has not arrived yet (a serial line, a slow card): the decoder asks again. What has arrived moves
+    /// on; where it ends, the motion comes to a standstill.
     NotYet,
     /// It is behind the window of a stream, or a line is longer than the window: the line is refused.
     Forgotten,

@@ -1,7 +1,7 @@
 //! G02 and G03: arcs, full circles and helices, by centre or by radius.
 //!
-//! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The radius
-//! then changes linearly with the angle from the one to the other.
+//! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The
+//! radius then changes linearly with the angle from the one to the other.
 use super::{
     Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,
 };
@@ -19,8 +19,8 @@ const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
 /// Start and end closer than this in both axes of the plane are the same point: 2^-20 mm, about a nanometre.
 const SAME_POINT: i64 = 1 << 12;
 
-/// Start and end less than this apart, 2^-54 revolutions (LSB 2^-64), are in the same direction: at the largest radius a tenth of
-/// a picometre.
+/// Start and end less than this apart, 2^-54 revolutions (LSB 2^-64), are in the same direction: at the
+/// largest radius a tenth of a picometre.
 const SAME_DIRECTION: u64 = 1 << 10;
 
 /// Radii may always differ by 2 µm (coordinates of three decimals) …
@@ -31,8 +31,9 @@ const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
 /// How far half a chord may exceed the radius before it is an error rather than rounding: 1 µm.
 const CHORD_EXCESS: i64 = 4_294_967;
 
-/// The arc from `start` to `target` about `centre` (absolute, the plane's two axes). A target equal to the start is
-/// a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix, and another feed axis a longer path.
+/// The arc from `start` to `target` about `centre` (absolute, the plane's two axes). A target equal to the
+/// start is a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix,
+/// and another feed axis a longer path.
 ///
 /// # Errors
 /// See [`PathError`].
@@ -287,7 +288,8 @@ impl Radius {
         Self { direction: [p, q], unit: [p.times(reciprocal), q.times(reciprocal)] }
     }
 
-    /// The angle from this one to the other one counter-clockwise, 2^-64 revolutions, off by 2^-58 revolutions at most.
+    /// The angle from this one to the other one counter-clockwise, 2^-64 revolutions, off by 2^-58
+    /// revolutions at most.
     #[inline(always)]
     fn angle_to(&self, other: &Self) -> u64 {
         let ([p0, q0], [p1, q1]) = (self.direction, other.direction);
@@ -323,12 +325,12 @@ fn plane_axes(plane: Plane, main: &[Option<usize>; 3]) -> Result<[usize; 2], Pat
     }
 }
 
-/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, for a negative radius
-/// the other. Rounded to the LSB of a position.
+/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, for a negative
+/// radius the other. Rounded to the LSB of a position.
 ///
 /// # Errors
-/// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`], [`PathError::NoPlane`],
-/// [`PathError::TooLong`].
+/// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`],
+/// [`PathError::NoPlane`], [`PathError::TooLong`].
 pub fn centre_of_radius<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],

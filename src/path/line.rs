@@ -91,9 +91,9 @@ impl<const AXES: usize> Shape<AXES> {
         self.length.to_bits() << (self.shift & 63)
     }
 
-    /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel per `w` at
-    /// the end, by one reciprocal for all axes. At the end the product is off by less than twenty of its LSB; the
-    /// guard bits hide that.
+    /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel
+    /// per `w` at the end, by one reciprocal for all axes. At the end the product is off by less than twenty
+    /// of its LSB; the guard bits hide that.
     #[inline(always)]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         self.set_gains_by(travel, self.reciprocal());

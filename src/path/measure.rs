@@ -1,20 +1,22 @@
 //! By what a path is measured: the feed axes (P-CHAN-00011).
 //!
-//! The sources name the parameter and do not say what it does. The reading taken here, which is that of ISG's public lists as far as
-//! they go:
+//! The sources name the parameter and do not say what it does. The reading taken here, which is that of ISG's
+//! public lists as far as they go:
 //!
-//! - The path length of a block, and with it F, `s`, path speed and the limits of #VECTOR LIMIT, is what its feed axes travel
-//!   together. Every other axis moves along with them, a main axis too. With one feed axis the path speed is the speed of that axis.
+//! - The path length of a block, and with it F, `s`, path speed and the limits of #VECTOR LIMIT, is what its
+//!   feed axes travel together. Every other axis moves along with them, a main axis too. With one feed axis
+//!   the path speed is the speed of that axis.
 //! - Without any, the main axes are the feed axes, as everywhere else in ISG's texts.
-//! - A block that moves no feed axis counts along its main axes; one that moves none of those along all others together.
-//! - Where an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts: path distances and speeds have a
-//!   resolution of their own, which such an axis would show that many times. (Beside main axes that are the feed axes it is a
-//!   1024th.)
-//! - An arc needs both axes of its plane: along one of them it goes to and fro, and its speed would be none that a feed can mean.
-//!   ISG demands even all main axes there.
-//! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed counts along:
-//!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST, POST_DIST, PATH_DIST
-//!   ("on the feed axes' path"), SYM_DIST, shares of blocks.
+//! - A block that moves no feed axis counts along its main axes; one that moves none of those along all
+//!   others together.
+//! - Where an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts: path
+//!   distances and speeds have a resolution of their own, which such an axis would show that many times.
+//!   (Beside main axes that are the feed axes it is a 1024th.)
+//! - An arc needs both axes of its plane: along one of them it goes to and fro, and its speed would be none
+//!   that a feed can mean. ISG demands even all main axes there.
+//! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed
+//!   counts along: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
+//!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, travelled};
 use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
@@ -93,8 +95,8 @@ impl Measure {
         sqrt_f32(feed.fold(0.0, |sum, (_, x)| sum + x * x))
     }
 
-    /// What axes that travel so far (LSB of a position) make of path, LSB 2^-44 mm: along the feed axes, where none of them moves along
-    /// the main axes.
+    /// What axes that travel so far (LSB of a position) make of path, LSB 2^-44 mm: along the feed axes,
+    /// where none of them moves along the main axes.
     #[inline(always)]
     pub(super) fn travelled<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
         if self.feed.is_some() {

@@ -1,34 +1,38 @@
-//! Blocks that go on in a straight line become one: a line cut into pieces is as fast as the whole line, and the look-ahead
-//! sees as far.
+//! Blocks that go on in a straight line become one: a line cut into pieces is as fast as the whole line, and
+//! the look-ahead sees as far.
 //!
-//! A line from the start `P0` of the first block to the end `Pn` of the last stands for all of them if every point left out
-//! is within a tolerance of it. Which lines are, is known without the points. Every `Pi` was an end before it was left out:
-//! `Pi = P0 + Ti·si`, with the path length `si` and the tangent `Ti` of the line to it. At the path distance `si` the line with
-//! the tangent `T` is `|T − Ti|·si` away from it, axis by axis. So each point left out permits the tangents within
-//! `tolerance/si` of `Ti`, all of them together an interval for each axis, and that is all that is kept.
+//! A line from the start `P0` of the first block to the end `Pn` of the last stands for all of them if every
+//! point left out is within a tolerance of it. Which lines are, is known without the points. Every `Pi` was
+//! an end before it was left out: `Pi = P0 + Ti·si`, with the path length `si` and the tangent `Ti` of the
+//! line to it. At the path distance `si` the line with the tangent `T` is `|T − Ti|·si` away from it, axis by
+//! axis. So each point left out permits the tangents within `tolerance/si` of `Ti`, all of them together an
+//! interval for each axis, and that is all that is kept.
 //!
-//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance: where it stands beside a point of the
-//! path is not known better than that point. Main axes have the tolerance alone, whatever the path is measured by.
+//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance: where it stands
+//! beside a point of the path is not known better than that point. Main axes have the tolerance alone,
+//! whatever the path is measured by.
 //!
-//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on every feed axis, so
-//! that nothing goes back.
+//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on
+//! every feed axis, so that nothing goes back.
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
 use crate::quantity::{Distance, Position};
 
-/// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on three. Points of a
-/// straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by up to 1.37 nm, mostly by less than
-/// half of that.
+/// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
+/// three. Points of a straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by
+/// up to 1.37 nm, mostly by less than half of that.
 const TOLERANCE: i64 = 4900;
 
 /// [`TOLERANCE`] in mm, with the rounding of what is made of it.
 pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 - 1.0 / 1_048_576.0);
 
-/// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the tolerance.
+/// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the
+/// tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half the largest change of the tangent on a feed axis, and by how much more it may change than the points left out may say.
+/// Half the largest change of the tangent on a feed axis, and by how much more it may change than the points
+/// left out may say.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -70,8 +74,9 @@ impl<const AXES: usize> Stretch<AXES> {
     /// Whether the block `next` could be part of it: only then [`Self::with`] is worth its work.
     #[inline(always)]
     pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
-        // `next` goes from the end of this one to that of the line of both, whose tangent is within tolerance/s of the one here:
-        // over a length l of its own it may be off by the tolerance, over s likewise.
+        // `next` goes from the end of this one to that of the line of both, whose tangent is within
+        // tolerance/s of the one here: over a length l of its own it may be off by the tolerance, over s
+        // likewise.
         let (s, l) = (millimetres(self.line.length), millimetres(next.length));
         let most = LOOSE * TOLERANCE_MM * (s + l);
         // Both sides times s·l.
@@ -86,8 +91,8 @@ impl<const AXES: usize> Stretch<AXES> {
         true
     }
 
-    /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or begin anew. Only if it
-    /// [`Self::goes_on`].
+    /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or
+    /// begin anew. Only if it [`Self::goes_on`].
     #[inline(always)]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, measure).ok()??;

@@ -1,5 +1,5 @@
-//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length, and knows nothing
-//! of time.
+//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length, and knows
+//! nothing of time.
 //!
 //! The curve itself is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
 //!
@@ -9,10 +9,10 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! so that a tick multiplies and adds. `w` is the distance shifted to 62 bits: every factor then uses its full
-//! width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre. `miss` is what
-//! rounding left between the end of the circle and the programmed end, so that the end is met to the last bit; it
-//! and `grow` are so small that the upper half of `w` does.
+//! so that a tick multiplies and adds. `w` is the distance shifted to 62 bits: every factor then uses its
+//! full width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre.
+//! `miss` is what rounding left between the end of the circle and the programmed end, so that the end is met
+//! to the last bit; it and `grow` are so small that the upper half of `w` does.
 //!
 //! The third kind of curve is a polynomial of the fifth degree for every axis, see [`mod@poly`].
 mod arc;
@@ -184,7 +184,8 @@ pub struct Shape<const AXES: usize> {
     /// Linear part: 2^-42 mm per 2^64 units of `w`.
     gain: [i64; AXES],
     curve: Curve<AXES>,
-    /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond an end.
+    /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond
+    /// an end.
     shift: u8,
 }
 
@@ -265,7 +266,8 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift of two words.
+    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift
+    /// of two words.
     #[inline(always)]
     fn w(&self, distance: i64) -> i64 {
         let (upper, lower) = ((distance >> 32) as u32, distance as u32);
@@ -278,8 +280,8 @@ impl<const AXES: usize> Shape<AXES> {
         (u64::from(upper) << 32 | u64::from(lower)) as i64
     }
 
-    /// Position of every axis at `distance` from the start of the block. Runs in the tick.
-    /// Error against the exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
+    /// Position of every axis at `distance` from the start of the block. Runs in the tick. Error against the
+    /// exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
@@ -297,8 +299,8 @@ impl<const AXES: usize> Shape<AXES> {
         }
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
-                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each product
-                // would be three.
+                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each
+                // product would be three.
                 let w = black_box(Halves::of(w));
                 *x = add(*base, w.times(Halves::of(*gain)));
             }
@@ -316,7 +318,8 @@ impl<const AXES: usize> Shape<AXES> {
     ) {
         let linear = base.iter().zip(&self.gain);
         for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
-            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would be three.
+            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would
+            // be three.
             let w = black_box(w);
             *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
         }
@@ -358,7 +361,8 @@ fn add(base: Position, offset: i64) -> Position {
     Position::from_bits(base.to_bits().wrapping_add(rounded))
 }
 
-/// Square root of the sum of squares of what axes travel (LSB of a position, below 2^50), as a distance, rounded down.
+/// Square root of the sum of squares of what axes travel (LSB of a position, below 2^50), as a distance,
+/// rounded down.
 #[inline(always)]
 fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);
@@ -381,9 +385,10 @@ fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
     travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
 }
 
-/// Path length of a block, from what [`Measure::travelled`] makes of it (mm, LSB 2^-44) and what every axis travels. Where that is
-/// nothing, the length is that of all axes together. Where an axis moves more than 1024 degrees or millimetres per
-/// millimetre of path, a 1024th of its travel counts, so that a distance still resolves it.
+/// Path length of a block, from what [`Measure::travelled`] makes of it (mm, LSB 2^-44) and what every axis
+/// travels. Where that is nothing, the length is that of all axes together. Where an axis moves more than
+/// 1024 degrees or millimetres per millimetre of path, a 1024th of its travel counts, so that a distance
+/// still resolves it.
 #[inline(always)]
 fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
     let length = if along == 0 {

@@ -1,13 +1,13 @@
-//! A polynomial of the fifth degree for every axis, over a path distance that is its arc length as nearly as its
-//! maker chose the ends: position, direction and curvature are given at both.
+//! A polynomial of the fifth degree for every axis, over a path distance that is its arc length as nearly as
+//! its maker chose the ends: position, direction and curvature are given at both.
 //!
 //! ```text
 //! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
 //! ```
 //!
-//! with the last part in 2^-42 mm and coefficients of 32 bits. What their rounding leaves is taken into the linear part, so
-//! that the end is met to the last bit; direction and curvature at the ends are off by about 2^-29 of the curve's
-//! own.
+//! with the last part in 2^-42 mm and coefficients of 32 bits. What their rounding leaves is taken into the
+//! linear part, so that the end is met to the last bit; direction and curvature at the ends are off by about
+//! 2^-29 of the curve's own.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
@@ -23,8 +23,8 @@ pub struct Knot<const AXES: usize> {
     pub end: End<AXES>,
 }
 
-/// Largest magnitudes along a polynomial, for limits: of the direction those of Bernstein coefficients, which it never exceeds, of the others
-/// those at the ends and where the next derivative vanishes.
+/// Largest magnitudes along a polynomial, for limits: of the direction those of Bernstein coefficients, which
+/// it never exceeds, of the others those at the ends and where the next derivative vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// |dx/ds|.
@@ -126,8 +126,8 @@ pub struct Draft<const AXES: usize> {
 const AXES_PER_CALL: usize = 2;
 
 impl<const AXES: usize> Draft<AXES> {
-    /// The curve from one knot to another that counts as `length` (mm) of path, with all axes to be made; `fastest` as in
-    /// [`Bounds`]. `None` where the formats cannot hold it.
+    /// The curve from one knot to another that counts as `length` (mm) of path, with all axes to be made;
+    /// `fastest` as in [`Bounds`]. `None` where the formats cannot hold it.
     pub fn new(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -213,7 +213,8 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
-/// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both ends.
+/// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both
+/// ends.
 fn quintic(travel: f64, [v0, v1]: [f64; 2], [w0, w1]: [f64; 2]) -> [f64; 5] {
     [
         v0,
@@ -241,7 +242,8 @@ fn largest(a: &[f64; 5]) -> [f32; 3] {
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
     let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
     let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
-    // The one has its extremes where the other vanishes: the roots of t² + …, of which one is found without a difference.
+    // The one has its extremes where the other vanishes: the roots of t² + …, of which one is found without a
+    // difference.
     let root = sqrt_f32(max(b2 * b2 - 3.0 * b1 * b3, 0.0));
     let sum = -(b2 + if b2 < 0.0 { -root } else { root });
     let inside = |p: f32, q: f32| if q == 0.0 { 0.0 } else { min(max(p / q, 0.0), 1.0) };

@@ -1,9 +1,10 @@
 //! Waiting at gates, and going on.
 //!
-//! Before a gate the motion is planned to stand still; behind it nothing is handed on. When the last acknowledgement comes
-//! while the motion before the gate does not slow down for it yet, the law of that motion is made anew with the speed that the
-//! way behind the gate permits. It has to agree with the old one up to a tick shortly ahead, where the interrupt changes over
-//! ([`clock`]): so it does as long as only its end differs. Otherwise the old law holds, and the motion goes on from rest.
+//! Before a gate the motion is planned to stand still; behind it nothing is handed on. When the last
+//! acknowledgement comes while the motion before the gate does not slow down for it yet, the law of that
+//! motion is made anew with the speed that the way behind the gate permits. It has to agree with the old one
+//! up to a tick shortly ahead, where the interrupt changes over ([`clock`]): so it does as long as only its
+//! end differs. Otherwise the old law holds, and the motion goes on from rest.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::{Change, PHASES};

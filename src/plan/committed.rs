@@ -16,7 +16,8 @@ pub(super) struct CommittedSpan {
     pub next: u64,
     /// Ticks of rest behind it.
     pub rest: u64,
-    /// What its law was made with: speed at its start and at its end, the highest one permitted, the operator's pace.
+    /// What its law was made with: speed at its start and at its end, the highest one permitted, the
+    /// operator's pace.
     pub enters: Speed,
     pub leaves: Speed,
     pub limit: f32,
@@ -40,7 +41,8 @@ impl CommittedSpan {
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
-    /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it, where that cruises.
+    /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it,
+    /// where that cruises.
     pub fn look(&mut self, at: i64) {
         let (start, v_in, checked) = self.released;
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));

@@ -7,8 +7,9 @@
 //! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
 //! at the planned speed or below, and the next law goes on from there.
 //!
-//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking as its own law does. A curve
-//! in which acceleration is bought with speed is entered so slowly that the deceleration of the law may go on in it.
+//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking
+//! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
+//! deceleration of the law may go on in it.
 use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
@@ -113,7 +114,8 @@ impl Stretch {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that span.
+    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that
+    /// span.
     #[inline(never)]
     pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Option<Descent> {
         let ahead = if self.reserve.is_made() {
@@ -203,7 +205,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((limits, last.end, last.v_out))
     }
 
-    /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many spans.
+    /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many
+    /// spans.
     fn verify(
         &self,
         start: Cursor,
@@ -239,7 +242,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The law of a descent that begins in the span `k` goes to the emitter. [`Self::note_passed`] tells the spans.
+    /// The law of a descent that begins in the span `k` goes to the emitter. [`Self::note_passed`] tells the
+    /// spans.
     #[inline(never)]
     pub(super) fn go_down(&mut self, k: usize, descent: &Descent) {
         let Descent { brake, spans, ahead } = descent;

@@ -1,9 +1,11 @@
-//! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion waits.
+//! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion
+//! waits.
 //!
-//! A function belongs between two motion blocks, which counts as the number of motion blocks before it. Contour mode decides
-//! which element of the path begins there. When that element goes into the look-ahead the place of the function is known, and
-//! it goes into the queue: the motion may come there without the planner. The element may be marked as a *gate*: it is not handed on,
-//! and the motion is planned to stand still before it, until all acknowledgements demanded there have come.
+//! A function belongs between two motion blocks, which counts as the number of motion blocks before it.
+//! Contour mode decides which element of the path begins there. When that element goes into the look-ahead
+//! the place of the function is known, and it goes into the queue: the motion may come there without the
+//! planner. The element may be marked as a *gate*: it is not handed on, and the motion is planned to stand
+//! still before it, until all acknowledgements demanded there have come.
 use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;
@@ -33,8 +35,8 @@ struct Entry {
 /// Functions and gates.
 pub(super) struct Functions {
     entries: Vec<Entry, EVENTS>,
-    /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded where
-    /// everything taken in ends.
+    /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded
+    /// where everything taken in ends.
     gates: Vec<u32, OPEN>,
     last: u32,
     sequence: u8,
@@ -51,8 +53,8 @@ impl Functions {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
 
-    /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of events.
-    /// `in_motion`: it was programmed together with a motion.
+    /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of
+    /// events. `in_motion`: it was programmed together with a motion.
     ///
     /// # Errors
     /// No room.
@@ -84,7 +86,8 @@ impl Functions {
         self.entries.push(entry).map_err(|_| ())
     }
 
-    /// The motion that they were programmed with is there: `moved`, it has path; `rounds`, its end is to be rounded.
+    /// The motion that they were programmed with is there: `moved`, it has path; `rounds`, its end is to be
+    /// rounded.
     pub fn settle(&mut self, moved: bool, rounds: bool) {
         for entry in self.entries.iter_mut().filter(|entry| entry.unsettled) {
             entry.unsettled = false;
@@ -116,8 +119,8 @@ impl Functions {
         self.entries.retain(|entry| entry.placed);
     }
 
-    /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks before it goes into the queue,
-    /// which has room for it. Whether the element is a gate.
+    /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks
+    /// before it goes into the queue, which has room for it. Whether the element is a gate.
     pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         if self.entries.is_empty() && self.last == 0 {
             return false;
@@ -128,7 +131,8 @@ impl Functions {
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait there.
+    /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait
+    /// there.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0
@@ -155,8 +159,8 @@ impl Functions {
         self.entries.retain(|entry| !entry.placed || !entry.gated);
     }
 
-    /// These acknowledgements have come; calls `open` with the number of every gate in the look-ahead that is open now, counted
-    /// without those already open.
+    /// These acknowledgements have come; calls `open` with the number of every gate in the look-ahead that is
+    /// open now, counted without those already open.
     pub fn answer(&mut self, bits: u32, mut open: impl FnMut(usize)) {
         for entry in self.entries.iter_mut().filter(|entry| entry.ticket.bit() & bits != 0) {
             // Acknowledged before its gate was known: it needs none.

@@ -1,17 +1,18 @@
 //! The operator's commands in the planner: standing still on the path, going on, forgetting the rest.
 //!
-//! A standstill is wanted while up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The planner finds
-//! the span and the motion a few ticks ahead, plans the way to a standstill from there ([`Brake`]) and has the interrupt
-//! change over at that tick ([`clock`]). If the span is too short to stop, the spans behind it are planned in the same
-//! way, each with its own limits, until one is long enough; the last span known always is. A span that already slows down
-//! as hard as it can keeps its law, and the change begins with the next one.
+//! A standstill is wanted while up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue.
+//! The planner finds the span and the motion a few ticks ahead, plans the way to a standstill from there
+//! ([`Brake`]) and has the interrupt change over at that tick ([`clock`]). If the span is too short to stop,
+//! the spans behind it are planned in the same way, each with its own limits, until one is long enough; the
+//! last span known always is. A span that already slows down as hard as it can keeps its law, and the change
+//! begins with the next one.
 //!
-//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A span of several
-//! blocks is then run no faster than its slowest block: a law from another speed would have to be compared with every block
-//! again.
+//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A
+//! span of several blocks is then run no faster than its slowest block: a law from another speed would have
+//! to be compared with every block again.
 //!
-//! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion before it is
-//! complete. An abort ends a dwell.
+//! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
+//! before it is complete. An abort ends a dwell.
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
@@ -26,8 +27,8 @@ use crate::smooth::Smoother;
 /// Ticks from a command to the change: what the planner may take for the new law.
 pub const REACTION: u32 = 4;
 
-/// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before it, and there is one
-/// change at a time.
+/// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before
+/// it, and there is one change at a time.
 const NEAR: u32 = 64;
 
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
@@ -253,7 +254,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         work
     }
 
-    /// The instant of a change decided now, and the first span that begins behind it: one change at a time, and one attempt a tick.
+    /// The instant of a change decided now, and the first span that begins behind it: one change at a time,
+    /// and one attempt a tick.
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
         let now = self.queue.clock.now();
         self.trim();
@@ -309,8 +311,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one from its start. `None`,
-    /// and nothing has changed, if that came too late.
+    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
+    /// from its start. `None`, and nothing has changed, if that came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         let committed = *self.committed.get(k)?;
         let before = (self.frontier, self.orders.mode);
@@ -433,7 +435,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if that is the one of now.
+    /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if
+    /// that is the one of now.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
@@ -467,8 +470,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         false
     }
 
-    /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and whether that is as
-    /// high as it may be. `None` where it slows down instead, which is done.
+    /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and
+    /// whether that is as high as it may be. `None` where it slows down instead, which is done.
     #[inline(never)]
     fn suit(&mut self, k: usize) -> Option<Fit> {
         let committed = self.committed.get_mut(k)?;
@@ -533,7 +536,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(if reached { Fit::Whole } else { Fit::Part })
     }
 
-    /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a law of its own.
+    /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a
+    /// law of its own.
     #[inline(never)]
     pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
         self.frontier.emitter.begin_brake(&self.profile, brake);
@@ -555,7 +559,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lower();
     }
 
-    /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on it.
+    /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on
+    /// it.
     pub(super) fn lower(&mut self) {
         if self.frontier.planned == self.committed.len() && !self.reserve.is_made() {
             self.committed.lower(self.frontier.planned, self.frontier.speed);

@@ -1,4 +1,5 @@
-//! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the look-ahead.
+//! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the
+//! look-ahead.
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
@@ -270,7 +271,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
     }
 
-    /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion block.
+    /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion
+    /// block.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
         self.let_go();
         self.intake.smoothing.contour(contour, in_motion);
@@ -345,14 +347,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.taken = self.intake.taken.wrapping_add(1);
     }
 
-    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after [`super::Work::Hungry`].
-    /// `optimised`: NO_OPT=0.
+    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after
+    /// [`super::Work::Hungry`]. `optimised`: NO_OPT=0.
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
         self.dynamics.set_slope(slope, optimised);
     }
 
-    /// The dynamics, for weights and path limits of the blocks that follow. Only after [`super::Work::Hungry`].
+    /// The dynamics, for weights and path limits of the blocks that follow. Only after
+    /// [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
         self.dynamics
@@ -409,8 +412,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.programmed = self.intake.entered;
     }
 
-    /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was programmed together
-    /// with a motion. Only after [`super::Work::Hungry`].
+    /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was
+    /// programmed together with a motion. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// The function back, if there is no room: [`Self::rest`], and again when there is.

@@ -1,14 +1,17 @@
 //! Program text that comes late.
 //!
-//! What has been taken in waits in the look-ahead for what follows. When the queue runs low, it is handed on as it is, a
-//! quarter at a time, planned down to a standstill at its end like every plan. So the motion slows down on its slope as the way
-//! known ahead of it gets shorter, gains speed when blocks come, and stands at the end of the last one if none does.
+//! What has been taken in waits in the look-ahead for what follows. When the queue runs low, it is handed on
+//! as it is, a quarter at a time, planned down to a standstill at its end like every plan. So the motion
+//! slows down on its slope as the way known ahead of it gets shorter, gains speed when blocks come, and
+//! stands at the end of the last one if none does.
 //!
-//! A planner that does not keep up hands on in the same way, before it is done with the next block: where what is in the queue ends at
-//! speed and has run low while blocks are being taken in. A planner that keeps up never comes to that: it has filled the queue before each
-//! tick. (One that is not called at all is left to the way in reserve, see `reserve`.)
+//! A planner that does not keep up hands on in the same way, before it is done with the next block: where
+//! what is in the queue ends at speed and has run low while blocks are being taken in. A planner that keeps
+//! up never comes to that: it has filled the queue before each tick. (One that is not called at all is left
+//! to the way in reserve, see `reserve`.)
 //!
-//! A corner that contour mode holds back waits for its second block: the path does not depend on when the text comes.
+//! A corner that contour mode holds back waits for its second block: the path does not depend on when the
+//! text comes.
 use super::{Planning, RESERVE, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
@@ -27,7 +30,8 @@ const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASE
 const SOON: u32 = 2;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being taken in.
+    /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being
+    /// taken in.
     pub(super) fn runs_dry(&mut self) -> bool {
         if self.frontier.speed == Speed::ZERO || self.lookahead.ring.is_empty() {
             return false;

@@ -67,7 +67,8 @@ pub enum Work {
     Refused,
 }
 
-/// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no room in flash.
+/// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no
+/// room in flash.
 pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
     lookahead: LookaheadMemory<BLOCKS>,
     committed: CommittedSpans,
@@ -99,7 +100,8 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
     }
 }
 
-/// Path, look-ahead, slope and the planner's end of the queue. What is large of it lies in a [`PlanningMemory`].
+/// Path, look-ahead, slope and the planner's end of the queue. What is large of it lies in a
+/// [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
     dynamics: &'a mut Dynamics<AXES>,
@@ -222,7 +224,8 @@ pub struct PlannedBlock {
     pub wait: Time,
 }
 
-/// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it is asked for.
+/// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it
+/// is asked for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
     number: u32,
@@ -304,8 +307,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`] comes
-    /// when all of it is in the queue.
+    /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`]
+    /// comes when all of it is in the queue.
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
         self.task.rest = ticks;
@@ -314,13 +317,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// Goes on.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a block takes too long.
-    /// Nothing more is planned.
+    /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a
+    /// block takes too long. Nothing more is planned.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         if let Some(work) = self.attend() {
             return Ok(work);
         }
-        // Asked first: what the queue has no room for is not made. Several at once: each call has its own cost.
+        // Asked first: what the queue has no room for is not made. Several at once: each call has its own
+        // cost.
         if self.queue.phases.room() < PIECES + RESERVE {
             return Ok(self.wait_a_while());
         }
@@ -378,7 +382,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 }
                 Ok(Work::Working)
             }
-            // A span of many blocks was handed on at once: what it took of the room of others comes back first.
+            // A span of many blocks was handed on at once: what it took of the room of others comes back
+            // first.
             RingStage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             RingStage::Releasing(0) => {
                 if self.secure(self.reserve.near.max(FAR)) {
@@ -492,7 +497,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(Work::Planned)
     }
 
-    /// The first blocks of the look-ahead leave it, so many: their curves have been in the queue since they came into it.
+    /// The first blocks of the look-ahead leave it, so many: their curves have been in the queue since they
+    /// came into it.
     fn hand_on(&mut self, blocks: usize) {
         let mut curves = 0;
         for _ in 0..blocks {
@@ -553,8 +559,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Stays where everything handed on ends, as long as a piece can. There is room: asked at the beginning of the call.
-    /// Ticks left.
+    /// Stays where everything handed on ends, as long as a piece can. There is room: asked at the beginning
+    /// of the call. Ticks left.
     fn stay(&mut self, ticks: u64) -> u64 {
         let left = self.put_rest(self.handed, ticks);
         if let Some(committed) =

@@ -1,9 +1,9 @@
 //! Override and reduced speed in laws that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over there: to a
-//! slowing down to the new speed, or to a law without acceleration; the rest of the span then has a law of its own with the new
-//! speed. Where the motion slows down anyway, or too little of the span is left, the change begins with the next span. Spans
-//! that have no law yet get the right one when it is made.
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over
+//! there: to a slowing down to the new speed, or to a law without acceleration; the rest of the span then has
+//! a law of its own with the new speed. Where the motion slows down anyway, or too little of the span is
+//! left, the change begins with the next span. Spans that have no law yet get the right one when it is made.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Work, clock};
@@ -33,19 +33,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.orders.mode.adjusting = true;
     }
 
-    /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one speed.
+    /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one
+    /// speed.
     pub(super) fn level(&self) -> f32 {
         let level = self.orders.pace.level();
         if self.dynamics.slope() == SlopeType::Hsc { level } else { max(level, 1.0) }
     }
 
-    /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the level it was planned for.
+    /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the
+    /// level it was planned for.
     pub(super) fn keeps_ahead(&self) -> bool {
         self.frontier.end.wrapping_sub(self.queue.clock.now()) > clock::TICK * AHEAD
             && self.lookahead.ring.first().is_some_and(Block::varies)
     }
 
-    /// The ring is planned for the level of now, if the motion enters it slowly enough. Only when all laws are made, before a plan begins.
+    /// The ring is planned for the level of now, if the motion enters it slowly enough. Only when all laws
+    /// are made, before a plan begins.
     pub(super) fn follow_level(&mut self) {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();

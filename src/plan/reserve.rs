@@ -1,26 +1,30 @@
 //! A way to a standstill in reserve, for a planner that gets no time.
 //!
-//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready and
-//! tells the interrupt to go on with it there ([`clock`]). As long as it is called it moves that reserve on before the
-//! interrupt comes there: then nothing of it is ever seen. If it is not, the motion slows down by itself, with the limits of every block
-//! it comes through, and stands. The planner, when it is called again, takes back what is in the queue and goes on from there.
+//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready and tells
+//! the interrupt to go on with it there ([`clock`]). As long as it is called it moves that reserve on before
+//! the interrupt comes there: then nothing of it is ever seen. If it is not, the motion slows down by itself,
+//! with the limits of every block it comes through, and stands. The planner, when it is called again, takes
+//! back what is in the queue and goes on from there.
 //!
-//! Such a way is made like a feed hold (`hold`): from the motion where the queue ends, through the rest of that
-//! span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a ring ends in a standstill: so
-//! does this. What the planner is about meanwhile is put aside and goes on behind it.
+//! Such a way is made like a feed hold (`hold`): from the motion where the queue ends, through the rest of
+//! that span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a
+//! ring ends in a standstill: so does this. What the planner is about meanwhile is put aside and goes on
+//! behind it.
 //!
-//! Where what is in the queue ends in a planned standstill, its last tick is before that: the tick that shows the standstill itself
-//! belongs to what follows. Until that is in the queue the reserve is this one tick.
+//! Where what is in the queue ends in a planned standstill, its last tick is before that: the tick that shows
+//! the standstill itself belongs to what follows. Until that is in the queue the reserve is this one tick.
 //!
-//! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length of the blocks.
+//! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length
+//! of the blocks.
 //!
-//! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows within a few calls.
+//! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows
+//! within a few calls.
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
 use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 
-/// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in and planned: what a slow
-/// planner needs for that.
+/// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in
+/// and planned: what a slow planner needs for that.
 const NEAR: u32 = clock::TICK * 32;
 pub(super) const FAR: u32 = clock::TICK * 256;
 
@@ -56,14 +60,16 @@ struct Aside {
 pub(super) struct Reserve {
     kept: Option<Way>,
     aside: Option<Aside>,
-    /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that, and its path distance.
+    /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that,
+    /// and its path distance.
     next: usize,
     distance: Distance,
     /// The law with the emitter is all of it so far.
     as_planned: bool,
     /// Path distance of its standstill, if that is in none of the spans at hand.
     stands: Option<i64>,
-    /// The instant of the last call that had nothing to do, and the time ahead of the interrupt at which a new one is made.
+    /// The instant of the last call that had nothing to do, and the time ahead of the interrupt at which a
+    /// new one is made.
     waited: u32,
     pub near: u32,
     /// There was no room for the one that begins there.
@@ -144,8 +150,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to which the interrupt will come
-    /// within that time, or within half of what is in the queue.
+    /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to
+    /// which the interrupt will come within that time, or within half of what is in the queue.
     #[inline(always)]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         let now = self.queue.clock.now();
@@ -164,7 +170,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.secure(self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
-    /// A law that ends in a standstill has been handed out. The reserve led into it; now it is the tick that shows its end.
+    /// A law that ends in a standstill has been handed out. The reserve led into it; now it is the tick that
+    /// shows its end.
     #[inline(never)]
     pub(super) fn keep_end(&mut self) {
         if self.reserve.is_kept() {
@@ -238,7 +245,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The span of the law with the emitter, which is at this path distance: one that was slowed down may have no other law yet.
+    /// The span of the law with the emitter, which is at this path distance: one that was slowed down may
+    /// have no other law yet.
     fn span_at(&self, distance: i64) -> usize {
         let before = self.frontier.planned.wrapping_sub(1);
         let within =
@@ -379,8 +387,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.aside = None;
     }
 
-    /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if the interrupt has gone on
-    /// with it.
+    /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if
+    /// the interrupt has gone on with it.
     pub(super) fn drop_reserve(&mut self) -> bool {
         if !self.queue.clock.release() {
             return false;

@@ -1,16 +1,18 @@
 //! The ring of curves, and where each of them begins: the tick finds the one it is on by path distance alone.
 //!
-//! A curve is written once, when its block goes into the look-ahead, and stays in its place until the interrupt has passed it. The
-//! planner counts two kinds of them: those *handed on*, which pieces of time move along, and behind them those of the look-ahead, of
-//! which the interrupt already knows where they are.
+//! A curve is written once, when its block goes into the look-ahead, and stays in its place until the
+//! interrupt has passed it. The planner counts two kinds of them: those *handed on*, which pieces of time
+//! move along, and behind them those of the look-ahead, of which the interrupt already knows where they are.
 //!
-//! Starts lie in an array of their own, longer than the ring, so that behind the last curve there is room for starts that
-//! no distance reaches. So many of them are kept there as a tick looks at: it asks neither how many curves there are
-//! nor where the array ends (its head is repeated behind its end), and halves a window of fixed size.
+//! Starts lie in an array of their own, longer than the ring, so that behind the last curve there is room for
+//! starts that no distance reaches. So many of them are kept there as a tick looks at: it asks neither how
+//! many curves there are nor where the array ends (its head is repeated behind its end), and halves a window
+//! of fixed size.
 //!
-//! A start is the word to the interrupt that its curve is there: it is written behind the curve, the upper half last. What it takes
-//! the place of is out of reach in both halves, so that a start half written is out of reach too. Distances can be compared over
-//! a limited way only: where the curves of the look-ahead lead beyond, their starts are written when the interrupt comes nearer.
+//! A start is the word to the interrupt that its curve is there: it is written behind the curve, the upper
+//! half last. What it takes the place of is out of reach in both halves, so that a start half written is out
+//! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
+//! beyond, their starts are written when the interrupt comes nearer.
 #![allow(unsafe_code)]
 use super::{SEGMENTS, Segment, Slot};
 use crate::path::Shape;
@@ -30,18 +32,20 @@ const WINDOW: usize = 2 + MAX_CURVES_PER_TICK as usize;
 const HALVES: [usize; 5] = [16, 8, 4, 2, 1];
 /// Starts behind a curve that are looked at from there.
 const BEHIND: usize = WINDOW - 1;
-/// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head repeated.
+/// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head
+/// repeated.
 const STARTS: usize = SEGMENTS + WINDOW + BEHIND;
 
-/// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as far as the curve at hand,
-/// the last one and this together.
+/// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as
+/// far as the curve at hand, the last one and this together.
 const OUT_OF_REACH: i64 = 1 << 61;
 
-/// Path that is shown ahead of what is handed on, from the end of the curve at hand, with which the next start is compared alone: with
-/// what is out of reach behind it, below 2^63.
+/// Path that is shown ahead of what is handed on, from the end of the curve at hand, with which the next
+/// start is compared alone: with what is out of reach behind it, below 2^63.
 const SHOWN: i64 = 5 << 60;
 
-/// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near it.
+/// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near
+/// it.
 const LONG: i64 = OUT_OF_REACH / 64;
 
 /// Two arrays, one behind the other.
@@ -53,8 +57,8 @@ struct Both<T, const A: usize, const B: usize> {
 
 impl<T, const A: usize, const B: usize> Both<T, A, B> {
     fn as_slice(&self) -> &[T] {
-        // SAFETY: in C layout the second array begins where the first one ends, a multiple of their alignment, and the struct ends with
-        // it: `A + B` elements in a row, borrowed as long as `self` is.
+        // SAFETY: in C layout the second array begins where the first one ends, a multiple of their
+        // alignment, and the struct ends with it: `A + B` elements in a row, borrowed as long as `self` is.
         unsafe { slice::from_raw_parts(ptr::from_ref(self).cast(), A + B) }
     }
 }
@@ -62,8 +66,9 @@ impl<T, const A: usize, const B: usize> Both<T, A, B> {
 /// The slot of a curve.
 struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
 
-// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has given it back, and read
-// only by the one interrupt in between, or by the planner itself; starts and `taken` pass it with release and acquire.
+// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
+// given it back, and read only by the one interrupt in between, or by the planner itself; starts and `taken`
+// pass it with release and acquire.
 unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
 impl<const AXES: usize> Place<AXES> {
@@ -238,7 +243,8 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
     }
 
-    /// Whether as many curves are handed on as the queue takes, or more path than distances are compared over.
+    /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
+    /// over.
     #[inline(always)]
     pub fn is_sated(&self) -> bool {
         self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
@@ -250,8 +256,8 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
     }
 
-    /// Whether there is more path than distances are compared over from the curve that the interrupt is on to the one with this
-    /// number.
+    /// Whether there is more path than distances are compared over from the curve that the interrupt is on to
+    /// the one with this number.
     fn is_far(&self, number: u32) -> bool {
         let here = self.recent(self.taken()).map_or(0, |segment| segment.shape.length.to_bits());
         self.is_behind(number, OUT_OF_REACH - here)
@@ -263,8 +269,9 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.is_far(number) && self.is_behind(number, SHOWN - length)
     }
 
-    /// Whether there is more path than that from the end of the curve the interrupt is on to the start of the one with this number.
-    /// From there: the way of both, and the curve behind, may be more than can be compared.
+    /// Whether there is more path than that from the end of the curve the interrupt is on to the start of the
+    /// one with this number. From there: the way of both, and the curve behind, may be more than can be
+    /// compared.
     #[inline(never)]
     fn is_behind(&self, number: u32, path: i64) -> bool {
         let next = self.taken().wrapping_add(1);
@@ -277,15 +284,16 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         last.end().wrapping_sub(next.start.to_bits()) > path
     }
 
-    /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block; `false` if there is no
-    /// room.
+    /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
+    /// `false` if there is no room.
     #[inline(always)]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(Place(slot)) = self.slots.get(self.slot) else { return false };
         if self.is_full() {
             return false;
         }
-        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of planners there is one.
+        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of
+        // planners there is one.
         let segment = unsafe { &mut *slot.get() };
         segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
@@ -368,8 +376,9 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         }
     }
 
-    /// Curves handed on: the one the interrupt is on, and those before it. Where it stands at the end of all of them it may be on the
-    /// first one of the look-ahead; on its way to a standstill without the planner, on a later one.
+    /// Curves handed on: the one the interrupt is on, and those before it. Where it stands at the end of all
+    /// of them it may be on the first one of the look-ahead; on its way to a standstill without the planner,
+    /// on a later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;
@@ -423,12 +432,13 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
             return None;
         }
         let Place(slot) = self.slots.get(on(self.slot, len - back, len))?;
-        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that; the interrupt reads too.
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that; the interrupt reads
+        // too.
         Some(unsafe { &*slot.get() })
     }
 
-    /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It does not get further
-    /// before they are put in anew. All that are left are handed on.
+    /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
+    /// does not get further before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
         let first = self.taken().wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
@@ -455,11 +465,13 @@ fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
 }
 
 impl<const AXES: usize> CurveConsumer<'_, AXES> {
-    /// The curve that a path distance not before the last one asked for is on, and the distance from its start; curves before it are
-    /// given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one. Runs in the tick.
+    /// The curve that a path distance not before the last one asked for is on, and the distance from its
+    /// start; curves before it are given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one.
+    /// Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
-        // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its first one.
+        // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its
+        // first one.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
         let mut at = first;
         if rest.first()?.has_begun(distance) {

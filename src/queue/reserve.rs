@@ -1,7 +1,9 @@
-//! The pieces of a way to a standstill that the interrupt goes on with if the planner gets no time ([`super::clock`]).
+//! The pieces of a way to a standstill that the interrupt goes on with if the planner gets no time
+//! ([`super::clock`]).
 //!
-//! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of no ticks. The interrupt
-//! reads only the way in force, and only once it has left the queue for it; from then on until it is let go nothing is written.
+//! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of
+//! no ticks. The interrupt reads only the way in force, and only once it has left the queue for it; from then
+//! on until it is let go nothing is written.
 #![allow(unsafe_code)]
 use super::Phase;
 use super::word::{Memory, Place, Ram, Replay};
@@ -15,7 +17,8 @@ pub struct Reserve<M: Memory = Ram> {
     pieces: [M::Place<Phase>; STOP_PIECES],
 }
 
-// SAFETY: the interrupt reads pieces in force, the planner writes others; the clock says which are in force, with release and acquire.
+// SAFETY: the interrupt reads pieces in force, the planner writes others; the clock says which are in force,
+// with release and acquire.
 unsafe impl<M: Memory> Sync for Reserve<M> {}
 
 /// Writes ways.
@@ -84,7 +87,8 @@ impl<M: Memory> Keeper<'_, M> {
         true
     }
 
-    /// The new way takes the place of the one in force; its first piece. None is in force for the interrupt meanwhile.
+    /// The new way takes the place of the one in force; its first piece. None is in force for the interrupt
+    /// meanwhile.
     pub const fn commit(&mut self) -> u32 {
         (self.first, self.count, self.written) = (self.start, self.written, 0);
         self.first

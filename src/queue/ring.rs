@@ -1,11 +1,12 @@
 //! A ring for one producer and one consumer that may interrupt one another, without lock and without waiting.
 //!
-//! Producer and consumer each own one counter that only they write; a slot belongs to the producer until its counter
-//! passes it, then to the consumer until the other counter does. Counters run freely and are masked, so that all `N`
-//! slots are used and no index needs a division (the queues of `heapless` forget `N` when they are split, which
-//! leaves one in the interrupt and a panic in its place if `N` were 0).
+//! Producer and consumer each own one counter that only they write; a slot belongs to the producer until its
+//! counter passes it, then to the consumer until the other counter does. Counters run freely and are masked,
+//! so that all `N` slots are used and no index needs a division (the queues of `heapless` forget `N` when
+//! they are split, which leaves one in the interrupt and a panic in its place if `N` were 0).
 //!
-//! The modules with `unsafe` code are this one, the ring of curves ([`super::course`]) and the ways to a standstill ([`super::reserve`]).
+//! The modules with `unsafe` code are this one, the ring of curves ([`super::course`]) and the ways to a
+//! standstill ([`super::reserve`]).
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
@@ -26,8 +27,8 @@ pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
     slots: [M::Place<T>; N],
 }
 
-// SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own it, and
-// read only by the one consumer, while it does; the counters pass ownership with release and acquire.
+// SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own
+// it, and read only by the one consumer, while it does; the counters pass ownership with release and acquire.
 unsafe impl<T: Slot + Send, const N: usize, M: Memory> Sync for Ring<T, N, M> {}
 
 /// Puts items in.

@@ -7,13 +7,14 @@
 //!
 //! No order of events can mix both:
 //!
-//! 1. The planner puts a *gate* behind the old pieces, a piece of no ticks, which the interrupt does not pass, then
-//!    the new pieces ([`Change::begin`]). Nothing has changed for the interrupt.
+//! 1. The planner puts a *gate* behind the old pieces, a piece of no ticks, which the interrupt does not
+//!    pass, then the new pieces ([`Change::begin`]). Nothing has changed for the interrupt.
 //! 2. It publishes the cut: the piece first, then the instant. It waits for the tick at hand, if there is one
 //!    ([`Clock::settle`]): from there on every tick sees the cut.
-//! 3. It reads the instant of the next tick. If that is not behind the cut, the interrupt will take it. If it is, the
-//!    interrupt says: by its count of pieces taken, beyond the gate, it acknowledges that it has taken the cut. Without that
-//!    it never will, and stays before the gate; the planner takes gate and pieces back ([`Change::commit`]).
+//! 3. It reads the instant of the next tick. If that is not behind the cut, the interrupt will take it. If it
+//!    is, the interrupt says: by its count of pieces taken, beyond the gate, it acknowledges that it has
+//!    taken the cut. Without that it never will, and stays before the gate; the planner takes gate and pieces
+//!    back ([`Change::commit`]).
 //!
 //! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over
 //! end at speed, the interrupt goes on with a way to a standstill, unless the planner has moved the reserve

@@ -1,18 +1,20 @@
-//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at a lower speed, or at the
-//! lowest that the rest of the span permits.
+//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at a lower speed,
+//! or at the lowest that the rest of the span permits.
 //!
-//! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with the ramp
-//! that it would be part of had it begun a/j before now, `a` being its size. Start and size of that ramp are
-//! integers computed from the state, so that speed and acceleration do not jump.
+//! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with
+//! the ramp that it would be part of had it begun a/j before now, `a` being its size. Start and size of that
+//! ramp are integers computed from the state, so that speed and acceleration do not jump.
 //!
-//! All ramps are linear, those of SIN2 too: an acceleration that a motion already has is no point of a whole sine. A
-//! linear ramp of the mean jerk stays below the peak of SIN2's jerk, which is what the limits count with. Only where an
-//! acceleration falls to zero, the jerk is that peak: the sine would do so no faster at any point, so that the linear ramp
-//! ends at no higher speed than the law it replaces. STEP has no jerk to keep: its deceleration begins at once.
+//! All ramps are linear, those of SIN2 too: an acceleration that a motion already has is no point of a whole
+//! sine. A linear ramp of the mean jerk stays below the peak of SIN2's jerk, which is what the limits count
+//! with. Only where an acceleration falls to zero, the jerk is that peak: the sine would do so no faster at
+//! any point, so that the linear ramp ends at no higher speed than the law it replaces. STEP has no jerk to
+//! keep: its deceleration begins at once.
 //!
-//! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at the end of
-//! the span too, and slows down at most as hard. So it keeps the limits of every block of the span. (A linear ramp of SIN2 may
-//! slow down later than the sine it replaces; but there all blocks of a span have one limit, and only slowing down has begun.)
+//! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at
+//! the end of the span too, and slows down at most as hard. So it keeps the limits of every block of the
+//! span. (A linear ramp of SIN2 may slow down later than the sine it replaces; but there all blocks of a span
+//! have one limit, and only slowing down has begun.)
 use super::area;
 use super::profile::{Change, Form, Profile};
 use super::ramp::{JerkLimited, Ramp};
@@ -80,11 +82,12 @@ const CLOSE_BELOW: f32 = 1.0 - CLOSE;
 const SHRINKS: usize = 8;
 
 impl Brake {
-    /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of the end of the
-    /// span), to the lowest speed there. A slower motion only ends its acceleration. The parts go into `profile`. `None` if
-    /// that would not end below `v_out`, the speed planned at the end, if the rest of the span were too short for it, or if it would
-    /// go on at its end speed for more than sixteen times as long as it slows down. It slows down with the deceleration `a_down`,
-    /// the rest of the span inside `limits`.
+    /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of
+    /// the end of the span), to the lowest speed there. A slower motion only ends its acceleration. The parts
+    /// go into `profile`. `None` if that would not end below `v_out`, the speed planned at the end, if the
+    /// rest of the span were too short for it, or if it would go on at its end speed for more than sixteen
+    /// times as long as it slows down. It slows down with the deceleration `a_down`, the rest of the span
+    /// inside `limits`.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
@@ -145,7 +148,8 @@ impl Brake {
         Self::reach(profile, motion, room, &firm, Aim { v: 0, or_near: false })
     }
 
-    /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little work.
+    /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little
+    /// work.
     pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {
         let room = mm(end.wrapping_sub(motion.distance)) * part;
         let v = speed_f32(motion.speed);
@@ -174,7 +178,8 @@ impl Brake {
         }
     }
 
-    /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v` for good, mm.
+    /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v`
+    /// for good, mm.
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
         let down = &profile.down;
         let [v0, va, vb, v1] = down.speeds.map(speed_f32);
@@ -209,9 +214,9 @@ impl Brake {
         }
     }
 
-    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤ `most` from there on,
-    /// where `a_most` = √(2·j·`most`). Its own jerks are no higher than j: while a deceleration rises that sum does not grow, so the
-    /// speed before it may stand for it; later it falls.
+    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤
+    /// `most` from there on, where `a_most` = √(2·j·`most`). Its own jerks are no higher than j: while a
+    /// deceleration rises that sum does not grow, so the speed before it may stand for it; later it falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;
@@ -363,8 +368,8 @@ fn released(decel: u64, j: f32) -> i64 {
 }
 
 /// How much of the speed `v` can be lost within `room`: `most`, or as much as ends there. Between `least`, if
-/// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to two
-/// thirds of `v` and stays above that of `most` from there on.
+/// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to
+/// two thirds of `v` and stays above that of `most` from there on.
 fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Option<i64> {
     let target = mm(room) * (1.0 - CLOSE);
     let [mut low, mut high] = [least, most].map(speed_f32);
@@ -421,7 +426,8 @@ impl Change {
         }
     }
 
-    /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on growing.
+    /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on
+    /// growing.
     fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &JerkLimited, j_last: f32) -> Option<Self> {
         let [_, _, first] = ramp.times(speed_f32(v0 - v1));
         let mut first = ticks(first);

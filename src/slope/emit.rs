@@ -1,11 +1,11 @@
 //! From the time law of a block to what the tick evaluates: cubics that start at a tick and last whole ticks.
 //!
-//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so it hands over
-//! the state at the first tick inside a part: the interrupt then counts whole ticks, and a part without a tick is
-//! not handed over at all, so that a tick begins at most one piece.
+//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so it
+//! hands over the state at the first tick inside a part: the interrupt then counts whole ticks, and a part
+//! without a tick is not handed over at all, so that a tick begins at most one piece.
 //!
-//! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients of
-//! 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
+//! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients
+//! of 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
 use super::area;
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
@@ -19,7 +19,8 @@ use core::slice::IterMut;
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
 
-/// Longest pieces, ticks: with jerk, with acceleration, at constant speed; with a jerk that is the product of others.
+/// Longest pieces, ticks: with jerk, with acceleration, at constant speed; with a jerk that is the product of
+/// others.
 const LONGEST: [u32; 3] = [128, 512, 65_535];
 const LONGEST_SINE: u32 = 64;
 
@@ -82,12 +83,14 @@ impl Emitter {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
-    /// Takes the next block, which starts at path distance `start`. Only when there is no piece: [`Self::has_piece`].
+    /// Takes the next block, which starts at path distance `start`. Only when there is no piece:
+    /// [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
         let mut slots = Slots(self.parts.iter_mut());
         let at = slots.lay_out(&profile.up, start.to_bits());
-        // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise lies between.
+        // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise
+        // lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();
         slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
@@ -95,8 +98,8 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at `brake.over` plus
-    /// the time from the start of a block to the next tick.
+    /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at
+    /// `brake.over` plus the time from the start of a block to the next tick.
     pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
         self.next += brake.over;
         let mut slots = Slots(self.parts.iter_mut());
@@ -148,8 +151,8 @@ impl Emitter {
         None
     }
 
-    /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when the block is
-    /// handed out.
+    /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when
+    /// the block is handed out.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         let mut left = count;
@@ -418,7 +421,8 @@ impl PerTime {
         let zeros = time.leading_zeros();
         // Below 2^63, which says that no product has to look at its sign.
         let reciprocal = reciprocal_near(time << (zeros & 63)) & (u64::MAX >> 1);
-        // Per tick. A part below two ticks has so few of them that the bits missing on the right do not add up.
+        // Per tick. A part below two ticks has so few of them that the bits missing on the right do not add
+        // up.
         let scale = |x: i64| if zeros <= 26 { x >> (26 - zeros) } else { x << ((zeros - 26) & 63) };
         let per_tick = |x: i64| mul_hi(x, reciprocal as i64);
         let slope = scale(per_tick(delta));

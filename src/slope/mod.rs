@@ -1,7 +1,8 @@
 //! Speed over time for a length; knows nothing of geometry.
 //!
-//! A slope is the law of a change of speed. STEP: two accelerations. The others are jerk-limited, with four ramp times and
-//! acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine squared.
+//! A slope is the law of a change of speed. STEP: two accelerations. The others are jerk-limited, with four
+//! ramp times and acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine
+//! squared.
 //!
 //! [`ramp_shape`] holds the shapes of a ramp, [`ramp`] the formulas of a change, [`profile`] the time law of
 //! one block, [`brake`] the way out of a motion at hand, [`emit`] cuts it into what the tick needs.

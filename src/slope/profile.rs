@@ -1,11 +1,11 @@
 //! The time law of one block: speed up (three parts), cruise, slow down (three parts), exact in its length.
 //!
-//! The fastest profile from `v_in` to `v_out` over the length has the highest peak that the length and the limits
-//! allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both slopes is then
-//! computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a slope that fills the
-//! block, rounded against us), all times shrink by the missing part in ten million; the margins of the limits hold
-//! that, and [`Profile::plan`] verifies it. In a block so short that rounding its length is more than that, a length gives
-//! way by up to 2^-42 mm instead.
+//! The fastest profile from `v_in` to `v_out` over the length has the highest peak that the length and the
+//! limits allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both
+//! slopes is then computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a
+//! slope that fills the block, rounded against us), all times shrink by the missing part in ten million; the
+//! margins of the limits hold that, and [`Profile::plan`] verifies it. In a block so short that rounding its
+//! length is more than that, a length gives way by up to 2^-42 mm instead.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;
@@ -84,8 +84,8 @@ fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
 }
 
 impl Change {
-    /// Becomes the change from `low` to `high` along a ramp, which begins at `low`. Rounded so that no acceleration and no jerk
-    /// is raised.
+    /// Becomes the change from `low` to `high` along a ramp, which begins at `low`. Rounded so that no
+    /// acceleration and no jerk is raised.
     #[inline(always)]
     pub(super) fn speed_up(&mut self, ramp: &Ramp, low: i64, high: i64) {
         self.plan(ramp, [low, high], low, high, |times| times);
@@ -127,8 +127,8 @@ impl Change {
         }
     }
 
-    /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from equal peak
-    /// accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
+    /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from
+    /// equal peak accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
     #[inline(always)]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
@@ -156,7 +156,8 @@ impl Change {
         let mean_first = mean(first);
         // Halves that differ by one bit have the same mean.
         let mean_last = if t1 == t3 { mean_first } else { mean(last) };
-        // ∫v: linear, a third of the change in a rising part, half while it holds, two thirds in a falling part
+        // ∫v: linear, a third of the change in a rising part, half while it holds, two thirds in a falling
+        // part
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
         self.times = times;
         self.speeds = [v0, a, b, v1];
@@ -209,9 +210,9 @@ impl Change {
         })
     }
 
-    /// Whether peak acceleration and mean jerks of a bowed change are permitted, without a division: dv ≤ a·whole/2 and
-    /// dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3. In `f32`: `dv` and `whole` are good to 2^-23 each, the product
-    /// to 2^-23 more.
+    /// Whether peak acceleration and mean jerks of a bowed change are permitted, without a division: dv ≤
+    /// a·whole/2 and dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3. In `f32`: `dv` and `whole` are good to
+    /// 2^-23 each, the product to 2^-23 more.
     fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
         let dv = (self.speeds[3] - self.speeds[0]).unsigned_abs();
         if dv <= ROUNDING {
@@ -229,24 +230,25 @@ impl Change {
     }
 }
 
-/// What the plan may use up of the margins of the limits: half of 2^-19 (speed, acceleration) and of 2^-13 (jerk). Six
-/// roundings of 2^-24 in [`Change::is_inside`] come on top of it.
+/// What the plan may use up of the margins of the limits: half of 2^-19 (speed, acceleration) and of 2^-13
+/// (jerk). Six roundings of 2^-24 in [`Change::is_inside`] come on top of it.
 const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
 /// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
 const ROUNDING: u64 = 64;
-/// The six lengths of a profile are rounded to 2^-44 mm each: all together are longer than the block by that at most.
+/// The six lengths of a profile are rounded to 2^-44 mm each: all together are longer than the block by that
+/// at most.
 const ROUNDED_LENGTHS: i64 = 4;
-/// Times may shrink by this power of two without use of the margins. Where a rounded length is a larger part of a short block, the
-/// length gives way instead of the times.
+/// Times may shrink by this power of two without use of the margins. Where a rounded length is a larger part
+/// of a short block, the length gives way instead of the times.
 const MARGIN: u32 = 22;
 
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
-    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules out;
-    /// [`Unplannable::TooSlow`].
+    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules
+    /// out; [`Unplannable::TooSlow`].
     pub fn plan(
         &mut self,
         length: Distance,
@@ -265,7 +267,8 @@ impl Profile {
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
-            // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel, or 2^-20 of a rest below 2^-20 mm
+            // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel, or 2^-20 of a rest
+            // below 2^-20 mm
             self.cruise = if rest < 1 << 24 && peak > 0 {
                 to_bits::<36>(to_f32(rest) * 16_384.0 / to_f32(peak)) as u64
             } else {
@@ -308,7 +311,8 @@ impl Profile {
     }
 }
 
-/// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length allows.
+/// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length
+/// allows.
 #[inline(always)]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {
@@ -321,8 +325,8 @@ pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit
 
 /// Highest peak of a profile whose ramps belong to one law.
 ///
-/// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket that
-/// halves where a step leaves it; the first guess is exact from rest to rest.
+/// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket
+/// that halves where a step leaves it; the first guess is exact from rest to rest.
 #[inline(always)]
 fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
@@ -425,8 +429,8 @@ impl Guess for JerkLimited {
         Self::distance(self, low, dv)
     }
 
-    /// Without a plateau: with k² = x/full of the one slope and (r·k)² of the other, both together take c1·k + c3·k³. Exact
-    /// from rest to rest, a good guess elsewhere.
+    /// Without a plateau: with k² = x/full of the one slope and (r·k)² of the other, both together take c1·k
+    /// + c3·k³. Exact from rest to rest, a good guess elsewhere.
     #[inline(always)]
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
         let ratio = up.full / down.full;
@@ -438,8 +442,8 @@ impl Guess for JerkLimited {
         (x, x <= min(up.full, down.full))
     }
 
-    /// If the slope from `low` reaches no plateau and the other one, already long, grows evenly: with k² = x/full the two
-    /// take c1·k + c2·k² + c3·k³ more.
+    /// If the slope from `low` reaches no plateau and the other one, already long, grows evenly: with k² =
+    /// x/full the two take c1·k + c2·k² + c3·k³ more.
     #[inline(always)]
     fn beside([up, down, near]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
         let Sides { gap, slope, lengths: [length, left] } = *sides;

@@ -10,10 +10,11 @@
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
 //! ```
 //!
-//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it: v1² = v0² + 2 a S in each.
+//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it: v1² = v0² + 2 a S in
+//! each.
 //!
-//! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in ticks: it
-//! decides times, which the integers of [`super::profile`] then take as given.
+//! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in
+//! ticks: it decides times, which the integers of [`super::profile`] then take as given.
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
@@ -100,8 +101,8 @@ pub struct Stepped {
 }
 
 impl Stepped {
-    /// What of a change by `dv` from `low` on lies below and above the change-over speed. Of a small change that is known to
-    /// 2^-23 of the speed only: distances, and the plan, must take the same.
+    /// What of a change by `dv` from `low` on lies below and above the change-over speed. Of a small change
+    /// that is known to 2^-23 of the speed only: distances, and the plan, must take the same.
     pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
         [below, dv - below]
@@ -238,8 +239,8 @@ impl JerkLimited {
 
     /// Largest change of speed from `low` on within `length`.
     ///
-    /// Below `full` it is the root k of cubic·k³ + low·(rise + fall)·k = length: increasing and convex, so that
-    /// Newton's method from an upper bound falls onto it.
+    /// Below `full` it is the root k of cubic·k³ + low·(rise + fall)·k = length: increasing and convex, so
+    /// that Newton's method from an upper bound falls onto it.
     #[inline(always)]
     fn reach(&self, low: f32, length: f32) -> f32 {
         let linear = low * (self.rise + self.fall);
@@ -255,9 +256,9 @@ impl JerkLimited {
     }
 }
 
-/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex: Newton's method falls onto the
-/// root from the smallest root of its terms taken alone, at most 1.9 times as large; its error falls to
-/// 23 %, 2.3 %, 2.6e-4, 1.5e-7.
+/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex: Newton's method falls
+/// onto the root from the smallest root of its terms taken alone, at most 1.9 times as large; its error falls
+/// to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
 pub fn root_of_cubic(c1: f32, c2: f32, c3: f32, length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);
     if length < c1 * u {

@@ -1,8 +1,8 @@
 //! Shapes of a ramp: how acceleration bends away from zero to its peak and, mirrored, back.
 //!
-//! Over the time of a ramp, u in 0…1, acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) + f(1 − u) = 1: every
-//! shape gains the speed peak·time/2. It is linear between evenly spaced nodes, so that distance is a cubic between them
-//! and speed and distance are exact integrals of what is executed.
+//! Over the time of a ramp, u in 0…1, acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) + f(1 − u)
+//! = 1: every shape gains the speed peak·time/2. It is linear between evenly spaced nodes, so that distance
+//! is a cubic between them and speed and distance are exact integrals of what is executed.
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, of all | highest jerk, of peak/time |
 //! |---|---|---|---|---|
@@ -102,8 +102,8 @@ impl RampShape {
         }
     }
 
-    /// q and 1/2 − q: distance of a ramp from standstill, and of a mirrored one that starts so, per peak acceleration and
-    /// time squared.
+    /// q and 1/2 − q: distance of a ramp from standstill, and of a mirrored one that starts so, per peak
+    /// acceleration and time squared.
     pub const fn distances(self) -> [f32; 2] {
         match self {
             Self::Linear => [1.0 / 6.0, 1.0 / 3.0],
@@ -119,7 +119,8 @@ impl RampShape {
         }
     }
 
-    /// Where a ramp from standstill has gained the part `gained` of its speed: u, and the distance as [`Bent`] has it.
+    /// Where a ramp from standstill has gained the part `gained` of its speed: u, and the distance as
+    /// [`Bent`] has it.
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self {
             Self::Linear => {

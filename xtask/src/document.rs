@@ -2,7 +2,8 @@
 use crate::figures::{CONTOUR, FLASH_OF, Figures, GOALS, HSC, LIMITS, RAM, SHORT_ARCS, SLOPES, STACK_FREE};
 use std::fmt::Write;
 
-/// How the firmware is compiled, for the document: profiles of `hil-tests` and `boards`, flags of `.cargo/config.toml`.
+/// How the firmware is compiled, for the document: profiles of `hil-tests` and `boards`, flags of
+/// `.cargo/config.toml`.
 const PROFILE: &str = "`opt-level = 3`, fat LTO, `-C llvm-args=-inline-threshold=40`";
 
 /// The document, from the accepted figures.

@@ -1,7 +1,8 @@
 //! What proofs and figures want to know of a 32-bit little-endian ELF file.
 use std::collections::BTreeMap;
 
-/// A section's header: kind, flags, address, place in the file, size, and the number of a section that goes with it.
+/// A section's header: kind, flags, address, place in the file, size, and the number of a section that goes
+/// with it.
 struct Section {
     kind: u32,
     flags: u32,
@@ -83,8 +84,8 @@ pub fn functions(file: &[u8]) -> Option<Vec<Function>> {
     Some(found)
 }
 
-/// Bytes of flash by the crate's module that they are made from; the rest of it as `other`. The tables of a crate without a name of
-/// their own are among that.
+/// Bytes of flash by the crate's module that they are made from; the rest of it as `other`. The tables of a
+/// crate without a name of their own are among that.
 pub fn by_module(file: &[u8]) -> Option<BTreeMap<String, u64>> {
     const NAME: &str = "9glidepath";
     const RAM: u32 = 0x2000_0000;
@@ -187,7 +188,8 @@ pub fn flash(file: &[u8]) -> Option<u64> {
     Some(segments(file)?.iter().map(|(_, bytes)| bytes.len() as u64).sum())
 }
 
-/// Bytes that are loaded into flash and copied to RAM at the start: those whose address is another one when the program runs.
+/// Bytes that are loaded into flash and copied to RAM at the start: those whose address is another one when
+/// the program runs.
 pub fn copied(file: &[u8]) -> Option<u64> {
     const LOAD: u32 = 1;
     let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);

@@ -1,4 +1,5 @@
-//! Instruction counts and bytes: measured, compared with the accepted ones and with the hard limits, written down.
+//! Instruction counts and bytes: measured, compared with the accepted ones and with the hard limits, written
+//! down.
 use crate::document::{self, reached};
 use crate::shell::root;
 use crate::stack::Depth;
@@ -267,7 +268,8 @@ pub fn accept(measured: &Figures) -> Result<(), String> {
     limits(measured)
 }
 
-/// Fails on a figure that is worse than accepted or beyond a hard limit, and on a document that is out of date.
+/// Fails on a figure that is worse than accepted or beyond a hard limit, and on a document that is out of
+/// date.
 pub fn compare(measured: &Figures) -> Result<(), String> {
     let accepted = Figures::accepted()?;
     if measured.compiler != accepted.compiler {

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Far above what any test needs, also on a machine that does other work; a hanging firmware does not end by itself.
+/// Far above what any test needs, also on a machine that does other work; a hanging firmware does not end by
+/// itself.
 const LIMIT: Duration = Duration::from_secs(1800);
 
 /// Chip of the reference board.
@@ -94,8 +95,8 @@ impl Firmware {
         }
     }
 
-    /// Builds a binary of the package in `folder` for another core and runs it there; the text it wrote. `None` if there is no
-    /// library for that core.
+    /// Builds a binary of the package in `folder` for another core and runs it there; the text it wrote.
+    /// `None` if there is no library for that core.
     pub fn elsewhere(&self, core: &Core, folder: &str, name: &str) -> Result<Option<String>, String> {
         if !self.toolchain.has(core.target) {
             eprintln!("   {}: off, no library for {} (`rustup target add`)", core.name, core.target);

@@ -17,7 +17,8 @@ pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "de
 /// What counts instructions and bytes, besides.
 const COUNTED: [&str; 2] = ["counts", "nopanic"];
 
-/// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its function.
+/// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its
+/// function.
 type Bounded = (u64, &'static str, &'static [(&'static str, &'static str)]);
 const BOUND: [Bounded; 3] = [
     (3, "nopanic", &[("start", "7nopanic5start"), ("poll", "7nopanic4poll"), ("interrupt", "SysTick")]),
@@ -332,8 +333,8 @@ fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// Release-shaped firmware links with a panic handler that cannot be linked, holds no symbol of the panic machinery,
-/// and stops linking when one unchecked index is added.
+/// Release-shaped firmware links with a panic handler that cannot be linked, holds no symbol of the panic
+/// machinery, and stops linking when one unchecked index is added.
 fn no_panic(firmware: &Firmware) -> Result<(), String> {
     let refusal = firmware.build_fails(TESTS, &["--bin", "nopanic", "--features", "bad"])?;
     if !refusal.contains("panic-never") {

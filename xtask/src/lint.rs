@@ -61,8 +61,9 @@ pub fn all() -> Result<(), String> {
     run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// The compiler of `rust-version`, where it is installed: what is newer is refused. Without it clippy's `incompatible_msrv`, which is on,
-/// finds what the library takes from a newer core, but not a newer language.
+/// The compiler of `rust-version`, where it is installed: what is newer is refused. Without it clippy's
+/// `incompatible_msrv`, which is on, finds what the library takes from a newer core, but not a newer
+/// language.
 fn oldest() -> Result<(), String> {
     let version = env!("CARGO_PKG_RUST_VERSION");
     let Some(cargo) = toolchain_of(version) else {

@@ -1,4 +1,5 @@
-//! The project's commands. Each prints what it does and leaves with a code other than 0 when something is wrong.
+//! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
+//! wrong.
 mod document;
 mod elf;
 mod figures;

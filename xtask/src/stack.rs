@@ -1,7 +1,9 @@
-//! How deep the stack gets at most, read from the machine code of a firmware: no frame is left out and no path is assumed away.
+//! How deep the stack gets at most, read from the machine code of a firmware: no frame is left out and no
+//! path is assumed away.
 //!
-//! A frame is all that a function takes from the stack anywhere. Calls are followed through the whole binary. A call through a
-//! pointer may reach any function whose address lies in a table. Recursion and frames of unknown size are errors.
+//! A frame is all that a function takes from the stack anywhere. Calls are followed through the whole binary.
+//! A call through a pointer may reach any function whose address lies in a table. Recursion and frames of
+//! unknown size are errors.
 use crate::elf::{self, Function};
 use crate::thumb::{self, Act};
 use std::collections::{BTreeMap, BTreeSet};

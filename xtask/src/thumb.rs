@@ -1,5 +1,5 @@
-//! What a function of Thumb code does to the stack, and whom it calls: the few instructions that matter, as the ARMv7-M Architecture
-//! Reference Manual encodes them.
+//! What a function of Thumb code does to the stack, and whom it calls: the few instructions that matter, as
+//! the ARMv7-M Architecture Reference Manual encodes them.
 use crate::elf::Function;
 
 /// One of them.

@@ -1,8 +1,8 @@
 //! Which compiler builds firmware, and what to install if none can.
 //!
 //! 1. The host toolchain has the target's library: plain `--target`.
-//! 2. A compiler has the library's source beside it (a distribution's, or the component rust-src): the library is built
-//!    along, `-Zbuild-std=core`.
+//! 2. A compiler has the library's source beside it (a distribution's, or the component rust-src): the
+//!    library is built along, `-Zbuild-std=core`.
 //! 3. Debian and root: the distribution's compiler and source are installed, then 2.
 //! 4. Otherwise the user is told both remedies. rustup is never called from here.
 use crate::shell;
@@ -100,7 +100,8 @@ impl Toolchain {
     pub fn cargo(&self, folder: &Path, subcommand: &str, target: &str) -> Command {
         let mut command = shell::cargo(folder);
         command.args([subcommand, "--release", "--target", target]);
-        // Incremental builds are cut into other pieces: instructions and stack would depend on the user's settings.
+        // Incremental builds are cut into other pieces: instructions and stack would depend on the user's
+        // settings.
         command.env("CARGO_TARGET_DIR", folder_of_artifacts()).env("CARGO_INCREMENTAL", "0");
         if let Self::FromSource { rustc, linker, .. } = self {
             command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");

@@ -3,7 +3,8 @@ use crate::machine::Machine;
 use crate::program::{Kind, Program, Segment};
 use serde_json::{Map, Value, json};
 
-/// Axes, main axes, start, and every block with absolute coordinates; feeds in mm/min along the main axes, none for rapid motion.
+/// Axes, main axes, start, and every block with absolute coordinates; feeds in mm/min along the main axes,
+/// none for rapid motion.
 pub fn to_json(machine: &Machine, program: &Program) -> String {
     let names: Vec<&str> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
     let main: Vec<&str> = machine.main_axes().into_iter().map(|index| names[index]).collect();

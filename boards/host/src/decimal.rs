@@ -1,7 +1,7 @@
 //! Decimals of fixed-point values: exact, or correctly rounded. Integers only.
 
-/// Appends the exact decimal of `bits` / 2^`fraction`, without trailing zeros but with one fraction digit at least.
-/// `fraction` may be up to 60.
+/// Appends the exact decimal of `bits` / 2^`fraction`, without trailing zeros but with one fraction digit at
+/// least. `fraction` may be up to 60.
 pub fn push_exact(out: &mut String, bits: i128, fraction: u32) {
     if bits < 0 {
         out.push('-');

@@ -1,7 +1,7 @@
 //! Messages that show where: source line, caret, what was refused, what was expected.
 //!
-//! Places count bytes, as the decoder does. Program text may be anything: bytes that are not text or would move the
-//! cursor are shown as one substitute character each, and long lines are cut around the caret.
+//! Places count bytes, as the decoder does. Program text may be anything: bytes that are not text or would
+//! move the cursor are shown as one substitute character each, and long lines are cut around the caret.
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write as _;
 use std::path::Path;

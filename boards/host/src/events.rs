@@ -1,4 +1,5 @@
-//! What happens from outside while a program runs: the operator's commands, acknowledgements, and what is late.
+//! What happens from outside while a program runs: the operator's commands, acknowledgements, and what is
+//! late.
 //!
 //! One event per line: seconds since the first set point, a word, its value.
 //!
@@ -57,7 +58,8 @@ pub enum What {
 }
 
 impl What {
-    /// Gives the command to a channel; what is late is not one. `false`: it is an acknowledgement that nothing waits for.
+    /// Gives the command to a channel; what is late is not one. `false`: it is an acknowledgement that
+    /// nothing waits for.
     pub fn give<const AXES: usize>(self, operator: &Operator<'_, AXES>) -> bool {
         match self {
             Self::Acknowledge(function) => return operator.acknowledge(function).is_ok(),
@@ -132,8 +134,8 @@ impl Script {
         diagnostic.at(&self.source, event.line, event.column, event.what.word().len())
     }
 
-    /// A warning for each event that the program did not live to see, for acknowledgements that were ignored, and for a reduced speed
-    /// that no axis has.
+    /// A warning for each event that the program did not live to see, for acknowledgements that were ignored,
+    /// and for a reduced speed that no axis has.
     pub fn unused(
         &self,
         outcomes: &[Outcome],

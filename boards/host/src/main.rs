@@ -1,7 +1,7 @@
 //! The desktop simulator: runs NC programs through the code of the controller and shows what the axes do.
 //!
-//! A board like the others: it supplies program text, machine data and a clock, here one that runs as fast as the
-//! processor allows.
+//! A board like the others: it supplies program text, machine data and a clock, here one that runs as fast as
+//! the processor allows.
 
 mod acknowledge;
 mod contour;
@@ -82,8 +82,8 @@ struct Run {
     /// `reduced on|off`, `starve <seconds>`, `stall <seconds>`, `ack <function>`.
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
-    /// Seconds after its output at which a function is acknowledged, or `never`. Functions that --events acknowledges are not
-    /// meant.
+    /// Seconds after its output at which a function is acknowledged, or `never`. Functions that --events
+    /// acknowledges are not meant.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
     ack: acknowledge::Delay,
     /// Every set point of every tick, as exact decimals; `-` is the standard output.

@@ -1,7 +1,8 @@
 //! Compares every row with the limits of the machine data: speed, acceleration and jerk of every axis.
 //!
-//! Jerk is left out where the machine data permit a step: at joints of blocks without P-CHAN-00009 or with P-AXIS-00013, and in all of a
-//! program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 = 0). Joints where a step shows are counted.
+//! Jerk is left out where the machine data permit a step: at joints of blocks without P-CHAN-00009 or with
+//! P-AXIS-00013, and in all of a program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 =
+//! 0). Joints where a step shows are counted.
 use crate::diagnose::Diagnostic;
 use crate::machine::Machine;
 use crate::program::Program;

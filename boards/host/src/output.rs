@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// Kept without a name, so that nothing is left of them when the run is broken off. [`Outputs::commit`] writes them beside their
-/// final names and renames them.
+/// Kept without a name, so that nothing is left of them when the run is broken off. [`Outputs::commit`]
+/// writes them beside their final names and renames them.
 pub struct Outputs {
     files: Vec<Kept>,
     /// What must not be overwritten: the inputs, then every output.

@@ -1,6 +1,7 @@
 //! The program as decoded, before anything is planned: for the contour, the picture, warnings, and `check`.
 //!
-//! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and slope.
+//! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and
+//! slope.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
@@ -56,8 +57,8 @@ struct Turn {
 }
 
 impl Segment {
-    /// What every axis travels from `start`; of an arc, the first axis of its plane as far as the arc is long and the second one not
-    /// at all.
+    /// What every axis travels from `start`; of an arc, the first axis of its plane as far as the arc is long
+    /// and the second one not at all.
     fn travel(&self, start: &[f64]) -> (Vec<f64>, Option<Turn>) {
         let mut travel: Vec<f64> = self.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
         let Kind::Arc { plane, centre, clockwise } = self.kind else { return (travel, None) };
@@ -75,8 +76,8 @@ fn length(travel: &[f64], axes: &[usize]) -> f64 {
     axes.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt()
 }
 
-/// Path length: along the feed axes; where none of them moves along the main axes, then along all others. At least a 1024th of what
-/// any axis travels, a 64th beside other feed axes than the main ones.
+/// Path length: along the feed axes; where none of them moves along the main axes, then along all others. At
+/// least a 1024th of what any axis travels, a 64th beside other feed axes than the main ones.
 fn path(machine: &Machine, travel: &[f64]) -> f64 {
     let (feed, main) = (machine.feed_axes(), machine.main_axes());
     let all: Vec<usize> = (0..travel.len()).collect();
@@ -384,8 +385,8 @@ impl Program {
         speeds
     }
 
-    /// The feed of a block that begins at `start` along the main axes, mm/min: the programmed one counts along the feed axes. Where no
-    /// main axis moves, that.
+    /// The feed of a block that begins at `start` along the main axes, mm/min: the programmed one counts
+    /// along the feed axes. Where no main axis moves, that.
     pub fn feed_in_space(machine: &Machine, start: &[f64], segment: &Segment) -> Option<f64> {
         let (travel, _) = segment.travel(start);
         let (space, path) = (length(&travel, &machine.main_axes()), path(machine, &travel));

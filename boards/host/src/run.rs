@@ -148,12 +148,12 @@ struct Rules<'a> {
     late: &'a Cell<bool>,
 }
 
-/// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then time passes
-/// by one tick: the motion never starves, unless an event wants it, and the set points are those of any controller
-/// that is fast enough.
+/// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then
+/// time passes by one tick: the motion never starves, unless an event wants it, and the set points are those
+/// of any controller that is fast enough.
 ///
-/// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set points stay where they
-/// are, tick by tick.
+/// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set
+/// points stay where they are, tick by tick.
 fn drive<const AXES: usize>(
     handles: Handles<'_, Delayed<'_>, AXES, BLOCKS>,
     mut recorder: Recorder,

@@ -19,7 +19,8 @@ pub struct AxisStatistics {
     latest: [i128; 3],
     /// The largest magnitudes of these.
     peak: [u128; 3],
-    /// Sum of the first differences' magnitudes, LSB, and twice what the turning points lie beyond the set points next to them.
+    /// Sum of the first differences' magnitudes, LSB, and twice what the turning points lie beyond the set
+    /// points next to them.
     travel: u128,
     lowest: i64,
     highest: i64,
@@ -61,7 +62,8 @@ impl AxisStatistics {
         rates(self.peak.map(|difference| difference as f64), cycle_s)
     }
 
-    /// Distance travelled, back and forth, mm or degrees. Where the axis turns between two ticks, it turns on a parabola.
+    /// Distance travelled, back and forth, mm or degrees. Where the axis turns between two ticks, it turns on
+    /// a parabola.
     pub fn travel(&self) -> f64 {
         self.travel as f64 / LSB_PER_MM
     }
@@ -92,8 +94,8 @@ pub struct Statistics {
     pub distance: i128,
     /// The time laws, in the order of the motion blocks they cover.
     pub spans: Vec<PlannedBlock>,
-    /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around that
-    /// point. Not inside a line that stands for several, nor where a tick passes several.
+    /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around
+    /// that point. Not inside a line that stands for several, nor where a tick passes several.
     pub transitions: Vec<Option<Speed>>,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
@@ -311,7 +313,8 @@ impl Statistics {
         self.functions.push(PutOut { tick, output, acknowledged: None });
     }
 
-    /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to its end.
+    /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to
+    /// its end.
     pub fn finish(&mut self, set_points: &[Position]) {
         self.react(false);
         for row in 0..3 {
@@ -336,8 +339,8 @@ impl Statistics {
         if self.spans.is_empty() { 0 } else { self.transitions.len() + 1 }
     }
 
-    /// Program time: from the first set point to the end of the time law, which lies at the last set point or, where
-    /// that ends a motion, less than a tick before it.
+    /// Program time: from the first set point to the end of the time law, which lies at the last set point
+    /// or, where that ends a motion, less than a tick before it.
     pub fn time_s(&self, machine: &Machine) -> f64 {
         let early = match self.spans.last() {
             Some(span) if self.rest == 0 => span.wait.0.to_num::<f64>(),

@@ -460,8 +460,8 @@ fn mm(bits: i128) -> f64 {
 
 /// Number of standstills between blocks, and the slowest transitions, standstills first.
 ///
-/// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end of a
-/// span it is the `planned` one, if that came true.
+/// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end
+/// of a span it is the `planned` one, if that came true.
 fn corners(
     files: &Files,
     program: &Program,

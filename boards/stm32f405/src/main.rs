@@ -1,7 +1,7 @@
 //! Glidepath on an STM32F405: an NC program from flash moves three axes.
 //!
-//! The main loop plans, a bounded piece at a time; TIM2 interrupts it once per cycle of the machine data, writes the
-//! set points computed in the cycle before and computes the next.
+//! The main loop plans, a bounded piece at a time; TIM2 interrupts it once per cycle of the machine data,
+//! writes the set points computed in the cycle before and computes the next.
 #![no_std]
 #![no_main]
 
@@ -69,7 +69,8 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
             Ok(Progress::Late) => message::info!("the planner was late: the motion stood still"),
             Ok(Progress::Starved) => message::info!("the program text is late"),
             Ok(Progress::Working | Progress::Replanned) => {}
-            // What was planned before the error is still valid and comes to a standstill; the loop ends in `Done`.
+            // What was planned before the error is still valid and comes to a standstill; the loop ends in
+            // `Done`.
             Err(_error) => message::error!("program refused: {}", defmt::Debug2Format(&_error)),
         }
     }

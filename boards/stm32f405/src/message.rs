@@ -1,4 +1,5 @@
-//! Messages by defmt where a feature brings a transport; nothing, and no argument evaluated, in the release shape.
+//! Messages by defmt where a feature brings a transport; nothing, and no argument evaluated, in the release
+//! shape.
 use crate::motion::Report;
 
 #[cfg(all(feature = "rtt", not(feature = "qemu")))]

@@ -1,7 +1,7 @@
 //! The interpolator in TIM2's interrupt.
 //!
-//! The interrupt owns what it needs in a variable of its own and takes it once from a mailbox; from then on it touches
-//! nothing that is shared but a few atomics, and no path in it can panic.
+//! The interrupt owns what it needs in a variable of its own and takes it once from a mailbox; from then on
+//! it touches nothing that is shared but a few atomics, and no path in it can panic.
 use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use critical_section::Mutex;
@@ -13,7 +13,8 @@ use stm32f4::stm32f405::{Interrupt, RCC, TIM2, interrupt};
 use crate::AXES;
 use crate::output::Output;
 
-/// Clock of TIM2, MHz: 2 · APB1 at 168 MHz, or the reset clock; QEMU's model runs at 1 GHz whatever the clock tree says.
+/// Clock of TIM2, MHz: 2 · APB1 at 168 MHz, or the reset clock; QEMU's model runs at 1 GHz whatever the clock
+/// tree says.
 const TIMER_MHZ: u32 = match (cfg!(feature = "qemu"), cfg!(feature = "hardware")) {
     (true, _) => 1000,
     (false, true) => 84,
@@ -29,7 +30,8 @@ pub struct Report {
     pub starved: u32,
     /// Ticks that came while the one before was still computed.
     pub missed: u32,
-    /// The longest interrupt, up to where its statistics begin: in the emulator instructions, otherwise periods of TIM2's clock.
+    /// The longest interrupt, up to where its statistics begin: in the emulator instructions, otherwise
+    /// periods of TIM2's clock.
     pub longest: u32,
     /// Over all set points.
     pub digest: Digest,
@@ -49,16 +51,19 @@ static MOVING: AtomicBool = AtomicBool::new(false);
 /// Hands the interpolator to the interrupt and starts the timer.
 pub fn start(interpolator: Interpolator<'static, AXES>, axes: Output, timer: TIM2, rcc: &RCC, cycle_us: u32) {
     rcc.apb1enr().modify(|_, w| w.tim2en().set_bit());
-    // Counter and prescaler are zero after reset and the reload value is not buffered: no update event is forced.
+    // Counter and prescaler are zero after reset and the reload value is not buffered: no update event is
+    // forced.
     timer.arr().write(|w| w.arr().set(cycle_us.wrapping_mul(TIMER_MHZ).wrapping_sub(1)));
     timer.dier().write(|w| w.uie().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
     critical_section::with(|cs| MAILBOX.borrow(cs).set(Some(Motion { interpolator, axes, timer })));
-    // SAFETY: the mailbox is full, so the interrupt finds what it needs; no critical section depends on the mask.
+    // SAFETY: the mailbox is full, so the interrupt finds what it needs; no critical section depends on the
+    // mask.
     unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::TIM2) };
 }
 
-/// Sleeps until a tick finds nothing to do, and does `each` behind every interrupt. Call it when everything is planned.
+/// Sleeps until a tick finds nothing to do, and does `each` behind every interrupt. Call it when everything
+/// is planned.
 pub fn wait_for_standstill(each: impl Fn()) {
     MOVING.store(true, Relaxed);
     while MOVING.load(Relaxed) {

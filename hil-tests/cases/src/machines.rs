@@ -1,4 +1,5 @@
-//! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle of 1 ms; two stages for STEP.
+//! The machines of the cases: dynamics of the ISG examples (inventory D3-236) with slope TRAPEZ and a cycle
+//! of 1 ms; two stages for STEP.
 use super::{DEEP, SHORT};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 

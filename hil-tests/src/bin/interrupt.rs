@@ -1,4 +1,5 @@
-//! The interpolator in a real timer interrupt that preempts the planner: digests as in the plain loop, no tick missed.
+//! The interpolator in a real timer interrupt that preempts the planner: digests as in the plain loop, no
+//! tick missed.
 #![no_std]
 #![no_main]
 use core::cell::Cell;
@@ -22,9 +23,9 @@ const CLOCK_HZ: u32 = if cfg!(feature = "hardware") { 16_000_000 } else { 168_00
 
 type Memory = ConstStaticCell<Channel<3, BLOCKS>>;
 
-/// Case and time between two interrupts. Ticks are the program's time, so that a shorter one changes no set point: it
-/// preempts the planner more often.
-/// A thousand blocks of a few micrometres a second, with as many instructions for a tick as 168 MHz has in 1 ms.
+/// Case and time between two interrupts. Ticks are the program's time, so that a shorter one changes no set
+/// point: it preempts the planner more often. A thousand blocks of a few micrometres a second, with as many
+/// instructions for a tick as 168 MHz has in 1 ms.
 const RUNS: [(&str, u32); 4] =
     [("subroutine", 1000), ("short_blocks", 200), ("micro", MICRO_US), ("corners", 1000)];
 
@@ -75,7 +76,8 @@ fn SysTick() {
     }
 }
 
-/// Runs `case` with one interrupt every `period_us`; whether no tick was missed. If so, nothing of the channel is in use any more.
+/// Runs `case` with one interrupt every `period_us`; whether no tick was missed. If so, nothing of the
+/// channel is in use any more.
 fn motion(
     channel: &'static mut Channel<3, BLOCKS>,
     case: &Case,
@@ -143,8 +145,8 @@ fn main() -> ! {
     let mut report = Report::open();
     let memory: *mut Channel<3, BLOCKS> = CHANNEL.take();
     let good = RUNS.iter().all(|(name, period_us)| {
-        // SAFETY: taken once. The run before was good, or this one would not begin: the interrupt gave its half back, and both halves are
-        // dropped.
+        // SAFETY: taken once. The run before was good, or this one would not begin: the interrupt gave its
+        // half back, and both halves are dropped.
         let channel = unsafe { &mut *memory };
         let case = CASES_3.iter().find(|case| case.name == *name);
         case.is_some_and(|case| motion(channel, case, &mut core.SYST, *period_us, &mut report))

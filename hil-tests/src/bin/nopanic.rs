@@ -1,4 +1,5 @@
-//! Decoder, planner and tick with a panic handler that cannot be linked: builds only if no panicking path is left.
+//! Decoder, planner and tick with a panic handler that cannot be linked: builds only if no panicking path is
+//! left.
 #![no_std]
 #![no_main]
 use core::cell::Cell;

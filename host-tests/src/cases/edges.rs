@@ -1,5 +1,5 @@
-//! Programs at the edges of what is allowed: shortest blocks, reversals, tangential and near-tangential joints,
-//! nothing but rotary motion, blocks without motion, largest coordinates.
+//! Programs at the edges of what is allowed: shortest blocks, reversals, tangential and near-tangential
+//! joints, nothing but rotary motion, blocks without motion, largest coordinates.
 use super::Program;
 
 /// All edges that a three-axis machine can run.

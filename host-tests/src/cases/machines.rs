@@ -32,8 +32,8 @@ pub fn ramps(axis: &mut AxisData, tr: u32) {
     axis.tr_grenz = tr;
 }
 
-/// The machine of the rest-to-rest moves: a 2000 mm/s², ramps 50 ms, v 200 mm/s. The contour may cause no more
-/// acceleration and jerk than the slope: nothing is left over when both act.
+/// The machine of the rest-to-rest moves: a 2000 mm/s², ramps 50 ms, v 200 mm/s. The contour may cause no
+/// more acceleration and jerk than the slope: nothing is left over when both act.
 pub fn even<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     machine(cycle_us, |_, axis| {
         axis.vb_max = 200_000;
@@ -83,7 +83,8 @@ pub fn mill<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     })
 }
 
-/// The machine with a slope of P-CHAN-00071; for STEP with two stages about the accelerations of the other slopes.
+/// The machine with a slope of P-CHAN-00071; for STEP with two stages about the accelerations of the other
+/// slopes.
 pub fn with_slope<const AXES: usize>(mut machine: MachineData<AXES>, slope: u8) -> MachineData<AXES> {
     machine.channel.slope_profile = slope;
     for axis in &mut machine.axes {

@@ -181,7 +181,8 @@ pub fn program(seed: u64, mix: Mix) -> Program {
     program
 }
 
-/// An arc that starts in `from`; sets the plane's coordinates of `to`. The third main axis keeps its travel (helix).
+/// An arc that starts in `from`; sets the plane's coordinates of `to`. The third main axis keeps its travel
+/// (helix).
 fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize, [least, most]: [f64; 2]) -> Kind {
     let plane = match (linear, r.bits() % 4) {
         (3, 0) => Plane::Zx,
@@ -194,7 +195,8 @@ fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize, [least, most
     let start = r.between(0.0, TAU);
     let full = r.once_in(6);
     let by_radius = !full && r.once_in(3);
-    // The text rounds to nanometres: by radius, stay away from half and whole circles where the centre is ill-defined.
+    // The text rounds to nanometres: by radius, stay away from half and whole circles where the centre is
+    // ill-defined.
     let sweep = match (by_radius, r.once_in(3)) {
         (true, false) => r.between(0.1, 2.8),
         (true, true) => r.between(3.5, 5.9),

@@ -1,9 +1,9 @@
 //! Where on the programmed contour is every set point, in order?
 //!
-//! A contour may pass the same place twice or turn back on itself, then a set point alone does not tell where it
-//! belongs. So all places are followed: a *candidate* is a point of the contour within the tolerance of the set point that
-//! can be reached from a candidate of the row before, forward, with no more than the feed. The motion is on the contour
-//! in order if a candidate of the last row is the end of the contour.
+//! A contour may pass the same place twice or turn back on itself, then a set point alone does not tell where
+//! it belongs. So all places are followed: a *candidate* is a point of the contour within the tolerance of
+//! the set point that can be reached from a candidate of the row before, forward, with no more than the feed.
+//! The motion is on the contour in order if a candidate of the last row is the end of the contour.
 use super::ROUNDING;
 use crate::reference::geometry::{Contour, Element, Shape};
 use crate::reference::limits::path_length;
@@ -47,9 +47,10 @@ pub fn measured(element: &Element) -> f64 {
     if element.feed_axes == element.main { length(element) } else { path_length(element) }
 }
 
-/// Follows the contour in order. Every set point must lie within `tolerance` (mm; degrees for tracking axes, plus what
-/// the tolerance in the plane means for them) of the contour, not before its predecessor, and not further on than
-/// the feed (`v_rapid` in rapid blocks, mm/s) allows within a tick. The last one must be the end.
+/// Follows the contour in order. Every set point must lie within `tolerance` (mm; degrees for tracking axes,
+/// plus what the tolerance in the plane means for them) of the contour, not before its predecessor, and not
+/// further on than the feed (`v_rapid` in rapid blocks, mm/s) allows within a tick. The last one must be the
+/// end.
 ///
 /// # Errors
 /// The first row that does not.
@@ -127,7 +128,8 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
         let candidate = row[at];
         course.s.push(candidate.s);
         course.element.push(candidate.element);
-        // Near a joint both elements are candidates; the distance from the contour is that from the nearer one.
+        // Near a joint both elements are candidates; the distance from the contour is that from the nearer
+        // one.
         let least = |off: fn(&Candidate) -> f64| row.iter().map(off).fold(f64::INFINITY, f64::min);
         course.error = course.error.max(least(|c| c.main));
         course.tracking_error = course.tracking_error.max(least(|c| c.tracking));
@@ -139,9 +141,9 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
 }
 
 impl Course {
-    /// Largest acceleration of the distance along the contour, mm/s², with the allowance that belongs to it: what
-    /// positions off by at most the measured error can pretend. A motion that leaves out or jumps over a piece of the
-    /// contour shows here, however short the piece.
+    /// Largest acceleration of the distance along the contour, mm/s², with the allowance that belongs to it:
+    /// what positions off by at most the measured error can pretend. A motion that leaves out or jumps over a
+    /// piece of the contour shows here, however short the piece.
     pub fn acceleration(&self, cycle: f64) -> (f64, f64, usize) {
         let rest = [*self.s.last().unwrap_or(&0.0); 2];
         let padded: Vec<f64> = [0.0; 2].into_iter().chain(self.s.iter().copied()).chain(rest).collect();
@@ -165,8 +167,8 @@ struct Deviation {
 }
 
 impl Deviation {
-    /// At the point nearest in all axes, or in the main axes alone: where an axis travels far beside a short path, the former is that
-    /// of this axis.
+    /// At the point nearest in all axes, or in the main axes alone: where an axis travels far beside a short
+    /// path, the former is that of this axis.
     fn of(element: &Element, q: &[f64], near: f64, tolerance: f64) -> Self {
         let off = Self::at(element, q, element.project(q, near), tolerance);
         if off.inside || element.shape != Shape::Line || element.main_length() == 0.0 {

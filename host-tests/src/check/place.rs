@@ -1,16 +1,17 @@
-//! Limits that depend on the place: inside a straight block the slope alone acts, inside an arc and beside a joint the contour too.
+//! Limits that depend on the place: inside a straight block the slope alone acts, inside an arc and beside a
+//! joint the contour too.
 use super::path::{Course, measured};
 use super::{Limits, NAMES, ROUNDING, allowance};
 use crate::reference::geometry::Contour;
 use crate::trace::Trace;
 use std::ops::RangeInclusive;
 
-/// How far from a joint (mm of path) a row may be and still be taken for the other side of it: where a line touches a circle of 60 mm, they
-/// are a nanometre apart for 11 µm.
+/// How far from a joint (mm of path) a row may be and still be taken for the other side of it: where a line
+/// touches a circle of 60 mm, they are a nanometre apart for 11 µm.
 const NEAR: f64 = 0.02;
 
-/// Checks every axis at every tick against the limits of the place that its differences cover: `limits` of an axis and of the elements
-/// of the contour that these touch.
+/// Checks every axis at every tick against the limits of the place that its differences cover: `limits` of an
+/// axis and of the elements of the contour that these touch.
 ///
 /// # Errors
 /// The first excess.

@@ -1,9 +1,10 @@
 //! How fast short blocks may follow each other: 31 in a row take a tick at least.
 //!
-//! A block is short if it may be passed in less than the 20th part of a tick, with any override. It then takes
+//! A block is short if it may be passed in less than the 20th part of a tick, with any override. It then
+//! takes
 //!
-//! - next to nothing, if it is shorter than an eighth of the last one that did not, if at most ten of the thirty before it did, and if
-//!   none of them took less than a 20th part otherwise;
+//! - next to nothing, if it is shorter than an eighth of the last one that did not, if at most ten of the
+//!   thirty before it did, and if none of them took less than a 20th part otherwise;
 //! - else the 20th part of a tick, if one of the thirty before it took next to nothing;
 //! - else the 31st part.
 

@@ -1,7 +1,8 @@
 //! The programmed contour in f64: lines, arcs and helices over their length.
 //!
-//! An arc whose end is not on the circle through its start (I J K are decimals, the true centre is not) keeps its
-//! centre and changes its radius linearly with the angle. Axes outside the plane are linear in the same parameter.
+//! An arc whose end is not on the circle through its start (I J K are decimals, the true centre is not) keeps
+//! its centre and changes its radius linearly with the angle. Axes outside the plane are linear in the same
+//! parameter.
 
 /// Which curve an element is.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,8 +61,8 @@ impl Element {
                 let along: f64 =
                     self.main.iter().filter(|k| !axes.contains(k)).map(|&k| self.travel(k).powi(2)).sum();
                 let spread = (radius[1] - radius[0]).powi(2);
-                // Speed over the parameter is sqrt(r(u)² sweep² + dr² + dz²): Simpson, exact to 1e-15 for the tiny
-                // changes of radius that a program may contain.
+                // Speed over the parameter is sqrt(r(u)² sweep² + dr² + dz²): Simpson, exact to 1e-15 for the
+                // tiny changes of radius that a program may contain.
                 let speed = |u: f64| {
                     let r = radius[0] + (radius[1] - radius[0]) * u;
                     ((r * sweep).powi(2) + spread + along).sqrt()

@@ -3,12 +3,14 @@
 //! Written from the rules of the look-ahead:
 //!
 //! - every limit of a straight block is that of the axis that reaches its own first;
-//! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part of it;
+//! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part
+//!   of it;
 //! - a ramp of SIN2 has π/2 times the jerk of a linear one;
-//! - a knee with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have any jerk; with it, it has the part of the
-//!   joint's jerk that P-AXIS-00154 gives. Knee, curvature and slope together keep the largest acceleration;
-//! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter of the largest
-//!   acceleration, which lines beside it and all arcs leave to it;
+//! - a knee with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have any jerk; with it,
+//!   it has the part of the joint's jerk that P-AXIS-00154 gives. Knee, curvature and slope together keep the
+//!   largest acceleration;
+//! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter
+//!   of the largest acceleration, which lines beside it and all arcs leave to it;
 //! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`].
 use super::geometry::{Element, Shape};
 use super::profile::{Ramps, Slope};
@@ -25,8 +27,8 @@ const ARC_TURN: f64 = 0.5;
 /// Speeds tried for an arc, and the step between them.
 const ARC_SPEEDS: i32 = 5;
 const ARC_SPEED_STEP: f64 = 0.8;
-/// Part of the largest acceleration that a knee may show, and a ramp in ticks from which on the slope is small
-/// beside it.
+/// Part of the largest acceleration that a knee may show, and a ramp in ticks from which on the slope is
+/// small beside it.
 const KNEE: f64 = 0.25;
 const LONG_RAMP: f64 = 4.0;
 /// A joint that shows less than this part of what it may is none to acceleration.
@@ -298,8 +300,8 @@ impl Machine {
             limits.v = limits.v.min((across / curvature).sqrt());
             limits.v = limits.v.min((ARC_TURN * jerk * share / (curvature * curvature)).cbrt());
             limits.j = limits.j.map(|j| j.min(mean * ARC_SLOPE * jerk / share));
-            // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the less. The
-            // speed that is best for the full circle, from rest to rest with constant acceleration.
+            // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the
+            // less. The speed that is best for the full circle, from rest to rest with constant acceleration.
             let slope = limits.a_up.min(limits.a_down);
             let length = std::f64::consts::TAU / curvature;
             let choices = (0..ARC_SPEEDS).map(|i| {
@@ -319,7 +321,8 @@ impl Machine {
         limits
     }
 
-    /// Highest speed of a block with any override: that of the machine, up to twice the feed. That of an arc follows from its feed.
+    /// Highest speed of a block with any override: that of the machine, up to twice the feed. That of an arc
+    /// follows from its feed.
     pub fn overridden(&self, element: &Element) -> f64 {
         let v = self.block(element).v;
         if element.shape != Shape::Line || element.feed.is_none() {
@@ -350,7 +353,8 @@ impl Machine {
             .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
     }
 
-    /// Whether the direction changes at a joint by more than rounding explains: that of an axis by a thousandth.
+    /// Whether the direction changes at a joint by more than rounding explains: that of an axis by a
+    /// thousandth.
     pub fn is_corner(&self, before: &Element, after: &Element) -> bool {
         let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
         end.iter().zip(&begin).any(|(t0, t1)| (t1 - t0).abs() > CORNER)
@@ -366,8 +370,8 @@ impl Machine {
         speeds.fold(f64::INFINITY, f64::min) * (1.0 - tolerance::SPEED_MARGIN)
     }
 
-    /// Highest speed at which the step of acceleration from the end of a block to the start of another one, with less than a tick
-    /// between them, has no more jerk than a joint may.
+    /// Highest speed at which the step of acceleration from the end of a block to the start of another one,
+    /// with less than a tick between them, has no more jerk than a joint may.
     pub fn bending(&self, before: &Element, after: &Element) -> f64 {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0).curvature, direction(after, 0.0).curvature);
@@ -381,8 +385,8 @@ impl Machine {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest speed of a joint that neither neighbour passes faster than `fastest`, with accelerations up to `most`; `None` if it
-    /// is smooth.
+    /// Highest speed of a joint that neither neighbour passes faster than `fastest`, with accelerations up to
+    /// `most`; `None` if it is smooth.
     pub fn joint(&self, before: &Element, after: &Element, fastest: f64, most: f64) -> Option<f64> {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let shorter = path_length(before).min(path_length(after));
@@ -403,9 +407,11 @@ impl Machine {
                 false => JOINT * axis.jerk,
             };
             if knee > 0.0 {
-                // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks apart.
+                // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks
+                // apart.
                 let alone = part.min(axis.knee) / knee;
-                // With STEP speed is gained from the joint on: 3 v + 4.5 a in three ticks (of L at most, in two steps), to √(v² + aL) in the middle of a block.
+                // With STEP speed is gained from the joint on: 3 v + 4.5 a in three ticks (of L at most, in
+                // two steps), to √(v² + aL) in the middle of a block.
                 let a = if self.slope == 0 { most } else { 0.0 };
                 let slow = shorter
                     * match shorter / a {
@@ -457,9 +463,10 @@ fn direction(element: &Element, u: f64) -> Direction {
     Direction { tangent, curvature }
 }
 
-/// Length along which a block's speeds count: that of the feed axes, where none of them moves of the main axes, then of all
-/// others; where an axis moves more than 1024 times as far, a 1024th of its travel, beside other feed axes than the main ones a 64th.
-/// An arc whose radius changes counts as if it had the larger one throughout.
+/// Length along which a block's speeds count: that of the feed axes, where none of them moves of the main
+/// axes, then of all others; where an axis moves more than 1024 times as far, a 1024th of its travel, beside
+/// other feed axes than the main ones a 64th. An arc whose radius changes counts as if it had the larger one
+/// throughout.
 pub fn path_length(element: &Element) -> f64 {
     let along = |axes: &[usize]| match &element.shape {
         Shape::Line => axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt(),

@@ -1,5 +1,5 @@
-//! Lines that go on in the same direction with the same feed count as one, as long as the one is within a tolerance of every
-//! point left out. All points are kept and looked at, each time.
+//! Lines that go on in the same direction with the same feed count as one, as long as the one is within a
+//! tolerance of every point left out. All points are kept and looked at, each time.
 use super::geometry::{Contour, Element, Shape};
 use super::limits::{Machine, path_length};
 use super::planner::ways;
@@ -14,7 +14,8 @@ const WAYS: f64 = 2.0;
 /// Longest time after which a knee is expected not to show, ticks.
 const LONGEST_TIME: f64 = 1024.0;
 
-/// A block must not turn by more than that, and by no more than twice what the tolerance explains, times 1 + tangent.
+/// A block must not turn by more than that, and by no more than twice what the tolerance explains, times 1 +
+/// tangent.
 const TURN: f64 = 0.125;
 
 /// The contour with lines merged.

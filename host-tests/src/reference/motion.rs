@@ -15,8 +15,8 @@ pub struct Motion<'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// Lays the laws end to end. Each belongs to as many elements as its length takes. Where the speed is zero between two blocks, the second waits for the next multiple of
-    /// `grid` (zero: does not wait).
+    /// Lays the laws end to end. Each belongs to as many elements as its length takes. Where the speed is
+    /// zero between two blocks, the second waits for the next multiple of `grid` (zero: does not wait).
     pub fn new(contour: &'a Contour, profiles: &'a [Profile], grid: f64) -> Self {
         let mut starts = vec![0.0];
         let mut at = 0.0;

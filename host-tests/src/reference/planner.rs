@@ -1,8 +1,9 @@
-//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless both sides are
-//! alike: then the blocks have one law.
+//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless
+//! both sides are alike: then the blocks have one law.
 //!
-//! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is handed on;
-//! then it is filled again; long lines fill it sooner. At the end of the program all that is left is handed on.
+//! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is
+//! handed on; then it is filled again; long lines fill it sooner. At the end of the program all that is left
+//! is handed on.
 use super::brief::Row;
 use super::geometry::{Contour, Element, Shape};
 use super::limits::{BlockLimits, Machine, path_length};
@@ -33,8 +34,8 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     decided(contour, machine, |_, _, standing| standing)
 }
 
-/// The same; of a corner with a tie, by the number of the block behind it and the speed of standing still, `stands` tells whether the motion
-/// stands still. It is told what this plan would do.
+/// The same; of a corner with a tie, by the number of the block behind it and the speed of standing still,
+/// `stands` tells whether the motion stands still. It is told what this plan would do.
 pub fn decided(
     contour: &Contour,
     machine: &Machine,
@@ -108,8 +109,8 @@ pub fn decided(
     blocks
 }
 
-/// The blocks as a library decided where both ways take as long: whether its plan enters the block behind such a corner no faster than
-/// where it stands still.
+/// The blocks as a library decided where both ways take as long: whether its plan enters the block behind
+/// such a corner no faster than where it stands still.
 pub fn blocks_of(contour: &Contour, machine: &Machine, planned: &[PlannedBlock]) -> Vec<Block> {
     let mut entries = vec![None; contour.elements.len()];
     let mut first = 0;
@@ -217,8 +218,8 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     profiles
 }
 
-/// Where a span that would leave is to be cut, if its end may yet be passed faster: where its slowing down begins, or behind
-/// those blocks that leave in any case.
+/// Where a span that would leave is to be cut, if its end may yet be passed faster: where its slowing down
+/// begins, or behind those blocks that leave in any case.
 fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<usize> {
     let start = parts[0].first;
     let mut v_in = entries[start];
@@ -249,12 +250,13 @@ fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<
     None
 }
 
-/// Raises the speeds at the starts of spans as far as the motion can still come to a standstill at the end of the last.
-/// The first one is decided.
+/// Raises the speeds at the starts of spans as far as the motion can still come to a standstill at the end of
+/// the last. The first one is decided.
 ///
 /// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
-/// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to v/3. So a
-/// speed that was possible with a lower one behind it may not follow from the higher one. It stays possible.
+/// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to
+/// v/3. So a speed that was possible with a lower one behind it may not follow from the higher one. It stays
+/// possible.
 fn raise(entries: &mut [f64], parts: &[Span]) {
     for Span { first, behind, whole } in parts.iter().skip(1).rev() {
         let highest = reach(whole.length, entries[*behind], whole.v_start, whole.limits.brake().reversed());
@@ -273,8 +275,8 @@ fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
     largest(0.0, highest, |v_out| brake(v_out) <= block.length)
 }
 
-/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the duration at
-/// the highest speed.
+/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the
+/// duration at the highest speed.
 pub fn laws(blocks: &[Block], contour: &Contour, planned: &[PlannedBlock]) -> Vec<Profile> {
     let mut next = 0;
     let law = |planned: &PlannedBlock| {

@@ -1,9 +1,10 @@
 //! Time laws in closed form, or from the integral of their acceleration.
 //!
-//! TRAPEZ and SIN2: a speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and lowers it within
-//! `down`. Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below that both ramps keep their shape and
-//! shrink by the same factor, above it the peak is held. Braking is the same motion with time reversed. A ramp of SIN2 is
-//! linear between the values of sin² at eighths of its time.
+//! TRAPEZ and SIN2: a speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and
+//! lowers it within `down`. Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below
+//! that both ramps keep their shape and shrink by the same factor, above it the peak is held. Braking is the
+//! same motion with time reversed. A ramp of SIN2 is linear between the values of sin² at eighths of its
+//! time.
 //!
 //! STEP: one acceleration below the change-over speed and another above it.
 //!
@@ -88,7 +89,8 @@ impl Section {
 pub struct Change {
     /// Highest acceleration reached.
     pub a_peak: f64,
-    /// Duration of the rising ramp, of the hold, of the falling ramp; of both stages of STEP with nothing between.
+    /// Duration of the rising ramp, of the hold, of the falling ramp; of both stages of STEP with nothing
+    /// between.
     pub times: [f64; 3],
     /// Distance covered.
     pub distance: f64,
@@ -194,8 +196,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The fastest time law over `length` with speed at most `v_max`; `None` if the speeds at its ends are too far
-    /// apart for the length. `brake` gives the deceleration's rise and fall as they happen in time.
+    /// The fastest time law over `length` with speed at most `v_max`; `None` if the speeds at its ends are
+    /// too far apart for the length. `brake` gives the deceleration's rise and fall as they happen in time.
     pub fn fastest(
         length: f64,
         v_in: f64,
@@ -221,7 +223,8 @@ impl Profile {
         Some(Self { v_in, v_peak, v_out, length, rise, cruise, fall })
     }
 
-    /// The time law with a given peak speed, whatever the rest of the length needs to be travelled at that speed.
+    /// The time law with a given peak speed, whatever the rest of the length needs to be travelled at that
+    /// speed.
     pub fn with_peak(
         length: f64,
         v_in: f64,
@@ -278,8 +281,9 @@ pub fn largest(mut low: f64, mut high: f64, fits: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Time of the optimal rest-to-rest move of `length` with one acceleration and one ramp time: the three cases of the
-/// double-S in closed form (constant speed reached; acceleration reached; neither), for `v >= a * ramp`.
+/// Time of the optimal rest-to-rest move of `length` with one acceleration and one ramp time: the three cases
+/// of the double-S in closed form (constant speed reached; acceleration reached; neither), for `v >= a *
+/// ramp`.
 pub fn rest_to_rest(length: f64, v: f64, a: f64, ramp: f64) -> f64 {
     assert!(v >= a * ramp, "other cases than the three below");
     if length >= v * (v / a + ramp) {

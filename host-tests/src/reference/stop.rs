@@ -1,7 +1,8 @@
 //! The shortest way to a standstill from a speed and an acceleration, in closed form.
 //!
-//! An acceleration above zero first falls to zero. The deceleration then rises to its peak, stays there, and falls to zero as the speed
-//! does. All three changes of acceleration are linear in time: a ramp of SIN2 lasts as long and gains the same speed.
+//! An acceleration above zero first falls to zero. The deceleration then rises to its peak, stays there, and
+//! falls to zero as the speed does. All three changes of acceleration are linear in time: a ramp of SIN2
+//! lasts as long and gains the same speed.
 use super::profile::Ramps;
 
 /// A standstill reached.
@@ -21,10 +22,11 @@ impl Stop {
         Self { time: self.time + time, way: self.way + way }
     }
 
-    /// With limited jerk, from the speed `v` and the acceleration `a`; `accelerate.down` is the ramp in which the acceleration falls.
+    /// With limited jerk, from the speed `v` and the acceleration `a`; `accelerate.down` is the ramp in which
+    /// the acceleration falls.
     ///
-    /// A motion whose deceleration can no longer fall to zero in its own ramp before it stands stops with the deceleration it has,
-    /// which then falls evenly.
+    /// A motion whose deceleration can no longer fall to zero in its own ramp before it stands stops with the
+    /// deceleration it has, which then falls evenly.
     pub fn with_jerk(mut v: f64, a: f64, accelerate: Ramps, brake: Ramps) -> Self {
         let mut stop = Self::default();
         if a > 0.0 {

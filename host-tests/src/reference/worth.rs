@@ -1,5 +1,6 @@
-//! Whether a corner is passed, or the motion stands still in it: whichever takes less time over both blocks, each from rest at its
-//! other end. Passing it leaves both of them less acceleration and jerk, over all of their length.
+//! Whether a corner is passed, or the motion stands still in it: whichever takes less time over both blocks,
+//! each from rest at its other end. Passing it leaves both of them less acceleration and jerk, over all of
+//! their length.
 use super::limits::BlockLimits;
 use super::profile::{Profile, reach};
 use crate::tolerance::TIE;

@@ -6,12 +6,13 @@
 //! between it and the end of the slow block belongs to the fast span. With jerk J and a depth of h below the
 //! limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
 //!
-//! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w t + J t³/6 at the
-//! soonest, and where s is given, v grows with w above v/2 and falls below: its highest values are those of w = V − h, which is
-//! V, and of w = 0, which is below V as long as h ≤ V/8. The same seen backward. So any motion that begins or ends with acceleration zero at the
-//! anchor, at its speed or slower, keeps the limit of the piece: after a hold, with another override, with new
-//! blocks behind. The piece is *lent* to the fast span: its own limit does not count there. With another level the
-//! slow block gets all of it back ([`Ring::set_level`]).
+//! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w
+//! t + J t³/6 at the soonest, and where s is given, v grows with w above v/2 and falls below: its highest
+//! values are those of w = V − h, which is V, and of w = 0, which is below V as long as h ≤ V/8. The same
+//! seen backward. So any motion that begins or ends with acceleration zero at the anchor, at its speed or
+//! slower, keeps the limit of the piece: after a hold, with another override, with new blocks behind. The
+//! piece is *lent* to the fast span: its own limit does not count there. With another level the slow block
+//! gets all of it back ([`Ring::set_level`]).
 //!
 //! A valley costs time inside the slow block and gains some in front of it: with a fast block of speed F the
 //! best depth is about V (1 − V/F)/4. A slow block too short for two valleys gets one from end to end. Two

@@ -1,7 +1,8 @@
 //! An anchor that moves.
 //!
-//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for acceleration
-//! zero either: it moves into the block on the other side, as far as the limit where it was permits.
+//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for
+//! acceleration zero either: it moves into the block on the other side, as far as the limit where it was
+//! permits.
 use super::{Shift, Step, Valley};
 use crate::lookahead::block::{Marks, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
@@ -11,7 +12,8 @@ use crate::math::float::to_f32;
 use crate::quantity::{Speed, speed_bits, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how many of them a call makes.
+/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how
+/// many of them a call makes.
 const MOVES: u8 = 4;
 const SHIFTS: u8 = 12;
 const LAWS: usize = 2;
@@ -41,7 +43,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Gather;
     }
 
-    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or not at all.
+    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or
+    /// not at all.
     pub(super) fn weigh_shift(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let moves = if pass.fit.fitting { None } else { self.search_shift(pass, valley) };
         if moves.is_none() {
@@ -60,8 +63,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a block; `None` if that law
-    /// is too fast where the anchor was.
+    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a
+    /// block; `None` if that law is too fast where the anchor was.
     fn shifted(&self, valley: &Valley, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
         let mut span = valley.spans[if early { 2 } else { 0 }];
         let at =

@@ -1,9 +1,9 @@
-//! Which kind of curve a corner gets: over time, as the dynamic methods ask for it or where it is faster, over arc length, or with DEV
-//! none.
+//! Which kind of curve a corner gets: over time, as the dynamic methods ask for it or where it is faster,
+//! over arc length, or with DEV none.
 //!
-//! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all of the path that the corner
-//! may have: a smaller deviation where that is faster, and at last a standstill in the corner. So a corner is never slower than
-//! a stop in it, and no faster with less tolerance.
+//! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all
+//! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
+//! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
@@ -42,7 +42,8 @@ impl Approach {
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
 
-    /// Ticks over all of it with a curve at the speed `v` which begins and ends at the distances `c`, and takes `inside` ticks.
+    /// Ticks over all of it with a curve at the speed `v` which begins and ends at the distances `c`, and
+    /// takes `inside` ticks.
     fn time(&self, v: f32, c: [f32; 2], inside: f32) -> f32 {
         let sides = self.slopes.iter().zip(self.v).zip(self.room.iter().zip(c));
         sides.fold(inside, |sum, ((slope, fastest), (room, c))| {
@@ -89,8 +90,8 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The curve over time between two lines, if the method asks for it or allows for it: the largest distance from the corner is
-    /// `most`.
+    /// The curve over time between two lines, if the method asks for it or allows for it: the largest
+    /// distance from the corner is `most`.
     pub fn new<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         corner: &Corner<'_, AXES>,
@@ -234,11 +235,12 @@ const UNLIMITED: f32 = 1e6;
 /// Of a tolerance.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest is for changes of
-/// path speed inside it, for a feed hold before all: the less is left, the longer that takes. PTP is for the shortest time.
+/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest
+/// is for changes of path speed inside it, for a feed hold before all: the less is left, the longer that
+/// takes. PTP is for the shortest time.
 const PART: [f32; 2] = [0.93, 0.85];
-/// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves. And a feed hold is not to take
-/// longer than 1.3 s in the corners of `host-tests/tests/hold.rs`.
+/// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves. And
+/// a feed hold is not to take longer than 1.3 s in the corners of `host-tests/tests/hold.rs`.
 const PART_DEV: [f32; 2] = [0.95, 0.905];
 /// See [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];
@@ -247,8 +249,9 @@ const PART_PTP: [f32; 2] = [0.975, 0.96];
 const NORMAL: f32 = 0.932;
 const TWISTED: f32 = 0.866;
 
-/// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within `distance`; a lower
-/// speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change their speed, ticks.
+/// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within
+/// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change
+/// their speed, ticks.
 fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<Rise> {
     let [least, most] = rule.acc;
     let ramp = max(rule.ramp_time, 1e-4) * ramp;

@@ -1,9 +1,9 @@
 //! How far the curve of a corner reaches into its blocks.
 //!
-//! The curve is a polynomial of the fifth degree that leaves one block and enters the other with their directions and
-//! curvatures, and with a speed over its parameter that makes it even: through a corner of 90° its arc length
-//! goes with the parameter to 0.2 %. Its deviation grows with the corner distances. Those with which it takes all of a tolerance are
-//! searched for, a few trials per call.
+//! The curve is a polynomial of the fifth degree that leaves one block and enters the other with their
+//! directions and curvatures, and with a speed over its parameter that makes it even: through a corner of 90°
+//! its arc length goes with the parameter to 0.2 %. Its deviation grows with the corner distances. Those with
+//! which it takes all of a tolerance are searched for, a few trials per call.
 use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
 use crate::math::float::{max, min};
@@ -86,13 +86,15 @@ impl<const AXES: usize> Corner<'_, AXES> {
 
     /// How far such a curve takes an axis that is not a main one from the contour at most.
     ///
-    /// Which place of the contour belongs to a place of the curve: the one as far on along the path, s = −c1 … c2 about the corner. Of
-    /// a quintic with the same ends that is s(u), and an axis with the slopes g1 and g2 is (g2 − g1)·y(u) off before the corner and
-    /// (g1 − g2)·x(u) behind it, with x and y the quintics from −c1 to rest at 0, and from there to c2. With equal distances
-    /// both are largest at the corner, which is at u = 1/2. With unequal ones the shorter motion begins by swinging out to the other
-    /// side where the speed is more than 2.5 times its distance: there its third coefficient is negative.
+    /// Which place of the contour belongs to a place of the curve: the one as far on along the path, s = −c1
+    /// … c2 about the corner. Of a quintic with the same ends that is s(u), and an axis with the slopes g1
+    /// and g2 is (g2 − g1)·y(u) off before the corner and (g1 − g2)·x(u) behind it, with x and y the quintics
+    /// from −c1 to rest at 0, and from there to c2. With equal distances both are largest at the corner,
+    /// which is at u = 1/2. With unequal ones the shorter motion begins by swinging out to the other side
+    /// where the speed is more than 2.5 times its distance: there its third coefficient is negative.
     ///
-    /// With blocks left out their line is the contour between both, and the places looked at are evenly spaced, too.
+    /// With blocks left out their line is the contour between both, and the places looked at are evenly
+    /// spaced, too.
     fn track_deviation(&self, curve: &Quintic<AXES>, reach: [f32; 2]) -> f32 {
         let [c1, c2] = reach;
         if self.gap.is_none() && c1 == c2 {
@@ -142,7 +144,8 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 }
 
-/// Where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other side of 0, if it is there at all.
+/// Where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other side of
+/// 0, if it is there at all.
 fn swing(distance: f32) -> Option<f32> {
     // u³·(a + b·u + c·u²) has its extremes at 3a + 4b·u + 5c·u² = 0.
     let (a, b, c) = (10.0 * distance - 4.0, 7.0 - 15.0 * distance, 6.0 * distance - 3.0);
@@ -159,16 +162,17 @@ pub fn mean([before, behind]: [f32; 2]) -> f32 {
     0.5 * (before + behind)
 }
 
-/// How much of a tolerance a curve takes: 1 is all of it. And how far, mm, its elements may be beside it: they pass the place
-/// nearest to the corner, where the deviation mostly is largest.
+/// How much of a tolerance a curve takes: 1 is all of it. And how far, mm, its elements may be beside it:
+/// they pass the place nearest to the corner, where the deviation mostly is largest.
 type Use = (f32, f32);
 
-/// The search for the largest part, at most 1, of given distances with which the curve stays inside a tolerance: regula falsi with
-/// the Illinois rule.
+/// The search for the largest part, at most 1, of given distances with which the curve stays inside a
+/// tolerance: regula falsi with the Illinois rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<const AXES: usize> {
     distances: [f32; 2],
-    /// Beside arcs and blocks left out the deviation is looked for along all of the curve, which is a hundred times the work.
+    /// Beside arcs and blocks left out the deviation is looked for along all of the curve, which is a hundred
+    /// times the work.
     along: bool,
     /// The curve at hand, and how far its deviation is known.
     curve: Quintic<AXES>,
@@ -176,8 +180,8 @@ struct Search<const AXES: usize> {
     /// Trials before it, and the part it is made for.
     trials: usize,
     part: f32,
-    /// Parts that keep the tolerance and that do not, with what they take more than [`AIM`], counted half if they stand
-    /// for long; and room for elements at the lower one.
+    /// Parts that keep the tolerance and that do not, with what they take more than [`AIM`], counted half if
+    /// they stand for long; and room for elements at the lower one.
     low: f32,
     high: f32,
     under: f32,
@@ -259,7 +263,8 @@ impl<const AXES: usize> Search<AXES> {
     }
 }
 
-/// The search for the largest part, at most 1, of given distances with which the curve stays inside a tolerance.
+/// The search for the largest part, at most 1, of given distances with which the curve stays inside a
+/// tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach<const AXES: usize> {
     tolerance: Tolerance,
@@ -274,7 +279,8 @@ impl<const AXES: usize> Reach<AXES> {
         Self { tolerance, search: Search::new(corner, distances, false), first: 1.0 }
     }
 
-    /// Goes on; at the end the part, and how far the curve's elements may be beside it, or that there is none.
+    /// Goes on; at the end the part, and how far the curve's elements may be beside it, or that there is
+    /// none.
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
         let trials = if self.search.along { 1 } else { TRIALS_PER_CALL };
         for _ in 0..trials {

@@ -1,12 +1,13 @@
 //! The curve of a corner over its arc length, cut into elements.
 //!
-//! One polynomial of the fifth degree, or two that meet where the interim point is given. Elements are cut from it at places of which
-//! position, direction and curvature are computed once for both neighbours, and each is again a polynomial, now over
-//! its own arc length; as many of them as it takes for the right path speed.
+//! One polynomial of the fifth degree, or two that meet where the interim point is given. Elements are cut
+//! from it at places of which position, direction and curvature are computed once for both neighbours, and
+//! each is again a polynomial, now over its own arc length; as many of them as it takes for the right path
+//! speed.
 //!
-//! Where the feed counts along other axes than the main ones, a path distance is another way in space on either side of the
-//! corner. There path is the polynomial's own parameter: its speed goes over from the one to the other, and both halves are
-//! one element each.
+//! Where the feed counts along other axes than the main ones, a path distance is another way in space on
+//! either side of the corner. There path is the polynomial's own parameter: its speed goes over from the one
+//! to the other, and both halves are one element each.
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
@@ -15,8 +16,8 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 
-/// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where the speed is to be
-/// constant.
+/// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where
+/// the speed is to be constant.
 pub const EVEN: f32 = 9e-4;
 /// See [`EVEN`].
 pub const CONSTANT: f32 = 3e-4;
@@ -50,12 +51,13 @@ pub struct CornerCurve<const AXES: usize> {
     /// Elements of each half, and those of both that are found fine, later those handed out.
     parts: u32,
     done: u32,
-    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are the shorter.
+    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are
+    /// the shorter.
     given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
-    /// Of the first element of each half, where that is all of it: its path length, and how far its speed is above what that says. 0:
-    /// not known.
+    /// Of the first element of each half, where that is all of it: its path length, and how far its speed is
+    /// above what that says. 0: not known.
     seen: [[f32; 2]; 2],
 }
 
@@ -92,7 +94,8 @@ impl Cuts {
         [from, from + steps]
     }
 
-    /// What is tried is fine: the next one may be twice as long, as far as its half goes. Whether there is no next one.
+    /// What is tried is fine: the next one may be twice as long, as far as its half goes. Whether there is no
+    /// next one.
     fn accept(&mut self) -> bool {
         let [_, to] = self.ends(u32::from(self.count));
         if let Some(steps) = self.steps.get_mut(usize::from(self.count)) {
@@ -130,8 +133,9 @@ pub enum Fit {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `lead`: the path between both, where
-    /// a master axis is the path. `None` where it cannot be made. Before it is handed out: [`Self::fit`].
+    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `lead`:
+    /// the path between both, where a master axis is the path. `None` where it cannot be made. Before it is
+    /// handed out: [`Self::fit`].
     pub fn new(
         measure: &Measure,
         spaces_per_path: [f32; 2],
@@ -155,8 +159,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
                 return None;
             }
             let curve = Quintic::new(&a, &b, speed);
-            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as planned. A master
-            // axis has reached the corner's coordinate.
+            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
+            // planned. A master axis has reached the corner's coordinate.
             let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
             let u = if lead.is_some() { 0.5 } else { nearest() };
             ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
@@ -182,8 +186,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         })
     }
 
-    /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even` (relative) and are at most
-    /// `slack` (mm) beside it.
+    /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
+    /// (relative) and are at most `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
         if let (Some(cuts), false) = (self.given, self.any) {
             return self.fit_given(cuts, even);
@@ -321,8 +325,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None` behind the last one, or
-    /// where it cannot be made.
+    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None`
+    /// behind the last one, or where it cannot be made.
     pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
         if i >= self.count() {
             return None;
@@ -366,8 +370,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 }
 
-/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their path
-/// lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in space.
+/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their
+/// path lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in
+/// space.
 fn through<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
@@ -385,7 +390,8 @@ fn through<const AXES: usize>(
             return None;
         }
         let (r1, r2) = (1.0 / h1, 1.0 / h2);
-        // Third and fourth derivative of both at the point agree: two equations for slope and second derivative.
+        // Third and fourth derivative of both at the point agree: two equations for slope and second
+        // derivative.
         let m11 = 36.0 * (r2 * r2 - r1 * r1);
         let m12 = 9.0 * (r1 + r2);
         let m21 = -192.0 * (r1 * r1 * r1 + r2 * r2 * r2);

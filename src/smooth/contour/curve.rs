@@ -1,6 +1,6 @@
-//! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes and where its
-//! inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact, because both neighbours
-//! of a joint get the same numbers.
+//! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes
+//! and where its inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact,
+//! because both neighbours of a joint get the same numbers.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
@@ -307,7 +307,8 @@ impl<const AXES: usize> Quintic<AXES> {
         half * sum
     }
 
-    /// How far the speed along the curve is above and below `speed` at most, relative, at places between the ends.
+    /// How far the speed along the curve is above and below `speed` at most, relative, at places between the
+    /// ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut above, mut below] = [0.0, 0.0];
         for u in PLACES {
@@ -349,8 +350,8 @@ impl<const AXES: usize> Quintic<AXES> {
     }
 }
 
-/// The search for the largest distance between a curve and the contour it replaces, from places along both, either way: a few
-/// places per call.
+/// The search for the largest distance between a curve and the contour it replaces, from places along both,
+/// either way: a few places per call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     outward: Peak,
@@ -363,7 +364,8 @@ impl Deviation {
     /// Nothing looked at yet.
     pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW, across: Peak::NEW };
 
-    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind; `gap`: the way over blocks left out.
+    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind; `gap`: the way
+    /// over blocks left out.
     pub fn go_on<const AXES: usize>(
         &mut self,
         main: &Main,
@@ -408,8 +410,8 @@ impl Deviation {
     }
 }
 
-/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, and uphill from there in ever
-/// shorter steps, to both sides each.
+/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, and uphill from
+/// there in ever shorter steps, to both sides each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
     /// Places looked at.
@@ -468,7 +470,8 @@ const REFINEMENTS: u8 = 4;
 
 /// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
-/// A step of that search after which the next one would be nothing: each is about the square of the one before.
+/// A step of that search after which the next one would be nothing: each is about the square of the one
+/// before.
 const NEAR: f32 = 1.0 / 2048.0;
 
 /// Steps on each side of the corner, and places between them, where the distance from an arc is measured.
@@ -486,8 +489,9 @@ const GAUSS: [(f32, f32); 4] = [
     (0.960_289_84, 0.101_228_54),
 ];
 
-/// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its middle,
-/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: of the path there, in space.
+/// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its
+/// middle, where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: of the path there, in
+/// space.
 pub fn even_speed<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,

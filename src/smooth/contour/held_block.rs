@@ -79,12 +79,12 @@ pub(super) struct Standing {
     pub stray: Stray,
 }
 
-/// A block below 16 µm behind blocks left out is replaced by a line from where they began; before a corner it is joined to the block
-/// behind it.
+/// A block below 16 µm behind blocks left out is replaced by a line from where they began; before a corner it
+/// is joined to the block behind it.
 const SYSTEM_LEAST: f32 = 0.016;
 
-/// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much the direction may
-/// change, LSB 2^-40. And how far blocks may be from a line over many.
+/// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much
+/// the direction may change, LSB 2^-40. And how far blocks may be from a line over many.
 const STRAIGHT: f64 = 4096.0;
 const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
 const TURN: i64 = 1 << 20;
@@ -115,8 +115,9 @@ impl<const AXES: usize> HeldBlock<AXES> {
         to_f32(length) * LSB_44 * space_per_path(measure, &direction(&element.entry))
     }
 
-    /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end of this one. Where there is a
-    /// tolerance only as long as a straight line over them keeps a part of it; the corner has the rest.
+    /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end
+    /// of this one. Where there is a tolerance only as long as a straight line over them keeps a part of it;
+    /// the corner has the rest.
     pub fn leave_out(
         &self,
         next: &ProgrammedBlock<AXES>,
@@ -149,7 +150,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 
     /// Whether a line stands for blocks held back or left out together with the next one: this one is too
-    /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every other axis.
+    /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every
+    /// other axis.
     pub fn stands(&self, next: &Self, rule: &Parameters, measure: &Measure) -> Option<Standing> {
         let (main, to) = (&measure.main, &next.block.to);
         let [path, track] = rule.relevant();
@@ -180,9 +182,11 @@ impl<const AXES: usize> HeldBlock<AXES> {
         standing.stray.is_within(rule.stray()).then_some(standing)
     }
 
-    /// The line over this block and the next one, if PTP makes one of both: the next one goes straight on with the same feed.
+    /// The line over this block and the next one, if PTP makes one of both: the next one goes straight on
+    /// with the same feed.
     ///
-    /// Of the tangential joints that MERGE is for, those between lines are all that PTP has: an arc switches it off.
+    /// Of the tangential joints that MERGE is for, those between lines are all that PTP has: an arc switches
+    /// it off.
     pub fn merged(
         &self,
         next: &Self,
@@ -265,8 +269,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         Made { element, data, curving: None, due: data.number }
     }
 
-    /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose end is where it
-    /// was programmed.
+    /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
+    /// end is where it was programmed.
     pub fn behind(&mut self, measure: &Measure) -> Option<Self> {
         let Skipped { to, data, stray, .. } = self.skipped.take()?;
         let from = self.block.to;

@@ -1,5 +1,5 @@
-//! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve and of which kind, how far
-//! it reaches into the blocks, and the elements that it is cut into.
+//! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
+//! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
 use super::choice::{Approach, Candidate};
 use super::corner::{Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
@@ -14,8 +14,8 @@ use crate::path::poly::Knot;
 use crate::path::{Element, Measure, Passage};
 use crate::quantity::{Distance, Position};
 
-/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less than what the
-/// tolerance has to spare.
+/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
+/// than what the tolerance has to spare.
 const SLIVER: u32 = 14;
 
 /// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by
@@ -58,7 +58,8 @@ pub struct Setting<'a, const AXES: usize> {
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Room {
-    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a turn.
+    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a
+    /// turn.
     most: [f32; 2],
     whole: [bool; 2],
     /// Corner distances that are asked for.
@@ -72,7 +73,8 @@ struct Cut {
     behind: i64,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner, which takes that time.
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner,
+/// which takes that time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
@@ -89,7 +91,8 @@ enum JoinStep<const AXES: usize> {
     Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
     /// What is quickest is taken: the curve with this part of the distances, or one of these.
     Comparing { room: Room, rivals: Rivals, found: Option<(f32, f32)> },
-    /// A curve over arc length with these distances is made, and its elements may be beside it by that much, mm.
+    /// A curve over arc length with these distances is made, and its elements may be beside it by that much,
+    /// mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8, course: CornerCurve<AXES> },
@@ -123,8 +126,8 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl<const AXES: usize> Joining<AXES> {
-    /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of the block behind
-    /// both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
+    /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
+    /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn new(
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
@@ -219,7 +222,8 @@ impl<const AXES: usize> Joining<AXES> {
         tolerance
     }
 
-    /// What is quickest: a curve over arc length with the part of the distances that was found, one over time, or a standstill.
+    /// What is quickest: a curve over arc length with the part of the distances that was found, one over
+    /// time, or a standstill.
     #[inline(never)]
     fn compare(
         held: &HeldBlock<AXES>,
@@ -449,7 +453,8 @@ impl<const AXES: usize> Joining<AXES> {
 }
 
 impl Room {
-    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a quarter of a turn.
+    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a
+    /// quarter of a turn.
     fn new<const AXES: usize>(lengths: [(i64, &Side<AXES>); 2], parts: [f32; 2], rule: &Parameters) -> Self {
         let mut most = [0.0; 2];
         let mut whole = [false; 2];
@@ -470,8 +475,8 @@ impl Room {
         min(self.most[0], self.most[1])
     }
 
-    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the distances, and how
-    /// far its elements may be beside it.
+    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the
+    /// distances, and how far its elements may be beside it.
     fn cut<const AXES: usize>(
         &self,
         held: &HeldBlock<AXES>,
@@ -506,7 +511,8 @@ impl Room {
 }
 
 impl Cut {
-    /// An arc may come back so near to the other block that no even curve joins them there: with less of both.
+    /// An arc may come back so near to the other block that no even curve joins them there: with less of
+    /// both.
     fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> JoinStep<AXES> {
         if smaller + 1 >= SMALLER {
             return JoinStep::Sharp;

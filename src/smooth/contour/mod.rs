@@ -1,30 +1,34 @@
-//! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in direction and
-//! curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS), or such that axes change
-//! their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is quickest): `timed.rs` says why and where.
+//! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in
+//! direction and curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS),
+//! or such that axes change their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is
+//! quickest): `timed.rs` says why and where.
 //!
-//! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the corner
-//! cuts from it only shortens its path length: the curve of the block stays the same to the last bit. Its end is then between two steps of
-//! a position, and the corner's curve begins on the nearest one, half a step of each axis beside it at most. The block
-//! behind the corner is made anew from where the corner's curve ends.
+//! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the
+//! corner cuts from it only shortens its path length: the curve of the block stays the same to the last bit.
+//! Its end is then between two steps of a position, and the corner's curve begins on the nearest one, half a
+//! step of each axis beside it at most. The block behind the corner is made anew from where the corner's
+//! curve ends.
 //!
-//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last relevant block
-//! to the first one that ends beyond the limit. A short line to begin with is joined to the line behind it: with DEV where it is short by
-//! RELEVANT_PATH, with the others below 16 µm. Where no
-//! curve comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources leave out; so
-//! RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a given corner distance.
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last
+//! relevant block to the first one that ends beyond the limit. A short line to begin with is joined to the
+//! line behind it: with DEV where it is short by RELEVANT_PATH, with the others below 16 µm. Where no curve
+//! comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources
+//! leave out; so RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a
+//! given corner distance.
 //!
-//! When something is sampled: whether the end of a block is rounded, by which method and how far, when that block
-//! comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two blocks cancel the
-//! corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and POST_ACTION count as they stood when the
-//! block before the corner came. A keyword that the method in force does not have counts as if it had never been given.
+//! When something is sampled: whether the end of a block is rounded, by which method and how far, when that
+//! block comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two
+//! blocks cancel the corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and
+//! POST_ACTION count as they stood when the block before the corner came. A keyword that the method in force
+//! does not have counts as if it had never been given.
 //!
-//! A dwell, or whatever else demands a standstill between two blocks, is at the programmed corner: the motion cannot rest in
-//! a curve that stands for it. So there is no curve there, and a warning says so for a dwell. (The sources print a program with a dwell
-//! behind G61 and do not say what becomes of the corner.)
+//! A dwell, or whatever else demands a standstill between two blocks, is at the programmed corner: the motion
+//! cannot rest in a curve that stands for it. So there is no curve there, and a warning says so for a dwell.
+//! (The sources print a program with a dwell behind G61 and do not say what becomes of the corner.)
 //!
-//! A row of blocks left out ends where contouring is switched off or gets other parameters, at a standstill, and at the program end: the
-//! corner before them is rounded, with the line over them as the block behind it, whose end is passed exactly. What changes
-//! nothing, as a second G261, ends nothing.
+//! A row of blocks left out ends where contouring is switched off or gets other parameters, at a standstill,
+//! and at the program end: the corner before them is rounded, with the line over them as the block behind it,
+//! whose end is passed exactly. What changes nothing, as a second G261, ends nothing.
 mod choice;
 mod corner;
 mod corner_curve;
@@ -70,7 +74,8 @@ struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
     halves: [(Data, u32); 2],
     curving: Curving,
-    /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time has its own.
+    /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time
+    /// has its own.
     passage: Passage,
     /// Of the element that is being made.
     draft: Option<Draft<AXES>>,
@@ -120,14 +125,14 @@ pub struct Contouring<const AXES: usize> {
     on: bool,
     /// G61, for the next motion block.
     once: bool,
-    /// What goes out, in this order: the block before a corner, element by element its curve, or what stands for blocks
-    /// left out, the block behind it.
+    /// What goes out, in this order: the block before a corner, element by element its curve, or what stands
+    /// for blocks left out, the block behind it.
     before: Option<Made<AXES>>,
     bridge: Option<Made<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<HeldBlock<AXES>>,
-    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends on the next one. Only
-    /// behind a block whose end is rounded.
+    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends
+    /// on the next one. Only behind a block whose end is rounded.
     waiting: Option<HeldBlock<AXES>>,
     /// The corner before the block held back, while it is worked on.
     joining: Option<Joining<AXES>>,
@@ -193,8 +198,8 @@ const ONE_44: f32 = (1u64 << 44) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 
-/// Sine of half an angle below which a transition is tangential, and cosine of half an angle below which it is a
-/// reversal.
+/// Sine of half an angle below which a transition is tangential, and cosine of half an angle below which it
+/// is a reversal.
 const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 

@@ -66,8 +66,8 @@ fn half_sine(angle: Position) -> f32 {
 /// RELEVANT_PATH at least, mm.
 const LEAST_RELEVANT: f32 = 0.032;
 
-/// Of a corner distance, what is left out without being asked for: it adds to the deviation, which without is 3/8 of the distance at
-/// 90°.
+/// Of a corner distance, what is left out without being asked for: it adds to the deviation, which without is
+/// 3/8 of the distance at 90°.
 const LEFT_OUT: f32 = 0.25;
 
 /// Of a tolerance: so much that all blocks inside a sphere of nearly its size can be left out.
@@ -166,8 +166,8 @@ impl Parameters {
         }
     }
 
-    /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is here as if it had never
-    /// been given.
+    /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is
+    /// here as if it had never been given.
     pub(super) fn by(&self, method: ContourMethod) -> Self {
         let unset = Self::new(self.of_channel);
         let mut own = Self { method, ..*self };
@@ -188,8 +188,8 @@ impl Parameters {
         own
     }
 
-    /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between lines, beyond
-    /// the largest angle, which POS does not have.
+    /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between
+    /// lines, beyond the largest angle, which POS does not have.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
         let tolerated = match self.method {
@@ -220,8 +220,9 @@ impl Parameters {
         self.dist_weight > 0.0 && matches!(self.method, ContourMethod::DistSoft | ContourMethod::DistMaster)
     }
 
-    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT as much as the neighbour in this corner (`own`) is
-    /// of both neighbours; between 0 and 100 % a mix. The lengths are those programmed, LSB 2^-44 mm.
+    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT as much as the neighbour
+    /// in this corner (`own`) is of both neighbours; between 0 and 100 % a mix. The lengths are those
+    /// programmed, LSB 2^-44 mm.
     pub(super) fn part(&self, own: i64, other: Option<i64>) -> f32 {
         let Some(other) = other.filter(|_| self.weighs()) else { return 0.5 };
         let (own, other) = (to_f32(own), to_f32(other));
@@ -252,8 +253,8 @@ impl Parameters {
         }
     }
 
-    /// Paths of main axes and of each other one up to which blocks are left out. At least 32 µm of path, but no more
-    /// than a tolerance allows for, nor than a part of corner distances that are asked for.
+    /// Paths of main axes and of each other one up to which blocks are left out. At least 32 µm of path, but
+    /// no more than a tolerance allows for, nor than a part of corner distances that are asked for.
     pub(super) fn relevant(&self) -> [f32; 2] {
         let Tolerance { path, track } = self.tolerance();
         let most = match path {

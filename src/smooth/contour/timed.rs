@@ -1,28 +1,31 @@
-//! A corner between two lines as a course of time: the motion along the first line slows down to a standstill, the one along
-//! the second speeds up, and the second begins before the first has ended. Both change their speed as a slope does,
-//! by a trapezoid of acceleration with ramps of constant jerk.
+//! A corner between two lines as a course of time: the motion along the first line slows down to a
+//! standstill, the one along the second speeds up, and the second begins before the first has ended. Both
+//! change their speed as a slope does, by a trapezoid of acceleration with ramps of constant jerk.
 //!
 //! ```text
 //! Q(t) = C − t1·p(T − t) + t2·p(t − S)      p: path from rest to the speed v in the time T,  S = T − overlap
 //! ```
 //!
-//! **Why this shape.** With a small tolerance only the last ramp of the one motion and the first of the other overlap, and
-//! the curve is the cubic with the corner as its double inner control point, Q = C − c·t1·(1 − u)³ + c·t2·u³, which is the
-//! fastest of the shapes that keep the jerk of every axis. A curve over its arc length cannot be passed like that: there jerk
-//! needs 3·κ·v·a, so that with limits of its own for speed, acceleration and jerk either speed is low or acceleration is
-//! none. So time is taken as path: the elements run over σ = v·t, each axis is a polynomial of the third degree between two
-//! changes of jerk, and at the constant path speed v every axis moves exactly as planned, with the braking on the line before
-//! and the speeding up on the line behind the corner. At a lower path speed r·v all accelerations are r², all jerks r³ of that.
-//! With the whole of both motions overlapping the path speed is that of the feed, and each axis changes its speed by one
-//! even acceleration: the curve of DIST_SOFT.
+//! **Why this shape.** With a small tolerance only the last ramp of the one motion and the first of the other
+//! overlap, and the curve is the cubic with the corner as its double inner control point, Q = C − c·t1·(1 −
+//! u)³ + c·t2·u³, which is the fastest of the shapes that keep the jerk of every axis. A curve over its arc
+//! length cannot be passed like that: there jerk needs 3·κ·v·a, so that with limits of its own for speed,
+//! acceleration and jerk either speed is low or acceleration is none. So time is taken as path: the elements
+//! run over σ = v·t, each axis is a polynomial of the third degree between two changes of jerk, and at the
+//! constant path speed v every axis moves exactly as planned, with the braking on the line before and the
+//! speeding up on the line behind the corner. At a lower path speed r·v all accelerations are r², all jerks
+//! r³ of that. With the whole of both motions overlapping the path speed is that of the feed, and each axis
+//! changes its speed by one even acceleration: the curve of DIST_SOFT.
 //!
-//! DIST_MASTER is that with the master axis as path ([`mod@crate::path::measure`]): its tangent is 1 on both lines, so it is 1
-//! all along the curve, and the master goes on at its speed.
+//! DIST_MASTER is that with the master axis as path ([`mod@crate::path::measure`]): its tangent is 1 on both
+//! lines, so it is 1 all along the curve, and the master goes on at its speed.
 //!
-//! The speed along the curve is below the path speed, at the corner far below. So this is no curve for CONST_VEL.
+//! The speed along the curve is below the path speed, at the corner far below. So this is no curve for
+//! CONST_VEL.
 //!
-//! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve is e·|t2 − t1| from
-//! it. The distance of a point from the line it is about to reach, or has left, is at most e·sin θ, which is less.
+//! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve
+//! is e·|t2 − t1| from it. The distance of a point from the line it is about to reach, or has left, is at
+//! most e·sin θ, which is less.
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::path::poly::{Draft, Knot};
@@ -211,8 +214,8 @@ const LONGEST: f64 = 2048.0;
 /// Newton's steps: from half the time off to 10^-7 of it.
 const ARRIVAL_STEPS: usize = 4;
 
-/// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over ticks are means
-/// of it.
+/// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over
+/// ticks are means of it.
 const LEAST: f64 = 1.0 / 4096.0;
 
 /// Changes of jerk, and the middle.
@@ -243,7 +246,8 @@ const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
 const ONE_40: f64 = (1u64 << 40) as f64;
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The curve about the corner `origin` from one knot to the other, which are as far from it as the motions go.
+    /// The curve about the corner `origin` from one knot to the other, which are as far from it as the
+    /// motions go.
     pub fn new(origin: &[Position; AXES], overlap: Overlap, from: &Knot<AXES>, to: &Knot<AXES>) -> Self {
         let Rise { ramp, v, .. } = overlap.rise;
         let whole = overlap.rise.time();

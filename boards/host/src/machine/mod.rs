@@ -1,7 +1,8 @@
 //! Machine data from a TOML file, under the ISG names.
 //!
-//! Tables are named as in the parameter path, without `getriebe[i].`: `[axis.X.dynamik]` with `a_max = 6000`. Axes take
-//! part in the order of the file. What is left out has the ISG default; what is not known is refused.
+//! Tables are named as in the parameter path, without `getriebe[i].`: `[axis.X.dynamik]` with `a_max = 6000`.
+//! Axes take part in the order of the file. What is left out has the ISG default; what is not known is
+//! refused.
 
 mod later;
 mod load;
@@ -27,8 +28,9 @@ pub struct Machine {
 pub const MAX_AXES: usize = 6;
 
 impl Machine {
-    /// Three linear axes as in the examples of FCT-D3 §4 (row D3-236), at a cycle of 1 ms and with the profile TRAPEZ,
-    /// feed in mm/min. Rapid motion has the acceleration and the ramp time of the feed and the largest speed.
+    /// Three linear axes as in the examples of FCT-D3 §4 (row D3-236), at a cycle of 1 ms and with the
+    /// profile TRAPEZ, feed in mm/min. Rapid motion has the acceleration and the ramp time of the feed and
+    /// the largest speed.
     pub fn built_in() -> Self {
         let axis = |name| AxisData {
             vb_eilgang: 1_000_000,
@@ -46,7 +48,8 @@ impl Machine {
             ..AxisData::new(name, AxisKind::Linear)
         };
         let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
-        // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
+        // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is
+        // not.
         let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
         Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
     }
@@ -121,7 +124,8 @@ impl Limits {
     }
 }
 
-/// The limits of an axis: the jerk of a slope is acceleration over ramp time, times what its shape makes of it.
+/// The limits of an axis: the jerk of a slope is acceleration over ramp time, times what its shape makes of
+/// it.
 pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
     let [up, down] = [[axis.tr_beschl_zu, axis.tr_beschl_ab], [axis.tr_brems_zu, axis.tr_brems_ab]];
     let shortest = |ramps: [u32; 2]| ramps[0].min(ramps[1]);

@@ -1,4 +1,5 @@
-//! Events, and functions that are to be acknowledged, over time: a mark through all charts, its label above the first one, and a ground where the motion rests.
+//! Events, and functions that are to be acknowledged, over time: a mark through all charts, its label above
+//! the first one, and a ground where the motion rests.
 use super::Scene;
 use super::canvas::{Anchor, Canvas, EVENT, HELD, Point, Rect, Stroke, TextStyle};
 use super::font::Font;

@@ -1,6 +1,7 @@
 //! A picture of a run: where it went, how fast, how smoothly.
 //!
-//! Left the path, programmed thin and grey, moved coloured by speed; right speed, acceleration and jerk over time.
+//! Left the path, programmed thin and grey, moved coloured by speed; right speed, acceleration and jerk over
+//! time.
 
 mod canvas;
 mod chart;

@@ -1,4 +1,5 @@
-//! Set points as SPI frames, for an FPGA, a drive or a second controller that makes pulses or currents of them.
+//! Set points as SPI frames, for an FPGA, a drive or a second controller that makes pulses or currents of
+//! them.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -6,8 +7,8 @@
 //! | 2 + 4·i … 5 + 4·i | set point of axis i, signed, LSB 2^-16 mm (15 nm) or degree, rounded to nearest |
 //! | last 2 | CRC-16 (polynomial 0x1021, start 0xffff) over all bytes before |
 //!
-//! Little endian; select is low for the length of one frame. Three axes take 16 bytes, 12 µs at 10.5 MHz, during which the core
-//! does something else.
+//! Little endian; select is low for the length of one frame. Three axes take 16 bytes, 12 µs at 10.5 MHz,
+//! during which the core does something else.
 mod frame;
 #[cfg(feature = "hardware")]
 mod wire;

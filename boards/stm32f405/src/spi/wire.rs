@@ -4,8 +4,8 @@
 //!   idle -send: select low, both streams on-> sending -last byte came in: select high-> idle
 //! ```
 //!
-//! Stream 3 of DMA2 feeds the transmitter, stream 2 empties the receiver: what comes in is not used, but when the last byte of it
-//! has come the frame is through, and that stream's interrupt ends it.
+//! Stream 3 of DMA2 feeds the transmitter, stream 2 empties the receiver: what comes in is not used, but when
+//! the last byte of it has come the frame is through, and that stream's interrupt ends it.
 use super::{LONGEST, Wire};
 use static_cell::ConstStaticCell;
 use stm32f4::stm32f405::{DMA2, GPIOA, Interrupt, RCC, SPI1, interrupt};
@@ -73,8 +73,8 @@ impl Spi1 {
 
 impl Wire for Spi1 {
     fn send(&mut self, frame: &[u8; LONGEST], length: usize) {
-        // A frame that does not get through shows as a gap in the numbers at the receiver, which has to bring its drives to
-        // rest; there is nothing better to do about it on this side.
+        // A frame that does not get through shows as a gap in the numbers at the receiver, which has to bring
+        // its drives to rest; there is nothing better to do about it on this side.
         if self.is_sending() {
             self.give_up();
             return;
@@ -109,7 +109,8 @@ impl Wire for Spi1 {
 /// The last byte of a frame has come: it is through.
 #[interrupt]
 fn DMA2_STREAM2() {
-    // SAFETY: registers of which each write sets or clears a bit of its own: the flag of this interrupt, the pin.
+    // SAFETY: registers of which each write sets or clears a bit of its own: the flag of this interrupt, the
+    // pin.
     let (dma, port) = unsafe { (&*DMA2::ptr(), &*GPIOA::ptr()) };
     dma.lifcr().write(|w| w.ctcif2().clear());
     port.bsrr().write(|w| w.bs4().set_bit());

@@ -1,5 +1,5 @@
-//! Motions made of speed changes with zero acceleration at both ends, between anchors: what simple planners do. They keep
-//! all limits and so bound the optimum from above; the search for it starts from one.
+//! Motions made of speed changes with zero acceleration at both ends, between anchors: what simple planners
+//! do. They keep all limits and so bound the optimum from above; the search for it starts from one.
 use super::{Block, Limits};
 use crate::reference::profile::{PathState, Profile, reach};
 
@@ -23,8 +23,8 @@ pub fn borders(blocks: &[Block]) -> Vec<f64> {
     std::iter::once(0.0).chain(ends).collect()
 }
 
-/// Lowers the speeds of all but the first and the last anchor, which are at rest, until each can be reached from its
-/// neighbours.
+/// Lowers the speeds of all but the first and the last anchor, which are at rest, until each can be reached
+/// from its neighbours.
 fn lower(anchors: &mut [Anchor], limits: &Limits) {
     let (up, down) = (limits.accelerate(), limits.brake().reversed());
     let inner = 1..anchors.len() - 1;
@@ -54,9 +54,10 @@ pub fn at_borders(blocks: &[Block], limits: &Limits) -> Vec<Profile> {
     anchors.windows(2).zip(blocks).map(|(a, block)| between(a[0], a[1], block.speed, limits)).collect()
 }
 
-/// A motion with zero acceleration only where a block holds it back: begins with standstill at both ends of the path,
-/// takes the slowest block that is passed too fast between two anchors, and makes that end of it an anchor, with its
-/// speed, where the speed is too high (both ends if the speed is too high at both, or only inside); until no block is.
+/// A motion with zero acceleration only where a block holds it back: begins with standstill at both ends of
+/// the path, takes the slowest block that is passed too fast between two anchors, and makes that end of it an
+/// anchor, with its speed, where the speed is too high (both ends if the speed is too high at both, or only
+/// inside); until no block is.
 pub fn in_valleys(blocks: &[Block], limits: &Limits) -> Vec<Profile> {
     let borders = borders(blocks);
     let mut anchors = vec![Anchor { s: 0.0, v: 0.0 }, Anchor { s: borders[blocks.len()], v: 0.0 }];

@@ -1,7 +1,7 @@
 //! Symmetric band systems: `L D L'` without pivoting.
 //!
-//! Stable for quasi-definite matrices (Vanderbei, Symmetric quasidefinite matrices, SIAM J. Optim. 5, 1995), whose
-//! factors also show how many eigenvalues are negative (Sylvester): as many as pivots.
+//! Stable for quasi-definite matrices (Vanderbei, Symmetric quasidefinite matrices, SIAM J. Optim. 5, 1995),
+//! whose factors also show how many eigenvalues are negative (Sylvester): as many as pivots.
 
 /// Entries of a row left of the diagonal.
 pub const BAND: usize = 8;

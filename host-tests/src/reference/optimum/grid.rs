@@ -1,7 +1,7 @@
 //! Cells of the path: where they come from and which are cut again.
 //!
-//! The jerk of the optimum is at its limit or zero but for a few switches. Only a cell with a switch inside costs time,
-//! in proportion to the square of its duration, so these are cut again and the others left alone.
+//! The jerk of the optimum is at its limit or zero but for a few switches. Only a cell with a switch inside
+//! costs time, in proportion to the square of its duration, so these are cut again and the others left alone.
 use super::interior::{Grid, Point};
 use super::{Block, Limits, Unit, anchors::Course};
 use crate::reference::profile::Profile;
@@ -27,8 +27,8 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Cells with nodes at the block ends and at equal times between them, at most `longest` ramp times apart in a given
-    /// motion, and that motion.
+    /// Cells with nodes at the block ends and at equal times between them, at most `longest` ramp times apart
+    /// in a given motion, and that motion.
     pub fn sampled(
         blocks: &[Block],
         limits: &Limits,

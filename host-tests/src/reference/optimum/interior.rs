@@ -1,7 +1,7 @@
 //! The optimisation: least time over a grid of path cells, interior point method.
 //!
-//! Unknown are the duration `h` of every cell and speed `v` and acceleration `a` at every node between cells. Jerk is
-//! constant in a cell, which makes a cell exact:
+//! Unknown are the duration `h` of every cell and speed `v` and acceleration `a` at every node between cells.
+//! Jerk is constant in a cell, which makes a cell exact:
 //!
 //! ```text
 //! v1 - v0 = h (a0 + a1) / 2                       (1)
@@ -9,17 +9,19 @@
 //! 0 < v < cap,   -d < a < 1,   |a1 - a0| < h            all linear
 //! ```
 //!
-//! in units where the largest acceleration and the jerk are 1. Each solution is thus a motion that can be travelled,
-//! whatever the grid; a finer grid only allows more of them.
+//! in units where the largest acceleration and the jerk are 1. Each solution is thus a motion that can be
+//! travelled, whatever the grid; a finer grid only allows more of them.
 //!
-//! Inside a cell the parabola of speed stays below the middle point of its Bernstein form, v0 + h a0 / 2, and below its
-//! ends, so `v0 + h' a0 / 2 < cap` with a duration h' >= h known beforehand keeps the limit there too. It costs nothing
-//! where the node sits at the peak of speed, which refinement sees to. (Without it the motion swings over the limit
-//! between nodes: 1 % too fast on long plateaus.) Should h' turn out too short, the final check of the motion sees it.
+//! Inside a cell the parabola of speed stays below the middle point of its Bernstein form, v0 + h a0 / 2, and
+//! below its ends, so `v0 + h' a0 / 2 < cap` with a duration h' >= h known beforehand keeps the limit there
+//! too. It costs nothing where the node sits at the peak of speed, which refinement sees to. (Without it the
+//! motion swings over the limit between nodes: 1 % too fast on long plateaus.) Should h' turn out too short,
+//! the final check of the motion sees it.
 //!
-//! Method: primal-dual Newton steps with logarithmic barriers on the inequalities, which hold strictly all the time;
-//! curvature is added until the reduced Hessian is positive; backtracking with a filter (Wächter, Biegler,
-//! On the implementation of an interior-point filter line-search algorithm, Math. Program. 106, 2006).
+//! Method: primal-dual Newton steps with logarithmic barriers on the inequalities, which hold strictly all
+//! the time; curvature is added until the reduced Hessian is positive; backtracking with a filter (Wächter,
+//! Biegler, On the implementation of an interior-point filter line-search algorithm, Math. Program. 106,
+//! 2006).
 use super::banded::Banded;
 
 /// Cells of the path, in units of the limits.
@@ -36,8 +38,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Takes the durations of a motion as the expected ones and slows it down by `factor`, and further if that is needed to
-    /// keep it inside the speed limits.
+    /// Takes the durations of a motion as the expected ones and slows it down by `factor`, and further if
+    /// that is needed to keep it inside the speed limits.
     pub fn expect(&mut self, x: &mut Point, factor: f64) {
         self.span.clone_from(&x.h);
         x.slower(factor);
@@ -96,7 +98,8 @@ impl Point {
 
 /// Unknowns and multipliers of a stage: h, v and a at its end, multipliers of (1) and (2).
 const STAGE: usize = 5;
-/// Inequalities of a stage: jerk high and low; at its end node v low and high, a low and high; speed inside the next cell.
+/// Inequalities of a stage: jerk high and low; at its end node v low and high, a low and high; speed inside
+/// the next cell.
 const BOUNDS: usize = 7;
 /// Weight of the equations added to the curvature; changes nothing but the size of pivots.
 const AUGMENTED: f64 = 1e3;

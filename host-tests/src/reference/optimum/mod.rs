@@ -1,30 +1,32 @@
-//! The fastest motion along a path whose permitted speed changes from block to block, from standstill to standstill, with
-//! limited acceleration and jerk: what a real-time planner is measured against, and may never beat.
+//! The fastest motion along a path whose permitted speed changes from block to block, from standstill to
+//! standstill, with limited acceleration and jerk: what a real-time planner is measured against, and may
+//! never beat.
 //!
 //! ```text
 //! minimise T   with   v <= V of the block,   -D <= a <= A,   |jerk| <= J
 //! ```
 //!
 //! The path is cut into cells of constant jerk, an interior point method finds the best duration, speed and
-//! acceleration of all of them at once ([`interior`]), and cells in which the jerk changes are cut again until that
-//! gains nothing ([`grid`]). Nothing is assumed about the shape of the result: acceleration is free at block ends, and
-//! speed may fall below the limit in a slow block so as to leave it accelerating.
+//! acceleration of all of them at once ([`interior`]), and cells in which the jerk changes are cut again
+//! until that gains nothing ([`grid`]). Nothing is assumed about the shape of the result: acceleration is
+//! free at block ends, and speed may fall below the limit in a slow block so as to leave it accelerating.
 //!
 //! # How good it is
 //!
-//! From above: [`Optimum::time`] belongs to a motion that keeps every limit. The acceleration, jerk and lengths of its
-//! pieces hold by construction, speed inside a piece is checked at its highest point, and what rounding left over is
-//! removed by slowing the whole motion down (measured: nothing).
+//! From above: [`Optimum::time`] belongs to a motion that keeps every limit. The acceleration, jerk and
+//! lengths of its pieces hold by construction, speed inside a piece is checked at its highest point, and what
+//! rounding left over is removed by slowing the whole motion down (measured: nothing).
 //!
-//! From below: finer grids contain the coarser ones, so time only falls with refinement, to about an eighth of the gain
-//! before each time. Refinement ends below 10⁻⁵ of the time; [`Optimum::gap`] is the gain of the last one and the
-//! remaining duality gap. The problem is not convex, so that is an estimate, not a proof. What supports it, over
-//! the 200 paths of [`crate::cases::feeds`]: from eight more starts each (zero acceleration in valleys; the same and
-//! that at block ends with block speeds lowered at random by up to ten) every search arrived, no time was below the
-//! usual one by more than 4.3·10⁻⁵ of it, none above by more than 1.1·10⁻⁵. [`TOLERANCE`] covers both with a factor
-//! of two.
+//! From below: finer grids contain the coarser ones, so time only falls with refinement, to about an eighth
+//! of the gain before each time. Refinement ends below 10⁻⁵ of the time; [`Optimum::gap`] is the gain of the
+//! last one and the remaining duality gap. The problem is not convex, so that is an estimate, not a proof.
+//! What supports it, over the 200 paths of [`crate::cases::feeds`]: from eight more starts each (zero
+//! acceleration in valleys; the same and that at block ends with block speeds lowered at random by up to ten)
+//! every search arrived, no time was below the usual one by more than 4.3·10⁻⁵ of it, none above by more than
+//! 1.1·10⁻⁵. [`TOLERANCE`] covers both with a factor of two.
 //!
-//! Thirty cells a block at the end and 34 to 166 Newton steps are usual: 0.15 s a path, at most 3 s among the 200.
+//! Thirty cells a block at the end and 34 to 166 Newton steps are usual: 0.15 s a path, at most 3 s among the
+//! 200.
 pub mod banded;
 
 pub mod interior;
@@ -138,8 +140,8 @@ const FIRST_CELL: f64 = 0.1;
 const REFINEMENTS: usize = 6;
 /// Refinement ends when it gains less than this part of the time.
 const GAIN: f64 = 1e-5;
-/// Parts of the mean time per inequality: barrier weights at the start of the first solution and of the others, and at
-/// their end, where all inequalities together cost at most this part of the time.
+/// Parts of the mean time per inequality: barrier weights at the start of the first solution and of the
+/// others, and at their end, where all inequalities together cost at most this part of the time.
 const BARRIER: [f64; 3] = [0.1, 1e-3, 1e-6];
 /// Slower than the motion at hand to start inside all limits: the first time, later.
 const SLOWER: [f64; 2] = [1.1, 1.002];
@@ -149,8 +151,8 @@ pub fn optimum(blocks: &[Block], limits: &Limits) -> Option<Optimum> {
     search(blocks, limits, &anchors::at_borders(blocks, limits), FIRST_CELL)
 }
 
-/// The fastest motion, searched from a given one that keeps the limits, with cells of at most `cell` ramp times at
-/// first.
+/// The fastest motion, searched from a given one that keeps the limits, with cells of at most `cell` ramp
+/// times at first.
 pub fn search(blocks: &[Block], limits: &Limits, start: &[Profile], cell: f64) -> Option<Optimum> {
     let unit = Unit::new(limits);
     let (mut cells, mut x) = Cells::sampled(blocks, limits, start, &unit, cell);

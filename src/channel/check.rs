@@ -1,0 +1,48 @@
+//! Whether a channel can work with machine data.
+use super::MachineError;
+use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
+use crate::machine::{AxisKind, MachineData};
+use crate::path::measure::FEED_AXES;
+
+/// Every parameter is in its range, and no two of them contradict each other.
+pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
+    machine: &MachineData<AXES>,
+) -> Result<(), MachineError> {
+    let channel = &machine.channel;
+    check_all(channel, CHANNEL).map_err(MachineError::Channel)?;
+    if channel.look_ahead as usize > BLOCKS {
+        return Err(MachineError::Channel(RangeError {
+            id: "P-STUP-00071",
+            name: "look_ahead",
+            value: channel.look_ahead.into(),
+            min: 10,
+            max: BLOCKS as i64,
+            because: "the memory compiled in",
+        }));
+    }
+    for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
+        if table.overflows() {
+            return Err(MachineError::TooManySynch(name));
+        }
+        if let Some((code, synch)) = table.entries().find(|entry| !entry.1.is_available()) {
+            return Err(MachineError::Synch(name, *code, *synch));
+        }
+    }
+    for (k, axis) in machine.axes.iter().enumerate() {
+        if axis.kind != AxisKind::Spindle {
+            if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
+                return Err(MachineError::Reserved(axis.name));
+            }
+            check_axis(axis).map_err(|e| MachineError::Axis(k, e))?;
+        }
+        if axis.default_feed_axis && (axis.kind == AxisKind::Spindle || k >= FEED_AXES) {
+            let (id, name, because) =
+                ("P-CHAN-00011", "default_feed_axis", "the axes of a path: 32, no spindle");
+            return Err(MachineError::Axis(k, RangeError { id, name, value: 1, min: 0, max: 0, because }));
+        }
+        if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
+            return Err(MachineError::Name(axis.name));
+        }
+    }
+    Ok(())
+}

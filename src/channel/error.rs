@@ -1,0 +1,132 @@
+//! Why machine data, or a program, are refused: what a user reads.
+use crate::machine::parameter::RangeError;
+use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
+use crate::nc::{NcError, Place};
+use crate::plan::MotionError;
+use crate::quantity::Position;
+
+/// Machine data that cannot be worked with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MachineError {
+    /// A parameter of the axis with this index is out of range.
+    Axis(usize, RangeError),
+    /// A parameter of the channel is out of range.
+    Channel(RangeError),
+    /// Two axes have this name.
+    Name(AxisName),
+    /// The name begins like another address of the language.
+    Reserved(AxisName),
+    /// This parameter gives the function with this number a synchronisation that this version does not have.
+    Synch(&'static str, u16, Synch),
+    /// This parameter names too many functions.
+    TooManySynch(&'static str),
+}
+
+impl core::fmt::Display for MachineError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Axis(_, e) | Self::Channel(e) => write!(
+                f,
+                "{} ({}) = {} is outside {}…{}, bound by {}",
+                e.name, e.id, e.value, e.min, e.max, e.because
+            ),
+            Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
+            Self::Reserved(name) => write!(
+                f,
+                "axis {}: {} is an address of the language; expected a name that begins with A, B, C, O, Q, U, V, W, X, Y or Z",
+                name.as_str(),
+                char::from(name.0[0])
+            ),
+            Self::Synch(name, code, synch) => {
+                write!(f, "{name}[{code}] = {} is known, not available in this version", synch.name())
+            }
+            Self::TooManySynch(name) => write!(f, "{name}: more than {SYNCHRONISED} functions"),
+        }
+    }
+}
+
+impl core::error::Error for MachineError {}
+
+/// Why a program was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Error {
+    /// The text is not a program.
+    Nc(NcError),
+    /// A command that the language knows and this version does not do: its place and name.
+    NotAvailable(Place, &'static str),
+    /// A function that the machine data do not enable: its place, and what it needs.
+    NotEnabled(Place, &'static str),
+    /// A motion block without path or speed.
+    Motion(Place, MotionError),
+    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its
+    /// software limit.
+    SoftwareLimit(Place, AxisName, Beyond),
+    /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
+    PathAcceleration(Place),
+    /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
+    ReducedTooSlow,
+    /// The plan of a block failed its verification: a defect of the planner.
+    Unplannable,
+}
+
+impl Error {
+    /// The word it is about.
+    pub fn place(&self) -> Place {
+        match self {
+            Self::Nc(e) => e.place,
+            Self::NotAvailable(place, _)
+            | Self::NotEnabled(place, _)
+            | Self::Motion(place, _)
+            | Self::SoftwareLimit(place, ..)
+            | Self::PathAcceleration(place) => *place,
+            Self::ReducedTooSlow | Self::Unplannable => Place::default(),
+        }
+    }
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Nc(e) => e.fmt(f),
+            Self::NotAvailable(_, name) => write!(f, "{name} is known, not available in this version"),
+            Self::NotEnabled(_, needs) => f.write_str(needs),
+            Self::Motion(_, MotionError::Path(e)) => e.fmt(f),
+            Self::Motion(_, MotionError::NoFeed) => f.write_str("the feed is 0; expected F above 0"),
+            Self::Motion(_, MotionError::Released) => {
+                f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
+            }
+            Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
+            Self::SoftwareLimit(_, axis, beyond) => {
+                f.write_str("axis ")?;
+                software_limit(f, axis.as_str(), beyond)
+            }
+            Self::Motion(_, MotionError::TooSlow) => f.write_str(
+                "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
+            ),
+            Self::PathAcceleration(_) => f.write_str(
+                "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
+            ),
+            Self::ReducedTooSlow => f.write_str(
+                "at the reduced speed a block takes more than 134 217 728 ticks; raise vb_max_red (P-AXIS-00214) or the override",
+            ),
+            Self::Unplannable => {
+                f.write_str("internal: the plan of a block broke a limit and is not executed")
+            }
+        }
+    }
+}
+
+/// Where an axis would come to, and its limit.
+fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
+    let at = Position::from_bits;
+    let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
+    let (position, limit) = (at(beyond.position), at(beyond.limit));
+    write!(
+        f,
+        "{axis} would come to {position:.6}, its {sign} software limit is {limit:.6} (P-AXIS-00{id}, machine coordinates)"
+    )
+}
+
+impl core::error::Error for Error {}
