@@ -111,7 +111,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
     #[inline(always)]
     fn of(&self, instant: u32) -> &Long<M::Word> {
         // One bit, two places: the optimiser removes the check.
-        &self.distances[(instant / TICK & 1) as usize]
+        &self.distances[((instant / TICK) & 1) as usize]
     }
 
     /// For the interrupt: the curve.
