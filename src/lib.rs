@@ -1,6 +1,6 @@
 //! Glidepath turns an NC program into axis set points, with the same bits on every machine.
 //!
-//! The tick calculates in integers. The planner uses IEEE + − × ÷ √ beside them; what it finds is verified in
+//! The tick calculates in integers. The planner uses IEEE + − × ÷ beside them; what it finds is verified in
 //! integers before it is used.
 //!
 //! ```text
@@ -55,6 +55,7 @@
 //! | question | file |
 //! |---|---|
 //! | how fast a corner may be taken | `dynamics/transition.rs`; as a curve: `dynamics/polynomial.rs` |
+//! | whether a corner without a curve is passed or a standstill | `lookahead/worth.rs` |
 //! | which curve a corner gets | `smooth/contour/choice.rs` |
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |

@@ -17,11 +17,12 @@ pub struct Status<const AXES: usize> {
     pub set_points: [Position; AXES],
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since program start, from 0.
+    /// Motion blocks since the split, from 0.
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,
-    /// Path speed: the mean over the last tick, 0 at rest.
+    /// Path speed: the mean over the last tick, 0 at rest. In the first tick of motion behind an abort it has no
+    /// meaning: path distance begins anew there.
     pub speed: Speed,
     /// What the last tick said.
     pub state: State,

@@ -20,7 +20,7 @@ pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// Nothing is planned: the set points rest.
+    /// The set points rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
     Idle,
     /// The path has ended and set points still move: filters that settle, motions of single axes. Nothing of
     /// the kind exists yet: no tick says so in this version.

@@ -645,3 +645,45 @@ fn random_programs_with_functions_keep_limits_and_path() {
         }
     }
 }
+
+/// X of every row from this one on, in mm.
+fn x_from(run: &Run, row: usize) -> impl Iterator<Item = f64> {
+    (row..run.trace.len()).map(|k| run.trace.mm(k)[0])
+}
+
+#[test]
+fn a_hold_at_a_gate_holds_behind_a_change_of_override_too() {
+    let text = "F3000\nN1 G01 X10\nN2 M25\nN3 X20\nM30\n";
+    for slope in 0..4 {
+        let machine = machine(slope);
+        for act in [Act::Override(500), Act::Reduced(true)] {
+            let acts = [(600, act), (700, Act::Hold), (1600, Act::Resume)];
+            let case = Case { machine: &machine, delay: Some(800), acts: &acts, polls: 1000 };
+            let run = run(text, &case);
+            let acknowledged = run.acknowledged[0];
+            assert!((1000..1400).contains(&acknowledged), "{acknowledged}");
+            assert!(
+                x_from(&run, 600).take(1000).all(|x| x == 10.0),
+                "slope {slope}, {act:?}: it moved in the hold"
+            );
+            assert_eq!(x_from(&run, 1600).last(), Some(20.0), "slope {slope}, {act:?}");
+        }
+    }
+}
+
+#[test]
+fn an_abort_at_a_gate_is_carried_out_behind_a_change_of_override_too() {
+    let text = "F3000\nN1 G01 X10\nN2 M25\nN3 X20\nM30\n";
+    for slope in 0..4 {
+        let machine = machine(slope);
+        for before in
+            [&[(600, Act::Override(500))][..], &[(600, Act::Reduced(true)), (650, Act::Reduced(false))]]
+        {
+            let acts: Vec<(usize, Act)> = before.iter().copied().chain([(800, Act::Abort)]).collect();
+            let case = Case { machine: &machine, delay: None, acts: &acts, polls: 1000 };
+            let run = run(text, &case);
+            assert!(run.trace.len() < 1000, "slope {slope}: it still waits");
+            assert!(x_from(&run, 600).all(|x| x == 10.0), "slope {slope}");
+        }
+    }
+}

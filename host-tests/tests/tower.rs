@@ -26,24 +26,17 @@ const TOWER: [(&str, &str); 18] = [
 ];
 
 /// Functions above [`FUNCTION_LINES`]: a match over names.
-const MATCHES: [&str; 6] = [
-    "nc/block.rs g_word",
-    "nc/block.rs word",
-    "nc/error.rs fmt",
-    "nc/hash.rs arguments",
-    "nc/line.rs fill",
-    "nc/plain.rs plain_block",
-];
+const MATCHES: [&str; 4] =
+    ["nc/block.rs g_word", "nc/block.rs word", "nc/error.rs fmt", "nc/hash.rs arguments"];
 const FUNCTION_LINES: usize = 80;
 
 /// Structs above [`STRUCT_FIELDS`]: they mirror machine data or the words of a command.
-const MIRRORS: [&str; 7] = [
+const MIRRORS: [&str; 6] = [
     "machine/mod.rs AxisData",
     "machine/mod.rs ChannelData",
     "nc/function.rs Contour",
     "nc/function.rs Hsc",
     "nc/interpreter.rs Interpreter",
-    "nc/line.rs LineReader",
     "smooth/contour/parameters.rs Parameters",
 ];
 const STRUCT_FIELDS: usize = 15;

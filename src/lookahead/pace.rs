@@ -146,7 +146,7 @@ impl Pace {
         } else {
             self.factor(span.override_range, span.level)
         };
-        self.reduce(span, max(v * part, slowest))
+        self.reduce(span, max(v * part, slowest), slowest)
     }
 
     /// The part of its planned speed at which a span with several feeds runs now, entered at the speed
@@ -178,7 +178,7 @@ impl Pace {
 
     /// Highest speed of the block behind a span now.
     pub fn next(&self, span: &ReleasedSpan) -> f32 {
-        self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level))
+        self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level), 0.0)
     }
 
     /// Whether the override counts for the programmed feed alone.
@@ -186,11 +186,13 @@ impl Pace {
         self.mode == 1 || (self.mode == 2 && self.reduced)
     }
 
-    fn reduce(&self, span: &ReleasedSpan, v: f32) -> f32 {
+    /// At most the reduced speed. What the override takes from that ends at `slowest`, as it does without.
+    fn reduce(&self, span: &ReleasedSpan, v: f32, slowest: f32) -> f32 {
         if !self.reduced {
             return v;
         }
-        min(v, span.v_reduced * if self.is_of_program() { 1.0 } else { min(self.over, 1.0) })
+        let over = if self.is_of_program() { 1.0 } else { min(self.over, 1.0) };
+        min(v, max(span.v_reduced * over, min(span.v_reduced, slowest)))
     }
 
     /// The part of the speed planned for `level` that is permitted now, at most 1.

@@ -102,7 +102,7 @@ pub struct AxisData {
     /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0:
     /// `tr_min`.
     pub tr_w_min: u32,
-    /// P-AXIS-00214 `vb_max_red`: largest speed while the reduced speed is asked for.
+    /// P-AXIS-00214 `vb_max_red`: largest speed while the reduced speed is asked for; 0: none.
     pub vb_max_red: u32,
     /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at
     /// feed.

@@ -171,9 +171,19 @@ pub(super) struct LineReader<T> {
     line: u32,
     /// Start of the physical line.
     line_offset: u32,
+    fresh: bool,
+    logical: Logical,
+    /// The line at hand is refused, though it is not complete.
+    refused: bool,
+    /// What is left of such a line is passed over.
+    skips: bool,
+}
+
+/// What is known of the logical line at hand.
+#[derive(Clone, Copy)]
+struct Logical {
     /// Where the logical line began.
     start: Mark,
-    fresh: bool,
     comment: u16,
     /// The parenthesis that opened the outermost comment.
     opened: Place,
@@ -186,10 +196,20 @@ pub(super) struct LineReader<T> {
     broken: bool,
     /// The last byte kept is followed by nothing but blanks so far.
     in_words: bool,
-    /// The line at hand is refused, though it is not complete.
-    refused: bool,
-    /// What is left of such a line is passed over.
-    skips: bool,
+}
+
+impl Logical {
+    const NONE: Self = Self {
+        start: Mark::start_of(0),
+        comment: 0,
+        opened: Place::NONE,
+        unclosed: None,
+        remark: false,
+        continued: false,
+        gap: 0,
+        broken: false,
+        in_words: false,
+    };
 }
 
 impl<T: Text> LineReader<T> {
@@ -203,16 +223,8 @@ impl<T: Text> LineReader<T> {
             offset: 0,
             line: 1,
             line_offset: 0,
-            start: Mark::start_of(0),
             fresh: true,
-            comment: 0,
-            opened: Place::NONE,
-            unclosed: None,
-            remark: false,
-            continued: false,
-            gap: 0,
-            broken: false,
-            in_words: false,
+            logical: Logical::NONE,
             refused: false,
             skips: false,
         }
@@ -233,7 +245,7 @@ impl<T: Text> LineReader<T> {
 
     /// Start of the logical line last read.
     pub const fn line_start(&self) -> Mark {
-        self.start
+        self.logical.start
     }
 
     /// Start of the line to be read next.
@@ -247,23 +259,50 @@ impl<T: Text> LineReader<T> {
         Place { line: self.line, column, offset: self.offset, length: 0, file: self.file }
     }
 
+    /// A logical line begins; the text before it may be forgotten.
+    fn begin(&mut self) {
+        self.text.pass(self.file, self.offset);
+        self.logical.start = self.next_start();
+        self.fresh = false;
+        self.logical.comment = 0;
+        self.logical.unclosed = None;
+        self.logical.remark = false;
+        self.logical.continued = false;
+        self.logical.gap = 0;
+        self.logical.broken = false;
+        self.logical.in_words = false;
+    }
+
+    /// The end of a line in the text, of which the first byte was read at `here`. Whether the logical line ends too.
+    fn end_line(&mut self, byte: u8, here: Place) -> Result<bool, TextError> {
+        if byte == b'\r'
+            && let Err(error) = self.step_over_line_feed()
+        {
+            self.offset = here.offset;
+            return Err(error);
+        }
+        self.line = self.line.wrapping_add(1);
+        self.line_offset = self.offset;
+        self.close_comment();
+        self.logical.remark = false;
+        if !self.logical.continued {
+            self.fresh = true;
+            return Ok(true);
+        }
+        self.logical.continued = false;
+        self.logical.gap = self.logical.gap.saturating_add(1);
+        self.logical.broken = true;
+        Ok(false)
+    }
+
     /// Reads on until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.skips {
             return self.skip();
         }
         if self.fresh {
-            self.text.pass(self.file, self.offset);
             line.clear();
-            self.start = self.next_start();
-            self.fresh = false;
-            self.comment = 0;
-            self.unclosed = None;
-            self.remark = false;
-            self.continued = false;
-            self.gap = 0;
-            self.broken = false;
-            self.in_words = false;
+            self.begin();
         }
         let mut budget = SLICE;
         while budget > 0 {
@@ -286,30 +325,17 @@ impl<T: Text> LineReader<T> {
             let Some(byte) = byte else {
                 self.fresh = true;
                 self.close_comment();
-                let nothing = self.offset == self.start.offset;
+                let nothing = self.offset == self.logical.start.offset;
                 return Ok(if nothing { Fill::End } else { Fill::Line });
             };
             let here = Place { length: 1, ..self.here() };
             self.offset = self.offset.wrapping_add(1);
             if matches!(byte, b'\n' | b'\r') {
-                if byte == b'\r'
-                    && let Err(error) = self.step_over_line_feed()
-                {
-                    self.offset = here.offset;
-                    return self.missing(error);
+                match self.end_line(byte, here) {
+                    Ok(true) => return Ok(Fill::Line),
+                    Ok(false) => continue,
+                    Err(error) => return self.missing(error),
                 }
-                self.line = self.line.wrapping_add(1);
-                self.line_offset = self.offset;
-                self.close_comment();
-                self.remark = false;
-                if !self.continued {
-                    self.fresh = true;
-                    return Ok(Fill::Line);
-                }
-                self.continued = false;
-                self.gap = self.gap.saturating_add(1);
-                self.broken = true;
-                continue;
             }
             if byte == BYTE_ORDER_MARK[0] && here.offset == 0 {
                 (self.used, self.filled) = (0, 0);
@@ -329,21 +355,22 @@ impl<T: Text> LineReader<T> {
                 return Err(self.refuse(here, NcErrorKind::ControlByte(byte)));
             }
             if self.dropped(byte, here) {
-                self.gap = self.gap.saturating_add(1);
-                self.in_words &= self.comment == 0 && !self.remark && !self.continued;
+                self.logical.gap = self.logical.gap.saturating_add(1);
+                self.logical.in_words &=
+                    self.logical.comment == 0 && !self.logical.remark && !self.logical.continued;
             } else if byte >= 0x80 {
                 return Err(self.refuse(here, NcErrorKind::ForeignByte(byte)));
-            } else if self.continued {
+            } else if self.logical.continued {
                 let mut error = self.refuse(here, NcErrorKind::Expected("the end of the line after \\"));
                 let _ = error.found.push(char::from(byte));
                 return Err(error);
             } else {
-                if let Err(kind) = keep(line, byte, here, self.gap, self.broken) {
+                if let Err(kind) = keep(line, byte, here, self.logical.gap, self.logical.broken) {
                     return Err(self.refuse(here, kind));
                 }
-                self.gap = 0;
-                self.broken = false;
-                self.in_words = true;
+                self.logical.gap = 0;
+                self.logical.broken = false;
+                self.logical.in_words = true;
             }
         }
         Ok(Fill::Partial)
@@ -354,19 +381,23 @@ impl<T: Text> LineReader<T> {
     fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
         let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
         let rest = rest.get(..budget).unwrap_or(rest);
-        if !self.in_words {
+        if !self.logical.in_words {
             // The first byte of a line begins a word. That of a file may be a mark.
             let begins = rest.first().is_some_and(|byte| KINDS[usize::from(*byte)] == WORD);
-            if !begins || self.offset != self.start.offset || self.offset == 0 || !line.anchor(&self.here()) {
+            if !begins
+                || self.offset != self.logical.start.offset
+                || self.offset == 0
+                || !line.anchor(&self.here())
+            {
                 return 0;
             }
-            self.in_words = true;
+            self.logical.in_words = true;
         }
-        if self.gap > GAP {
+        if self.logical.gap > GAP {
             return 0;
         }
         let before = line.len;
-        for _ in 0..self.gap {
+        for _ in 0..self.logical.gap {
             line.push(b' ');
         }
         let run = line.push_words(rest);
@@ -375,7 +406,7 @@ impl<T: Text> LineReader<T> {
             line.len = before;
             return 0;
         }
-        self.gap = 0;
+        self.logical.gap = 0;
         self.used += run as u8;
         self.offset = self.offset.wrapping_add(run as u32);
         run
@@ -398,26 +429,26 @@ impl<T: Text> LineReader<T> {
     /// Follows comments and continuations; true for a byte that is not part of the line.
     fn dropped(&mut self, byte: u8, here: Place) -> bool {
         match byte {
-            _ if self.remark => true,
+            _ if self.logical.remark => true,
             b'(' => {
-                if self.comment == 0 {
-                    self.opened = here;
+                if self.logical.comment == 0 {
+                    self.logical.opened = here;
                 }
-                self.comment = self.comment.saturating_add(1);
+                self.logical.comment = self.logical.comment.saturating_add(1);
                 true
             }
-            b')' if self.comment > 0 => {
-                self.comment -= 1;
+            b')' if self.logical.comment > 0 => {
+                self.logical.comment -= 1;
                 true
             }
-            _ if self.comment > 0 => true,
+            _ if self.logical.comment > 0 => true,
             b';' => {
-                self.remark = true;
+                self.logical.remark = true;
                 true
             }
             b' ' | b'\t' => true,
             b'\\' => {
-                self.continued = true;
+                self.logical.continued = true;
                 true
             }
             _ => false,
@@ -426,15 +457,15 @@ impl<T: Text> LineReader<T> {
 
     /// The line end closes the comments that are open.
     fn close_comment(&mut self) {
-        if self.comment > 0 {
-            self.unclosed.get_or_insert(self.opened);
-            self.comment = 0;
+        if self.logical.comment > 0 {
+            self.logical.unclosed.get_or_insert(self.logical.opened);
+            self.logical.comment = 0;
         }
     }
 
     /// The first comment of the line last read that only the line end closed.
     pub const fn unclosed(&self) -> Option<Place> {
-        self.unclosed
+        self.logical.unclosed
     }
 
     /// The LF of CR LF.
@@ -481,7 +512,7 @@ impl<T: Text> LineReader<T> {
     /// goes on.
     #[cold]
     fn refuse(&mut self, place: Place, kind: NcErrorKind) -> NcError {
-        (self.refused, self.continued) = (true, false);
+        (self.refused, self.logical.continued) = (true, false);
         refusal(place, kind)
     }
 

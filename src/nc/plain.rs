@@ -48,6 +48,24 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
+    /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none.
+    #[inline(always)]
+    fn plain_coordinate(&self, c: &mut Cursor<'_>, axis: usize, to: Position) -> Option<Position> {
+        let sign = c.raw();
+        if matches!(sign, b'-' | b'+') {
+            c.bump();
+        }
+        let bits = c.plain_decimal()?.bits(self.axis_factor(axis))?;
+        if bits > MAX.to_bits() {
+            return None;
+        }
+        let value = Position::from_bits(if sign == b'-' { -bits } else { bits });
+        let from = if self.modal.relative { to } else { self.offset(axis) };
+        // Three coordinates at most: far from the end of the numbers.
+        let slot = value.wrapping_add(from);
+        in_range(slot).then_some(slot)
+    }
+
     /// Carries a plain block out that moves; its motion is to be handed out. `None`, and nothing is changed,
     /// if the line is none.
     #[inline(never)]
@@ -83,24 +101,13 @@ impl<const AXES: usize> Interpreter<AXES> {
                 }
                 _ => {
                     let axis = self.letters.axis(letter)?;
-                    let slot = target.get_mut(axis)?;
                     let bit = 1_u32.wrapping_shl(axis as u32);
-                    let sign = c.raw();
-                    if matches!(sign, b'-' | b'+') {
-                        c.bump();
-                    }
-                    let bits = c.plain_decimal()?.bits(self.axis_factor(axis))?;
-                    if bits > MAX.to_bits() || given & bit != 0 {
+                    let slot = target.get_mut(axis)?;
+                    *slot = self.plain_coordinate(&mut c, axis, *slot)?;
+                    if given & bit != 0 {
                         return None;
                     }
                     given |= bit;
-                    let value = Position::from_bits(if sign == b'-' { -bits } else { bits });
-                    let from = if self.modal.relative { *slot } else { self.offset(axis) };
-                    // Three coordinates at most: far from the end of the numbers.
-                    *slot = value.wrapping_add(from);
-                    if !in_range(*slot) {
-                        return None;
-                    }
                     if first.is_none() {
                         first = Some(c.word_from(mark));
                     }

@@ -111,6 +111,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let word = word & Control::COMMANDS;
         if word != self.orders.word {
             self.orders.word = word;
+            // At a standstill no tick of motion passes: another command is tried at the same instant.
+            self.orders.mode.tried = None;
             self.set_pace(&commands);
         }
         self.orders.mode.busy = true;

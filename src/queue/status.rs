@@ -28,7 +28,7 @@ pub struct Snapshot<const AXES: usize> {
     pub step: Distance,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since program start, from 0.
+    /// Motion blocks since the split, from 0.
     pub block: u32,
     /// Pieces of time in the queue.
     pub queued: u16,

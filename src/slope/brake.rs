@@ -316,7 +316,7 @@ impl Linear {
         let begun = Change::rise(motion.speed, decel, over);
         let v = begun.speeds[0];
         let before = begun.length();
-        let room = room + before;
+        let room = room.saturating_add(before);
         // At least the deceleration at hand.
         let least = v - motion.speed + released(decel, self.down_fall);
         if least > v {

@@ -44,7 +44,7 @@ impl<T: Text> LineReader<T> {
             let here = self.here();
             self.offset = self.offset.wrapping_add(1);
             if !matches!(byte, b'\n' | b'\r') {
-                self.continued &= self.dropped(byte, here);
+                self.logical.continued &= self.dropped(byte, here);
                 continue;
             }
             if byte == b'\r'
@@ -55,8 +55,8 @@ impl<T: Text> LineReader<T> {
             }
             self.line = self.line.wrapping_add(1);
             self.line_offset = self.offset;
-            (self.comment, self.remark) = (0, false);
-            if !core::mem::take(&mut self.continued) {
+            (self.logical.comment, self.logical.remark) = (0, false);
+            if !core::mem::take(&mut self.logical.continued) {
                 (self.fresh, self.skips) = (true, false);
                 break;
             }
