@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`accept`] | are the figures those of the accepted tables |
 //! | [`cases`] | which programs on which machines |
+//! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
@@ -21,6 +22,8 @@
 pub mod accept;
 
 pub mod cases;
+
+pub mod cam;
 
 pub mod seeds;
 
