@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// A text with a name.
+#[derive(Clone)]
 pub struct Source {
     /// As the user gave it.
     pub name: String,

@@ -22,6 +22,12 @@ impl Files {
         Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
     }
 
+    /// The same texts for another thread.
+    pub fn again(&self) -> Self {
+        let (main, called) = (self.main.clone(), RefCell::new(self.called.borrow().clone()));
+        Self { main, directory: self.directory.clone(), called }
+    }
+
     /// The files read so far besides the main program.
     pub fn called(&self) -> Vec<PathBuf> {
         self.called.borrow().iter().map(|(path, _)| path.clone()).collect()

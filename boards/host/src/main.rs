@@ -5,10 +5,12 @@
 
 mod acknowledge;
 mod contour;
+mod course;
 mod decimal;
 mod diagnose;
 mod events;
 mod files;
+mod knee;
 mod machine;
 mod monitor;
 mod output;
@@ -17,7 +19,9 @@ mod program;
 mod run;
 mod statistics;
 mod summary;
+mod tolerance;
 mod trace;
+mod why;
 
 use clap::{Parser, Subcommand};
 use diagnose::Diagnostic;
@@ -98,6 +102,9 @@ struct Run {
     /// A picture: path, speed, acceleration and jerk.
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
+    /// Say what bound the speed: the program runs again for every limit.
+    #[arg(long, value_enum, default_value_t)]
+    why: why::Asked,
 }
 
 fn main() -> ExitCode {
@@ -161,6 +168,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         picture: arguments.plot.is_some(),
         script: script.as_ref(),
         acknowledge: arguments.ack,
+        quiet: false,
     };
     let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
@@ -171,7 +179,9 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     }
     let events = script.as_ref().map_or(&[][..], |script| &script.events);
 
-    let summary = summary::Summary::new(&files, &machine, &program, events, &result);
+    let by_itself = script.is_none() && result.waited == 0;
+    let why = why::ask(&files, &machine, &program, &result, by_itself, arguments.why);
+    let summary = summary::Summary::new(&files, &machine, &program, events, &result, why.as_ref());
     if let Some(path) = &arguments.contour {
         outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
     }

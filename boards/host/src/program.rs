@@ -5,6 +5,7 @@
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
+use crate::tolerance::{Smoothing, Tolerance};
 use glidepath::channel::Error;
 use glidepath::dynamics::Weights;
 use glidepath::machine::AxisData;
@@ -29,6 +30,11 @@ pub struct Segment {
     pub feed: Option<f64>,
     /// Standstill at its end is programmed.
     pub stop: bool,
+    /// The corner at its end may be rounded, or it belongs to a smoothed path.
+    pub smoothed: bool,
+    /// How far the motion may leave it, where that is monitored.
+    #[expect(dead_code, reason = "the deviation is compared with it")]
+    pub tolerance: Tolerance,
 }
 
 /// Shapes of blocks.
@@ -145,6 +151,7 @@ fn decode_axes<const AXES: usize>(
     // The axes as they are weighted, and whether a block has moved with it.
     let (mut axes, mut slope, mut changed) = (data.axes, machine.slope(), true);
     let mut warned = HashSet::new();
+    let mut smoothing = Smoothing::new();
     let mut commands = 0;
     loop {
         let step = decoder.step().map_err(|error| Undecoded::Refused(vec![refused(files, &error)]))?;
@@ -180,17 +187,26 @@ fn decode_axes<const AXES: usize>(
                 if std::mem::take(&mut changed) {
                     program.allow(&axes, slope, machine);
                 }
-                program.add(&motion, &at, &main);
+                program.add(&motion, &at, &main, &mut smoothing);
                 at = motion.target;
             }
             Step::Command(Command::Dwell(head, DwellTime::Seconds(time))) => {
                 let kind = Kind::Dwell(time.to_num());
-                let segment =
-                    Segment { n: head.n, place: head.place, kind, end: numbers(&at), feed: None, stop: true };
-                program.segments.push(segment);
+                program.segments.push(Segment {
+                    n: head.n,
+                    place: head.place,
+                    kind,
+                    end: numbers(&at),
+                    feed: None,
+                    stop: true,
+                    smoothed: false,
+                    tolerance: Tolerance::default(),
+                });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Hsc(_, hsc)) => smoothing.hsc(&hsc),
             Step::Command(Command::Contour(_, contour)) => {
+                smoothing.contour(&contour);
                 let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);
                 program.free_curves |= check == 0;
             }
@@ -302,6 +318,7 @@ impl Program {
         motion: &Motion<AXES>,
         start: &[Position; AXES],
         main: &[Option<usize>; 3],
+        smoothing: &mut Smoothing,
     ) {
         let is_arc = matches!(motion.kind, MotionKind::Arc { .. });
         if motion.target == *start && !is_arc {
@@ -335,7 +352,10 @@ impl Program {
             end,
             feed,
             stop: motion.exact_stop,
+            smoothed: smoothing.is_on(),
+            tolerance: smoothing.tolerance(motion.kind == MotionKind::Rapid),
         });
+        smoothing.passes();
         self.motions += 1;
     }
 
@@ -348,6 +368,19 @@ impl Program {
     /// The blocks that move.
     pub fn motions(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|segment| !matches!(segment.kind, Kind::Dwell(_)))
+    }
+
+    /// Of every motion, whether a standstill at its end is programmed, also by a dwell behind it.
+    pub fn stops(&self) -> Vec<bool> {
+        let mut stops: Vec<bool> = Vec::with_capacity(self.motions);
+        for segment in &self.segments {
+            match (&segment.kind, stops.last_mut()) {
+                (Kind::Dwell(_), Some(last)) => *last = true,
+                (Kind::Dwell(_), None) => {}
+                _ => stops.push(segment.stop),
+            }
+        }
+        stops
     }
 
     /// Seconds of programmed dwell.
@@ -517,7 +550,9 @@ mod tests {
         let program = Program::empty(&machine);
         let limit = |kind, end: [f64; 3], feed| {
             let end = end.to_vec();
-            let segment = Segment { n: 0, place: Place::default(), kind, end, feed, stop: false };
+            let (smoothed, tolerance) = (false, Tolerance::default());
+            let place = Place::default();
+            let segment = Segment { n: 0, place, kind, end, feed, stop: false, smoothed, tolerance };
             program.limit(&machine, &[10.0, 0.0, 0.0], &segment)
         };
         // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.

@@ -35,6 +35,8 @@ pub struct Wanted<'a> {
     pub script: Option<&'a Script>,
     /// Functions that no event acknowledges.
     pub acknowledge: Delay,
+    /// No progress is shown.
+    pub quiet: bool,
 }
 
 /// Runs the program to its end.
@@ -76,10 +78,11 @@ fn simulate_axes<const AXES: usize>(
         trace,
         picture: wanted.picture.then(|| Picture::new(machine, program.shown_axes(machine))),
         cycle_s: machine.cycle_s(),
+        has_events: !events.is_empty(),
     };
     let schedule = Schedule::new(events, machine.channel.cycle_us);
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
-    let bar = Bar::new(program.motions);
+    let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
     let rules = Rules { schedule, automatic, patience, late: &late };
     drive(handles, recorder, rules, bar).map_err(|stop| match stop {
@@ -277,6 +280,8 @@ struct Recorder {
     trace: Option<Trace>,
     picture: Option<Picture>,
     cycle_s: f64,
+    /// Speeds are not always those planned.
+    has_events: bool,
 }
 
 impl Recorder {
@@ -299,6 +304,10 @@ impl Recorder {
             self.tick(&Telemetry::default(), set_points, Pause::None).map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
+        if !self.has_events {
+            let Statistics { course, spans, .. } = &mut self.statistics;
+            course.refine(spans);
+        }
         if let Some(trace) = self.trace {
             trace.finish().map_err(Stop::Unwritable)?;
         }
@@ -311,6 +320,7 @@ struct Bar {
     start: Instant,
     motions: usize,
     shown: Option<ProgressBar>,
+    quiet: bool,
     /// The largest position so far: blocks may be planned again.
     reached: u64,
 }
@@ -322,8 +332,8 @@ fn to_go(elapsed: Duration, done: u64, all: u64) -> Option<u64> {
 }
 
 impl Bar {
-    fn new(motions: usize) -> Self {
-        Self { start: Instant::now(), motions, shown: None, reached: 0 }
+    fn new(motions: usize, quiet: bool) -> Self {
+        Self { start: Instant::now(), motions, shown: None, quiet, reached: 0 }
     }
 
     fn at(&mut self, block: u64) {
@@ -337,7 +347,7 @@ impl Bar {
                     bar.set_message(format!("{seconds} s to go"));
                 }
             }
-            None if elapsed > Duration::from_secs(1) => {
+            None if !self.quiet && elapsed > Duration::from_secs(1) => {
                 let bar = ProgressBar::with_draw_target(
                     Some(self.motions as u64),
                     ProgressDrawTarget::stderr_with_hz(10),
@@ -371,7 +381,7 @@ mod tests {
 
     #[test]
     fn progress_does_not_run_backward() {
-        let mut bar = Bar::new(10);
+        let mut bar = Bar::new(10, true);
         for block in [3, 5, 4, 1] {
             bar.at(block);
         }

@@ -1,4 +1,5 @@
 //! What a run was like: peaks by finite differences of the set points, distances, the digest.
+use crate::course::Course;
 use crate::events::What;
 use crate::machine::Machine;
 use crate::monitor::Monitor;
@@ -97,6 +98,8 @@ pub struct Statistics {
     /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around
     /// that point. Not inside a line that stands for several, nor where a tick passes several.
     pub transitions: Vec<Option<Speed>>,
+    /// The slowest between blocks, the fastest inside.
+    pub course: Course,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
     /// Technology functions in the order of their output.
@@ -206,6 +209,7 @@ impl Statistics {
             remarks: Vec::new(),
             monitor: Monitor::default(),
             transitions: Vec::new(),
+            course: Course::default(),
             fastest: Speed::ZERO,
             functions: Vec::new(),
             outcomes: vec![Outcome::default(); events],
@@ -279,6 +283,7 @@ impl Statistics {
         if telemetry.block != self.last.block {
             self.monitor.passes(self.ticks);
         }
+        self.course.add(self.ticks, telemetry.block, telemetry.speed);
         self.fastest = self.fastest.max(telemetry.speed);
         self.last = *telemetry;
         self.add_points(self.ticks, set_points);

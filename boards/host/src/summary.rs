@@ -1,10 +1,12 @@
 //! What a run comes down to, for people and for programs.
 use crate::events::{Event, function_name};
 use crate::files::Files;
+use crate::knee::knees;
 use crate::machine::{Machine, slope_name};
 use crate::monitor::Step;
 use crate::program::{Program, Segment, plural};
 use crate::statistics::{Effect, Statistics};
+use crate::why::{Told, Why};
 use anstyle::Style;
 use glidepath::machine::AxisKind;
 use glidepath::quantity::{Speed, Time};
@@ -42,6 +44,9 @@ pub struct Summary {
     axes: Vec<(String, Axis)>,
     stops: usize,
     slowest_corners: Vec<Corner>,
+    /// What bound the speed, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<Told>,
     /// Jerk that was not compared with its limit, and why.
     #[serde(skip_serializing_if = "Option::is_none")]
     left_out: Option<String>,
@@ -124,6 +129,11 @@ struct Corner {
     file: Option<String>,
     /// N number of the block that begins there.
     next_n: u32,
+    /// How far the programmed path turns there, degrees.
+    knee: f64,
+    /// What bound the speed there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -169,6 +179,7 @@ impl Summary {
         program: &Program,
         events: &[Event],
         statistics: &Statistics,
+        why: Option<&Why>,
     ) -> Self {
         let cycle_s = machine.cycle_s();
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
@@ -221,7 +232,11 @@ impl Summary {
         });
         // Events change the speeds that were planned.
         let planned = events.is_empty();
-        let (stops, slowest_corners) = corners(files, program, statistics, planned, speed);
+        let (stops, mut slowest_corners) = corners(files, program, statistics, planned, speed);
+        for corner in &mut slowest_corners {
+            let bound = why.and_then(|why| why.joints.get(corner.block as usize).copied().flatten());
+            corner.bound = bound.map(|bound| bound.name(machine));
+        }
         let events = events.iter().zip(&statistics.outcomes).map(|(event, outcome)| Happening {
             t_s: event.time_ns as f64 / 1e9,
             tick: outcome.tick,
@@ -263,6 +278,7 @@ impl Summary {
             axes: axes.collect(),
             stops,
             slowest_corners,
+            why: why.map(|why| Told::new(why, machine, program)),
             left_out: statistics.monitor.left_out(),
             steps: (statistics.monitor.stepped > 0).then(|| {
                 let Step { axis, n, size } = statistics.monitor.largest;
@@ -415,16 +431,21 @@ impl Summary {
             }
             writeln!(out)?;
             for corner in &self.slowest_corners {
+                let bound = corner.bound.as_ref().map_or_else(String::new, |bound| format!("  {bound}"));
                 let file = corner.file.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
                 writeln!(
                     out,
-                    "    {:>8.2} mm/s  {} → {}  {dim}line {}{file}{dim:#}",
+                    "    {:>8.2} mm/s  {} → {}  {:.1}°  {dim}line {}{file}{dim:#}{bound}",
                     corner.v,
                     number(corner.n, corner.block),
                     number(corner.next_n, corner.block + 1),
+                    corner.knee,
                     corner.line,
                 )?;
             }
+        }
+        if let Some(why) = &self.why {
+            why.write(out)?;
         }
         if !self.warnings.is_empty() {
             writeln!(out)?;
@@ -484,6 +505,7 @@ fn corners(
     speeds.sort_unstable();
     let mut corners = Vec::new();
     let motions: Vec<&Segment> = program.motions().collect();
+    let knees = knees(program);
     for &(v, index) in speeds.iter().take(CORNERS) {
         let (Some(before), Some(after)) = (motions.get(index), motions.get(index + 1)) else { continue };
         corners.push(Corner {
@@ -493,6 +515,8 @@ fn corners(
             line: before.place.line,
             file: files.name(before.place.file),
             next_n: after.n,
+            knee: knees.get(index).copied().unwrap_or(0.0),
+            bound: None,
         });
     }
     (stops, corners)

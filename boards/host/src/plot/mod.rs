@@ -134,6 +134,8 @@ mod tests {
             end: vec![x, y, 0.0],
             feed: Some(6000.0),
             stop: false,
+            smoothed: false,
+            tolerance: Default::default(),
         };
         let arc = Kind::Arc { plane: [0, 1], centre: [50.0, 100.0], clockwise: false };
         let segments = vec![

@@ -1,0 +1,87 @@
+//! How far the programmed path turns at the joint of two motions.
+use crate::program::{Kind, Program, Segment, sweep};
+
+/// A joint that turns by more has a corner, degrees: less is rounding of coordinates.
+pub const SHARP: f64 = 0.01;
+
+/// Directions of a motion at its start and at its end: travel of every axis, of any length.
+fn directions(start: &[f64], segment: &Segment) -> [Vec<f64>; 2] {
+    let travel: Vec<f64> = segment.end.iter().zip(start).map(|(to, from)| to - from).collect();
+    let Kind::Arc { plane, centre, clockwise } = segment.kind else { return [travel.clone(), travel] };
+    let [from, to] = [start, &segment.end].map(|point| plane.map(|axis| point[axis]));
+    let swept = sweep(from, to, centre, clockwise);
+    [from, to].map(|point| {
+        let mut direction = travel.clone();
+        // The radius turned by a quarter, times the angle: as long as the arc.
+        direction[plane[0]] = -(point[1] - centre[1]) * swept;
+        direction[plane[1]] = (point[0] - centre[0]) * swept;
+        direction
+    })
+}
+
+/// Angle between two directions, degrees.
+fn angle(one: &[f64], other: &[f64]) -> f64 {
+    let length = |v: &[f64]| v.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let lengths = [length(one), length(other)];
+    if lengths.contains(&0.0) {
+        return 0.0;
+    }
+    // By both diagonals of the rhombus: exact for small angles too.
+    let unit = |v: &[f64], length: f64| v.iter().map(|value| value / length).collect::<Vec<f64>>();
+    let (a, b) = (unit(one, lengths[0]), unit(other, lengths[1]));
+    let diagonal = |sign: f64| length(&a.iter().zip(&b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>());
+    (2.0 * diagonal(-1.0).atan2(diagonal(1.0))).to_degrees()
+}
+
+/// Of every motion: how far the path turns at its end, degrees; 0 at the end of the last one.
+pub fn knees(program: &Program) -> Vec<f64> {
+    let mut at = program.start.as_slice();
+    let mut knees = Vec::with_capacity(program.motions);
+    let mut exit: Option<Vec<f64>> = None;
+    for segment in program.motions() {
+        let [entry, next] = directions(at, segment);
+        if let Some(exit) = exit.replace(next) {
+            knees.push(angle(&exit, &entry));
+        }
+        at = &segment.end;
+    }
+    knees.extend(exit.map(|_| 0.0));
+    knees
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::tolerance::Tolerance;
+    use glidepath::nc::Place;
+
+    #[test]
+    fn knees_are_angles_between_tangents() {
+        let segment = |kind, end: [f64; 3]| Segment {
+            n: 0,
+            place: Place::default(),
+            kind,
+            end: end.to_vec(),
+            feed: Some(1.0),
+            stop: false,
+            smoothed: false,
+            tolerance: Tolerance::default(),
+        };
+        let arc = Kind::Arc { plane: [0, 1], centre: [10.0, 10.0], clockwise: false };
+        let segments = vec![
+            segment(Kind::Line, [10.0, 0.0, 0.0]),
+            segment(arc, [20.0, 10.0, 0.0]),
+            segment(Kind::Line, [20.0, 20.0, 0.0]),
+            segment(Kind::Line, [30.0, 20.0, 0.0]),
+            segment(Kind::Line, [20.0, 20.0, 0.0]),
+        ];
+        let machine = Machine::built_in();
+        let knees = knees(&Program { segments, motions: 5, ..Program::empty(&machine) });
+        let expected = [0.0, 0.0, 90.0, 180.0, 0.0];
+        assert!(
+            knees.iter().zip(expected).all(|(knee, expected)| (knee - expected).abs() < 1e-9),
+            "{knees:?}"
+        );
+    }
+}

@@ -1,0 +1,176 @@
+//! How far the motion may leave the programmed path: what the program says of smoothing, followed from
+//! command to command.
+use glidepath::nc::{Contour, ContourMethod, ContourSwitch, Hsc, HscMethod};
+use glidepath::quantity::Position;
+
+/// Deviations that are monitored.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tolerance {
+    /// Of the main axes, mm.
+    pub path: Option<f64>,
+    /// Of every other axis, mm or degrees.
+    pub track: Option<f64>,
+}
+
+/// Contour mode: on, for one block, and what it monitors.
+#[derive(Clone, Copy, Debug)]
+struct ContourState {
+    on: bool,
+    once: bool,
+    method: ContourMethod,
+    path_dev: f64,
+    /// 0: not monitored.
+    track_dev: f64,
+    /// PTP: PATH_DEV was given since it was chosen.
+    given: bool,
+}
+
+/// #HSC: on, and its deviations; without them that of rapid motion is the other one.
+#[derive(Clone, Copy, Debug)]
+struct HscState {
+    on: bool,
+    method: Option<HscMethod>,
+    path_dev: Option<f64>,
+    path_dev_g00: Option<f64>,
+    track_dev: Option<f64>,
+    track_dev_g00: Option<f64>,
+}
+
+/// Smoothing as the program has it so far.
+pub struct Smoothing {
+    contour: ContourState,
+    hsc: HscState,
+}
+
+fn set(value: &mut f64, given: Option<Position>) {
+    if let Some(given) = given {
+        *value = given.to_num();
+    }
+}
+
+impl Smoothing {
+    /// At program start.
+    pub fn new() -> Self {
+        let method = ContourMethod::Dev;
+        Self {
+            contour: ContourState {
+                on: false,
+                once: false,
+                method,
+                path_dev: 1.0,
+                track_dev: 0.0,
+                given: false,
+            },
+            hsc: HscState {
+                on: false,
+                method: None,
+                path_dev: None,
+                path_dev_g00: None,
+                track_dev: None,
+                track_dev_g00: None,
+            },
+        }
+    }
+
+    /// #CONTOUR MODE, G61, G261, G260.
+    pub fn contour(&mut self, command: &Contour) {
+        let state = &mut self.contour;
+        if let Some(method) = command.method {
+            state.given &= method == state.method;
+            state.method = method;
+        }
+        state.given |= command.path_dev.is_some();
+        set(&mut state.path_dev, command.path_dev);
+        set(&mut state.track_dev, command.track_dev);
+        match command.switch {
+            Some(ContourSwitch::On) => state.on = true,
+            Some(ContourSwitch::Off) => (state.on, state.once) = (false, false),
+            Some(ContourSwitch::Block) => state.once = true,
+            None => {}
+        }
+    }
+
+    /// #HSC.
+    pub fn hsc(&mut self, command: &Hsc) {
+        let state = &mut self.hsc;
+        state.on = command.switch.unwrap_or(state.on);
+        state.method = command.method.or(state.method);
+        for (value, given) in [
+            (&mut state.path_dev, command.path_dev),
+            (&mut state.path_dev_g00, command.path_dev_g00),
+            (&mut state.track_dev, command.track_dev),
+            (&mut state.track_dev_g00, command.track_dev_g00),
+        ] {
+            *value = given.map(|given| given.to_num()).or(*value);
+        }
+    }
+
+    /// Whether the corner behind the next motion may be rounded.
+    pub fn is_on(&self) -> bool {
+        self.hsc.on || self.contour.on || self.contour.once
+    }
+
+    /// What is monitored of the next motion.
+    pub fn tolerance(&self, rapid: bool) -> Tolerance {
+        if self.hsc.on {
+            let HscState { path_dev, path_dev_g00, track_dev, track_dev_g00, method, .. } = self.hsc;
+            let of = |feed: Option<f64>, of_rapid: Option<f64>| if rapid { of_rapid.or(feed) } else { feed };
+            let default = if method == Some(HscMethod::Bspline) { 5.0 } else { 2.0 };
+            let monitored = |value: f64| (value > 0.0).then_some(value);
+            return Tolerance {
+                path: monitored(of(path_dev, path_dev_g00).unwrap_or(0.2)),
+                track: monitored(of(track_dev, track_dev_g00).unwrap_or(default)),
+            };
+        }
+        if !self.is_on() {
+            return Tolerance::default();
+        }
+        let ContourState { method, path_dev, track_dev, given, .. } = self.contour;
+        let path = match method {
+            ContourMethod::Dev => true,
+            ContourMethod::Ptp => given,
+            _ => false,
+        };
+        let track = matches!(method, ContourMethod::Dev | ContourMethod::Dist) && track_dev > 0.0;
+        Tolerance { path: path.then_some(path_dev), track: track.then_some(track_dev) }
+    }
+
+    /// A motion has gone by.
+    pub fn passes(&mut self) {
+        self.contour.once = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerances_are_those_in_force() {
+        let mm = |value: f64| Some(Position::from_num(value));
+        let mut smoothing = Smoothing::new();
+        assert_eq!((smoothing.is_on(), smoothing.tolerance(false)), (false, Tolerance::default()));
+        smoothing.contour(&Contour {
+            path_dev: mm(0.5),
+            switch: Some(ContourSwitch::Block),
+            ..Contour::default()
+        });
+        assert_eq!(smoothing.tolerance(false), Tolerance { path: Some(0.5), track: None });
+        smoothing.passes();
+        assert!(!smoothing.is_on());
+        let on = Some(ContourSwitch::On);
+        smoothing.contour(&Contour {
+            method: Some(ContourMethod::Dist),
+            track_dev: mm(2.0),
+            switch: on,
+            ..Contour::default()
+        });
+        assert_eq!(smoothing.tolerance(true), Tolerance { path: None, track: Some(2.0) });
+        smoothing.hsc(&Hsc { switch: Some(true), path_dev_g00: mm(1.0), ..Hsc::default() });
+        assert_eq!(smoothing.tolerance(false), Tolerance { path: Some(0.2), track: Some(2.0) });
+        assert_eq!(smoothing.tolerance(true), Tolerance { path: Some(1.0), track: Some(2.0) });
+        smoothing.hsc(&Hsc { switch: Some(false), ..Hsc::default() });
+        smoothing.contour(&Contour { switch: Some(ContourSwitch::Off), ..Contour::default() });
+        assert!(!smoothing.is_on());
+    }
+}

@@ -1,0 +1,119 @@
+//! What bound the speed, as a part of the summary: for people and for programs.
+use super::count::{Bound, Why};
+use crate::knee::{SHARP, knees};
+use crate::machine::Machine;
+use crate::program::{Program, Segment, plural};
+use anstyle::Style;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Reasons that are shown; the others are one line.
+const REASONS: usize = 6;
+/// What would help, as far as it is shown.
+const HELPS: usize = 5;
+
+/// For programs.
+#[derive(Serialize)]
+pub struct Told {
+    /// The program by itself, without anything from outside.
+    program_time_s: f64,
+    /// Most often first.
+    bound: Vec<Reason>,
+    /// Program time with one thing loosened or permitted.
+    helps: Vec<Helps>,
+    /// What to do about it, in words.
+    advice: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Reason {
+    by: String,
+    joints: usize,
+    blocks: usize,
+}
+
+#[derive(Serialize)]
+struct Helps {
+    limit: &'static str,
+    change: &'static str,
+    program_time_s: f64,
+}
+
+impl Told {
+    /// Of a run.
+    pub fn new(why: &Why, machine: &Machine, program: &Program) -> Self {
+        let counts = why.counts();
+        let bound = counts.iter().map(|(bound, count)| Reason {
+            by: bound.name(machine),
+            joints: count.joints,
+            blocks: count.blocks,
+        });
+        let helps = why.helps.iter().map(|help| Helps {
+            limit: help.limit.name(),
+            change: help.limit.change(),
+            program_time_s: help.time_s,
+        });
+        Self {
+            program_time_s: why.time_s,
+            bound: bound.collect(),
+            helps: helps.collect(),
+            advice: advice(why, program),
+        }
+    }
+
+    /// For people.
+    pub fn write(&self, out: &mut String) -> std::fmt::Result {
+        let (bold, dim) = (Style::new().bold(), Style::new().dimmed());
+        writeln!(out)?;
+        writeln!(out, "  {:<58}{dim}joints    blocks{dim:#}", "what bound the speed")?;
+        for Reason { by, joints, blocks } in self.bound.iter().take(REASONS) {
+            writeln!(out, "    {by:<54}{joints:>8}{blocks:>10}")?;
+        }
+        if let Some(rest @ [_, ..]) = self.bound.get(REASONS..) {
+            let sum = |of: fn(&Reason) -> usize| rest.iter().map(of).sum::<usize>();
+            let [joints, blocks] = [sum(|reason| reason.joints), sum(|reason| reason.blocks)];
+            writeln!(out, "    {:<54}{joints:>8}{blocks:>10}", format!("{} others", rest.len()))?;
+        }
+        if !self.helps.is_empty() || !self.advice.is_empty() {
+            writeln!(out, "  what would make {:.3} s shorter", self.program_time_s)?;
+        }
+        for Helps { limit, change, program_time_s } in self.helps.iter().take(HELPS) {
+            let part = (1.0 - program_time_s / self.program_time_s) * 100.0;
+            writeln!(out, "    {bold}{program_time_s:>8.3} s{bold:#}  −{part:.1} %  {limit} {change}")?;
+        }
+        for advice in &self.advice {
+            writeln!(out, "    {advice}")?;
+        }
+        Ok(())
+    }
+}
+
+/// What the program can do, where machine data are as they are.
+fn advice(why: &Why, program: &Program) -> Vec<String> {
+    let motions: Vec<&Segment> = program.motions().collect();
+    let mut advice = Vec::new();
+    let (mut sharp, mut rounded, mut stops) = (0, 0, 0);
+    for ((bound, motion), knee) in why.joints.iter().zip(&motions).zip(knees(program)) {
+        match bound {
+            Some(Bound::Stop | Bound::Function) => stops += 1,
+            Some(Bound::Limit(..) | Bound::Corner | Bound::Several) if knee > SHARP => {
+                *if motion.smoothed { &mut rounded } else { &mut sharp } += 1;
+            }
+            _ => {}
+        }
+    }
+    let corners =
+        |count: usize| format!("{count} corner{} {}", plural(count), if count == 1 { "has" } else { "have" });
+    if sharp > 0 {
+        let what = "no curve: #CONTOUR MODE or #HSC rounds inside a tolerance";
+        advice.push(format!("{} {what}", corners(sharp)));
+    }
+    if rounded > 0 {
+        advice.push(format!("{} a curve: a larger tolerance makes it faster", corners(rounded)));
+    }
+    if stops > 0 {
+        let what = "programmed (G60, G360, G04, functions that are waited for)";
+        advice.push(format!("{stops} standstill{} {what}", plural(stops)));
+    }
+    advice
+}
