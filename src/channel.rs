@@ -184,6 +184,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.planned()
     }
 
+    /// Curves handed on to the interrupt since the split. For simulators: a controller does not need it.
+    #[doc(hidden)]
+    pub fn curves(&self) -> u32 {
+        self.planning.curves()
+    }
+
+    /// The point of a curve at `part` 2^16ths of its length, and its motion block; none where the curve is
+    /// no longer there.
+    #[doc(hidden)]
+    pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [crate::quantity::Position; AXES])> {
+        self.planning.point(curve, part)
+    }
+
     /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the
     /// line is short.
     fn decode(&mut self) -> Result<Progress, Error> {

@@ -530,6 +530,20 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.report.begun = begun;
     }
 
+    /// Curves handed on since the split.
+    pub fn curves(&self) -> u32 {
+        self.queue.segments.handed()
+    }
+
+    /// A point of a curve handed on, at `part` 2^16ths of its length, and its motion block.
+    pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [Position; AXES])> {
+        let segment = self.queue.segments.recent(curve)?;
+        let distance = (i128::from(segment.shape.length.to_bits()) * i128::from(part)) >> 16;
+        let mut point = segment.base;
+        segment.shape.at(distance as i64, &segment.base, &mut point);
+        Some((segment.block, point))
+    }
+
     /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;

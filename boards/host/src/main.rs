@@ -7,6 +7,7 @@ mod acknowledge;
 mod contour;
 mod course;
 mod decimal;
+mod deviation;
 mod diagnose;
 mod events;
 mod files;

@@ -33,7 +33,6 @@ pub struct Segment {
     /// The corner at its end may be rounded, or it belongs to a smoothed path.
     pub smoothed: bool,
     /// How far the motion may leave it, where that is monitored.
-    #[expect(dead_code, reason = "the deviation is compared with it")]
     pub tolerance: Tolerance,
 }
 

@@ -1,5 +1,6 @@
 //! The board itself: memory, clock and drive loop.
 use crate::acknowledge::{Automatic, Delay};
+use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
@@ -10,7 +11,7 @@ use crate::plot::Picture;
 use crate::program::{self, Program};
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
-use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::channel::{Channel, Handles, Planner, Progress};
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
@@ -73,12 +74,14 @@ fn simulate_axes<const AXES: usize>(
     let events = wanted.script.map_or(&[][..], |script| &script.events);
     let mut statistics = Statistics::new(&start, events.len());
     statistics.monitor = Monitor::new(machine, program);
+    statistics.deviation = (!wanted.quiet).then(|| Deviation::new(machine, program));
     let recorder = Recorder {
         statistics,
         trace,
         picture: wanted.picture.then(|| Picture::new(machine, program.shown_axes(machine))),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
+        seen: 0,
     };
     let schedule = Schedule::new(events, machine.channel.cycle_us);
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
@@ -187,7 +190,9 @@ fn drive<const AXES: usize>(
         // Also when all is handed over: a command may change what the queue holds.
         done &= stalled;
         while !done && !stalled {
-            match planner.poll().map_err(|error| Stop::Refused(Box::new(error)))? {
+            let progress = planner.poll().map_err(|error| Stop::Refused(Box::new(error)))?;
+            recorder.curves(&planner);
+            match progress {
                 Progress::Working => {}
                 // The decode pass has collected the others.
                 Progress::Warning(warning) if warning.kind.is_of_curve() => {
@@ -282,9 +287,30 @@ struct Recorder {
     cycle_s: f64,
     /// Speeds are not always those planned.
     has_events: bool,
+    /// Curves that were looked at.
+    seen: u32,
 }
 
 impl Recorder {
+    /// The curves handed on since the last call. Some may have been taken back.
+    fn curves<const AXES: usize>(&mut self, planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS>) {
+        let Some(deviation) = &mut self.statistics.deviation else { return };
+        let all = planner.curves();
+        self.seen = if (all.wrapping_sub(self.seen) as i32) < 0 { all } else { self.seen };
+        while self.seen != all {
+            let samples = (0..=CHORDS).filter_map(|i| planner.point(self.seen, (i << 16) / CHORDS));
+            let mut block = 0;
+            let points: Vec<Vec<f64>> = samples
+                .map(|(of, point)| {
+                    block = of;
+                    point.iter().map(|value| value.to_num()).collect()
+                })
+                .collect();
+            deviation.curve(block, &points);
+            self.seen = self.seen.wrapping_add(1);
+        }
+    }
+
     /// A row, and why it may be at rest.
     fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) -> io::Result<()> {
         self.statistics.add(telemetry, set_points, pause);
@@ -304,6 +330,9 @@ impl Recorder {
             self.tick(&Telemetry::default(), set_points, Pause::None).map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
+        if let Some(deviation) = &mut self.statistics.deviation {
+            deviation.finish();
+        }
         if !self.has_events {
             let Statistics { course, spans, .. } = &mut self.statistics;
             course.refine(spans);

@@ -1,5 +1,6 @@
 //! What a run was like: peaks by finite differences of the set points, distances, the digest.
 use crate::course::Course;
+use crate::deviation::Deviation;
 use crate::events::What;
 use crate::machine::Machine;
 use crate::monitor::Monitor;
@@ -110,6 +111,8 @@ pub struct Statistics {
     pub remarks: Vec<NcWarning>,
     /// All rows against the limits.
     pub monitor: Monitor,
+    /// The driven path against the programmed one, where it is asked for.
+    pub deviation: Option<Deviation>,
     /// Rows at rest up to now.
     pub rest: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
@@ -208,6 +211,7 @@ impl Statistics {
             spans: Vec::new(),
             remarks: Vec::new(),
             monitor: Monitor::default(),
+            deviation: None,
             transitions: Vec::new(),
             course: Course::default(),
             fastest: Speed::ZERO,

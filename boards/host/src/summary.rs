@@ -1,4 +1,5 @@
 //! What a run comes down to, for people and for programs.
+use crate::deviation;
 use crate::events::{Event, function_name};
 use crate::files::Files;
 use crate::knee::knees;
@@ -38,6 +39,9 @@ pub struct Summary {
     waited_s: f64,
     path_mm: f64,
     v_path_max: f64,
+    /// The driven path beside the programmed one.
+    #[serde(flatten)]
+    shape: Option<deviation::Told>,
     /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
     digest: String,
     #[serde(serialize_with = "in_order")]
@@ -274,6 +278,10 @@ impl Summary {
             waited_s: in_seconds(statistics.waited, machine),
             path_mm: statistics.distance_mm(),
             v_path_max,
+            shape: statistics
+                .deviation
+                .as_ref()
+                .map(|seen| deviation::Told::new(seen, machine, statistics.blocks())),
             digest: format!("{:016x}", statistics.digest.value()),
             axes: axes.collect(),
             stops,
@@ -344,6 +352,9 @@ impl Summary {
         let moving = self.program_time_s - self.dwell_s - self.held_s - self.waited_s;
         let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
         writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
+        if let Some(shape) = &self.shape {
+            shape.write(out)?;
+        }
         if !self.functions.is_empty() {
             let names: Vec<&str> =
                 self.functions.iter().take(8).map(|output| output.function.as_str()).collect();

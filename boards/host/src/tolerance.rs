@@ -42,10 +42,13 @@ pub struct Smoothing {
     hsc: HscState,
 }
 
+/// As the program has it: without the rounding of a position.
+fn decimal(value: Position) -> f64 {
+    (value.to_num::<f64>() * 1e9).round() / 1e9
+}
+
 fn set(value: &mut f64, given: Option<Position>) {
-    if let Some(given) = given {
-        *value = given.to_num();
-    }
+    *value = given.map_or(*value, decimal);
 }
 
 impl Smoothing {
@@ -101,7 +104,7 @@ impl Smoothing {
             (&mut state.track_dev, command.track_dev),
             (&mut state.track_dev_g00, command.track_dev_g00),
         ] {
-            *value = given.map(|given| given.to_num()).or(*value);
+            *value = given.map(decimal).or(*value);
         }
     }
 

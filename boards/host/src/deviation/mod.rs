@@ -1,0 +1,445 @@
+//! How far the path of the motion is from the programmed one, either way, whatever made it.
+//!
+//! Takes the blocks of the decoder and points of every curve that the planner hands on; gives the largest
+//! deviation of the main axes, that of every other axis, and the places where they are. The motion runs along
+//! these curves, so nothing depends on speed, override and cycle.
+mod tell;
+
+use crate::machine::Machine;
+use crate::program::{Kind, Program, sweep};
+use crate::tolerance::Tolerance;
+use std::collections::VecDeque;
+pub use tell::Told;
+
+/// Chords of a curve.
+pub const CHORDS: u32 = 16;
+/// Places that are kept, with curves around each of them.
+const PLACES: usize = 3;
+const AROUND: usize = 12;
+/// Blocks around that of a curve that it may belong to, and as far as they are looked for.
+const NEAR: usize = 2;
+const FAR: usize = 64;
+/// Parts of a path that are shown at most.
+const COLUMNS: usize = 4096;
+
+/// A point of the main axes.
+pub type Point = [f64; 3];
+
+/// A programmed motion.
+struct Block {
+    /// All axes, where it begins and where it ends.
+    from: Vec<f64>,
+    to: Vec<f64>,
+    /// Of the main axes.
+    ends: [Point; 2],
+    arc: Option<Turn>,
+    /// Along the main axes, mm.
+    length: f64,
+    smoothed: bool,
+    tolerance: Tolerance,
+    n: u32,
+}
+
+/// An arc in two of the main axes.
+struct Turn {
+    plane: [usize; 2],
+    centre: [f64; 2],
+    first: f64,
+    swept: f64,
+    radii: [f64; 2],
+}
+
+/// A place of a block.
+#[derive(Clone, Copy)]
+struct Foot {
+    block: usize,
+    /// 0…1 along it.
+    part: f64,
+    distance: f64,
+}
+
+/// The largest deviation of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Largest {
+    pub value: f64,
+    pub tolerance: Option<f64>,
+    /// N number of the block.
+    pub n: u32,
+}
+
+impl Largest {
+    /// As a part of its tolerance; where there is none, of no tolerance at all.
+    fn used(&self) -> f64 {
+        self.tolerance.map_or(self.value * 1e-9, |tolerance| self.value / tolerance)
+    }
+}
+
+/// A place where the deviation is large.
+#[derive(Clone, Debug)]
+pub struct Place {
+    pub largest: Largest,
+    /// Index of the motion block.
+    pub block: usize,
+    #[expect(dead_code, reason = "for the picture")]
+    /// On the programmed path, and on the driven one.
+    pub programmed: Point,
+    #[expect(dead_code, reason = "for the picture")]
+    pub moved: Point,
+    /// The driven path around it.
+    pub around: Vec<Point>,
+    /// Curves that are still to come.
+    missing: usize,
+}
+
+/// Deviations over a part of the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Column {
+    /// Path distance at its end, mm.
+    pub distance: f64,
+    /// Of the main axes, and of the others.
+    pub path: f64,
+    pub track: f64,
+}
+
+/// The comparison.
+pub struct Deviation {
+    main: Vec<usize>,
+    blocks: Vec<Block>,
+    /// The shortest distance of each block's end from the driven path, and where that is nearest.
+    ends: Vec<(f64, Point)>,
+    /// Ends before that one are done.
+    done: usize,
+    before: usize,
+    /// Curves so far.
+    pub curves: u64,
+    /// Of the main axes and of each other axis.
+    pub path: Option<Largest>,
+    pub track: Vec<Option<Largest>>,
+    pub places: Vec<Place>,
+    /// Along the path, in parts of about one length.
+    pub columns: Vec<Column>,
+    step: f64,
+    recent: VecDeque<Vec<Point>>,
+    distance: f64,
+    /// Something is smoothed.
+    pub smooths: bool,
+}
+
+fn apart(a: &Point, b: &Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+fn between(a: &Point, b: &Point, part: f64) -> Point {
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+}
+
+/// Where a point is nearest to a straight line, 0…1.
+fn along(q: &Point, a: &Point, b: &Point) -> f64 {
+    let square = apart(a, b).powi(2);
+    let product = (0..3).map(|k| (q[k] - a[k]) * (b[k] - a[k])).sum::<f64>();
+    if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+impl Block {
+    /// The point of the main axes at a part of it.
+    fn at(&self, part: f64) -> Point {
+        let mut point = between(&self.ends[0], &self.ends[1], part);
+        if let Some(Turn { plane, centre, first, swept, radii }) = &self.arc {
+            let radius = radii[0] + (radii[1] - radii[0]) * part;
+            let (sin, cos) = (first + swept * part).sin_cos();
+            point[plane[0]] = centre[0] + radius * cos;
+            point[plane[1]] = centre[1] + radius * sin;
+        }
+        point
+    }
+
+    /// Where a point is nearest to it, and how far.
+    fn foot(&self, block: usize, q: &Point) -> Foot {
+        let part = match &self.arc {
+            None => along(q, &self.ends[0], &self.ends[1]),
+            // By the angle: exact in the plane, at most too far on a helix.
+            Some(Turn { plane, centre, first, swept, .. }) => {
+                let angle = (q[plane[1]] - centre[1]).atan2(q[plane[0]] - centre[0]) - first;
+                let turn = std::f64::consts::TAU;
+                let ahead = (angle * swept.signum()).rem_euclid(turn);
+                let size = swept.abs();
+                let part = ahead / size;
+                // Behind the end or before the start, whichever is nearer.
+                if part <= 1.0 {
+                    part
+                } else if ahead - size < turn - ahead {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+        };
+        let ends = [0.0, part, 1.0].map(|part| (apart(q, &self.at(part)), part));
+        let (distance, part) =
+            ends.into_iter().fold(ends[1], |best, other| if other.0 < best.0 { other } else { best });
+        Foot { block, part, distance }
+    }
+}
+
+impl Deviation {
+    /// Of a program on a machine.
+    pub fn new(machine: &Machine, program: &Program) -> Self {
+        let main = machine.main_axes();
+        let point = |all: &[f64]| -> Point {
+            std::array::from_fn(|k| main.get(k).and_then(|&axis| all.get(axis)).copied().unwrap_or(0.0))
+        };
+        let mut from = program.start.clone();
+        let mut blocks = Vec::with_capacity(program.motions);
+        for segment in program.motions() {
+            let ends = [point(&from), point(&segment.end)];
+            let index = |axis: usize| main.iter().position(|&other| other == axis).unwrap_or(0);
+            let arc = match segment.kind {
+                Kind::Arc { plane, centre, clockwise } => {
+                    let [start, end] = [&from, &segment.end].map(|all| plane.map(|axis| all[axis]));
+                    let radius = |at: [f64; 2]| (at[0] - centre[0]).hypot(at[1] - centre[1]);
+                    Some(Turn {
+                        plane: plane.map(index),
+                        centre,
+                        first: (start[1] - centre[1]).atan2(start[0] - centre[0]),
+                        swept: sweep(start, end, centre, clockwise),
+                        radii: [radius(start), radius(end)],
+                    })
+                }
+                _ => None,
+            };
+            let turn = arc.as_ref().map_or(0.0, |turn: &Turn| (turn.swept * turn.radii[1]).abs());
+            blocks.push(Block {
+                length: apart(&ends[0], &ends[1]).max(turn),
+                from: std::mem::replace(&mut from, segment.end.clone()),
+                to: segment.end.clone(),
+                ends,
+                arc,
+                smoothed: segment.smoothed,
+                tolerance: segment.tolerance,
+                n: segment.n,
+            });
+        }
+        Self {
+            ends: vec![(f64::INFINITY, [0.0; 3]); blocks.len()],
+            done: 0,
+            before: 0,
+            curves: 0,
+            path: None,
+            track: vec![None; machine.axes.len()],
+            places: Vec::new(),
+            columns: Vec::new(),
+            step: 0.0,
+            recent: VecDeque::new(),
+            distance: 0.0,
+            smooths: blocks.iter().any(|block| block.smoothed),
+            blocks,
+            main,
+        }
+    }
+
+    #[expect(dead_code, reason = "for the picture")]
+    /// The programmed end points around a block, as far as they are shown, and their first one's index.
+    pub fn programmed(&self, block: usize) -> Vec<Point> {
+        let from = block.saturating_sub(AROUND);
+        let to = (block + AROUND).min(self.blocks.len());
+        let chords = |block: &Block| if block.arc.is_some() { 64 } else { 1 };
+        let mut points = Vec::new();
+        for block in self.blocks.get(from..to).unwrap_or(&[]) {
+            let count = chords(block);
+            points.extend((0..count).map(|i| block.at(f64::from(i) / f64::from(count))));
+        }
+        points.extend(to.checked_sub(1).and_then(|last| self.blocks.get(last)).map(|block| block.ends[1]));
+        points
+    }
+
+    /// Takes in a curve: its motion block, and points of all axes along it.
+    pub fn curve(&mut self, block: u32, points: &[Vec<f64>]) {
+        self.curves += 1;
+        if !self.smooths || self.blocks.is_empty() {
+            return;
+        }
+        let block = (block as usize).min(self.blocks.len() - 1);
+        let main = self.main.clone();
+        let path: Vec<Point> = points
+            .iter()
+            .map(|all| std::array::from_fn(|k| main.get(k).map_or(0.0, |&axis| all[axis])))
+            .collect();
+        let mut column = Column::default();
+        for (all, q) in points.iter().zip(&path) {
+            self.compare(block, all, q, &mut column);
+        }
+        self.pass(block, &path);
+        self.distance += path.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum::<f64>();
+        column.distance = self.distance;
+        self.show(column);
+        self.keep(path);
+        self.before = block;
+    }
+
+    /// A point of the driven path.
+    fn compare(&mut self, block: usize, all: &[f64], q: &Point, column: &mut Column) {
+        let (from, to) =
+            (self.before.min(block).saturating_sub(NEAR), (block + NEAR).min(self.blocks.len() - 1));
+        let foot = |block: usize| self.blocks[block].foot(block, q);
+        let nearer = |best: Foot, other: Foot| if other.distance < best.distance { other } else { best };
+        let mut best = (from..=to).map(foot).fold(foot(block), nearer);
+        for further in to + 1..self.blocks.len().min(to + FAR) {
+            if best.block + NEAR < further {
+                break;
+            }
+            best = nearer(best, foot(further));
+        }
+        let seen = Foot { distance: best.distance, ..best };
+        let (smoothed, tolerance) = self.around(block);
+        if !smoothed {
+            return;
+        }
+        column.path = column.path.max(seen.distance);
+        let foot = self.blocks[seen.block].at(seen.part);
+        self.see(
+            Largest { value: seen.distance, tolerance: tolerance.path, n: self.blocks[seen.block].n },
+            seen.block,
+            foot,
+            *q,
+        );
+        self.follow(seen, all, tolerance, column);
+    }
+
+    /// The other axes. The foot is known as far as the path is off it.
+    fn follow(&mut self, seen: Foot, all: &[f64], tolerance: Tolerance, column: &mut Column) {
+        let block = &self.blocks[seen.block];
+        if block.length <= 0.0 {
+            return;
+        }
+        let play = seen.distance / block.length;
+        for (axis, value) in all.iter().enumerate() {
+            if self.main.contains(&axis) || block.from[axis] == block.to[axis] && tolerance.track.is_none() {
+                continue;
+            }
+            let at =
+                |part: f64| block.from[axis] + (block.to[axis] - block.from[axis]) * part.clamp(0.0, 1.0);
+            let ends = [at(seen.part - play), at(seen.part + play)];
+            let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            let value = (low - value).max(value - high).max(0.0);
+            column.track = column.track.max(value);
+            let largest = Largest { value, tolerance: tolerance.track, n: block.n };
+            let known = &mut self.track[axis];
+            if known.is_none_or(|known| largest.used() > known.used()) {
+                *known = Some(largest);
+            }
+        }
+    }
+
+    /// Whether the path is smoothed there, and what is permitted: of the corners at both ends, the larger;
+    /// nothing where one of them is not monitored.
+    fn around(&self, block: usize) -> (bool, Tolerance) {
+        let last = (block + 1).min(self.blocks.len() - 1);
+        let near = self.blocks.get(block.saturating_sub(1)..=last).unwrap_or(&[]);
+        let near: Vec<&Block> = near.iter().filter(|block| block.smoothed).collect();
+        let most = |of: fn(&Block) -> Option<f64>| {
+            near.iter().map(|block| of(block)).reduce(|one, other| Some(one?.max(other?))).flatten()
+        };
+        let tolerance = Tolerance {
+            path: most(|block| block.tolerance.path),
+            track: most(|block| block.tolerance.track),
+        };
+        (!near.is_empty(), tolerance)
+    }
+
+    /// The ends of blocks that the curve passes: how near it comes.
+    fn pass(&mut self, block: usize, path: &[Point]) {
+        let from = self.before.min(block).saturating_sub(NEAR).max(self.done);
+        let to = (block + NEAR).min(self.blocks.len() - 1);
+        for index in from..=to {
+            let end = self.blocks[index].ends[1];
+            for pair in path.windows(2) {
+                let nearest = between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1]));
+                let distance = apart(&end, &nearest);
+                if distance < self.ends[index].0 {
+                    self.ends[index] = (distance, nearest);
+                }
+            }
+        }
+        self.settle(from.saturating_sub(NEAR));
+    }
+
+    /// Ends before that one are passed.
+    fn settle(&mut self, to: usize) {
+        for index in self.done..to {
+            let ((value, moved), block) = (self.ends[index], &self.blocks[index]);
+            if block.smoothed && value.is_finite() {
+                let largest = Largest { value, tolerance: self.around(index).1.path, n: block.n };
+                let programmed = block.ends[1];
+                self.see(largest, index, programmed, moved);
+            }
+        }
+        self.done = self.done.max(to);
+    }
+
+    /// All curves are there.
+    pub fn finish(&mut self) {
+        self.settle(self.blocks.len().saturating_sub(1));
+        self.places.sort_by(|one, other| other.largest.used().total_cmp(&one.largest.used()));
+    }
+
+    fn see(&mut self, largest: Largest, block: usize, programmed: Point, moved: Point) {
+        if self.path.is_none_or(|known| largest.used() > known.used()) {
+            self.path = Some(largest);
+        }
+        let place = || Place { largest, block, programmed, moved, around: Vec::new(), missing: usize::MAX };
+        // One for each corner.
+        let near = self.places.iter_mut().find(|place| place.block.abs_diff(block) <= 2 * NEAR);
+        if let Some(near) = near {
+            if largest.used() > near.largest.used() {
+                *near = place();
+            }
+            return;
+        }
+        if self.places.len() < PLACES {
+            self.places.push(place());
+            return;
+        }
+        let least =
+            self.places.iter_mut().min_by(|one, other| one.largest.used().total_cmp(&other.largest.used()));
+        if let Some(least) = least.filter(|least| largest.used() > least.largest.used()) {
+            *least = place();
+        }
+    }
+
+    /// The driven path around the places found.
+    fn keep(&mut self, path: Vec<Point>) {
+        if self.recent.len() >= 2 * AROUND {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(path);
+        for place in &mut self.places {
+            if place.missing == usize::MAX {
+                place.around = self.recent.iter().flatten().copied().collect();
+                place.missing = AROUND;
+            } else if place.missing > 0 {
+                place.around.extend(self.recent.back().into_iter().flatten());
+                place.missing -= 1;
+            }
+        }
+    }
+
+    fn show(&mut self, column: Column) {
+        match self.columns.last_mut() {
+            Some(last) if column.distance - last.distance < self.step => {
+                last.path = last.path.max(column.path);
+                last.track = last.track.max(column.track);
+            }
+            _ => self.columns.push(column),
+        }
+        if self.columns.len() > COLUMNS {
+            self.step = (2.0 * self.step).max(self.distance / COLUMNS as f64);
+            let mut joined: Vec<Column> = Vec::with_capacity(COLUMNS);
+            for pair in self.columns.chunks(2) {
+                let most = |of: fn(&Column) -> f64| pair.iter().map(of).fold(0.0, f64::max);
+                let distance = pair.last().map_or(0.0, |column| column.distance);
+                joined.push(Column { distance, path: most(|c| c.path), track: most(|c| c.track) });
+            }
+            self.columns = joined;
+        }
+    }
+}

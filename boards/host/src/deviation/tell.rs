@@ -1,0 +1,79 @@
+//! The largest deviations, as a part of the summary.
+use super::{Deviation, Largest};
+use crate::machine::Machine;
+use glidepath::machine::AxisKind;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// For programs.
+#[derive(Serialize)]
+pub struct Told {
+    /// Curves of the path, and how many there are for a motion block.
+    elements: u64,
+    elements_per_block: f64,
+    /// Of the main axes; none where nothing is smoothed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation: Option<Off>,
+    /// Of every other axis that leaves its programmed path.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tracking: Vec<Off>,
+}
+
+/// A deviation and where it is.
+#[derive(Serialize)]
+struct Off {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<String>,
+    value: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    unit: &'static str,
+    n: u32,
+}
+
+/// Less is rounding.
+const NOTHING: f64 = 1e-6;
+
+impl Told {
+    /// Of a run with so many motion blocks.
+    pub fn new(seen: &Deviation, machine: &Machine, blocks: usize) -> Self {
+        let off = |axis: Option<usize>, Largest { value, tolerance, n }: Largest| {
+            let data = axis.and_then(|axis| machine.axes.get(axis));
+            let linear = data.is_none_or(|data| data.kind == AxisKind::Linear);
+            Off {
+                axis: data.map(|data| data.name.as_str().to_owned()),
+                value,
+                tolerance,
+                unit: if linear { "mm" } else { "°" },
+                n,
+            }
+        };
+        let tracking = seen.track.iter().enumerate();
+        let tracking = tracking.filter_map(|(axis, largest)| Some((Some(axis), (*largest)?)));
+        Self {
+            elements: seen.curves,
+            elements_per_block: if blocks > 0 { seen.curves as f64 / blocks as f64 } else { 0.0 },
+            deviation: seen.path.map(|largest| off(None, largest)),
+            tracking: tracking
+                .filter(|(_, largest)| largest.value > NOTHING)
+                .map(|(axis, largest)| off(axis, largest))
+                .collect(),
+        }
+    }
+
+    /// For people.
+    pub fn write(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "  elements       {}, {:.2} per motion block", self.elements, self.elements_per_block)?;
+        for (index, off) in self.deviation.iter().chain(&self.tracking).enumerate() {
+            let Off { axis, value, tolerance, unit, n } = off;
+            let head = if index == 0 && axis.is_none() { "deviation" } else { "" };
+            let axis = axis.as_ref().map_or_else(|| "path".to_owned(), |axis| axis.clone());
+            write!(out, "  {head:<15}{axis} {value:.4} {unit}")?;
+            if let Some(tolerance) = tolerance {
+                write!(out, " of {tolerance} {unit} permitted, {:.1} %,", value / tolerance * 100.0)?;
+            }
+            writeln!(out, " at N{n}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+//! The summary says how far the driven path is from the programmed one, and of how many curves it is made.
+mod common;
+
+use common::{LSB, Run, number, run, shipped, written};
+use serde_json::json;
+
+/// Distance of a point from the line through two others, no further than their ends.
+fn from_line(q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let d = [b[0] - a[0], b[1] - a[1]];
+    let along = ((q[0] - a[0]) * d[0] + (q[1] - a[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+    let part = along.clamp(0.0, 1.0);
+    (q[0] - a[0] - d[0] * part).hypot(q[1] - a[1] - d[1] * part)
+}
+
+fn points(run: &Run) -> Vec<[f64; 2]> {
+    run.trace.rows.iter().map(|row| [0, 1].map(|k| row.axes[k] as f64 * LSB)).collect()
+}
+
+#[test]
+fn the_deviation_is_that_of_the_set_points() {
+    // Slow, so that the set points are close together.
+    let text = "N10 #CONTOUR MODE [DEV PATH_DEV=0.4]\nN20 G261 G01 X10 F300\nN30 Y10\nN40 X12 Y20\nM30\n";
+    let run = run("deviation", &written("deviation", text), None);
+    let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [12.0, 20.0]];
+    let points = points(&run);
+    let lines: Vec<_> = corners.windows(2).collect();
+    let off = |q: &[f64; 2]| lines.iter().map(|l| from_line(*q, l[0], l[1])).fold(f64::MAX, f64::min);
+    let away = |c: &[f64; 2]| points.windows(2).map(|p| from_line(*c, p[0], p[1])).fold(f64::MAX, f64::min);
+    let largest = points.iter().map(off).chain(corners.iter().map(away)).fold(0.0, f64::max);
+    let told = &run.summary["deviation"];
+    assert!((number(&told["value"]) - largest).abs() < 1e-5, "{told} for {largest}");
+    assert!(number(&told["value"]) > 0.39 && number(&told["value"]) <= 0.4, "{told}");
+    assert_eq!((&told["tolerance"], &told["n"]), (&json!(0.4), &json!(20)));
+    // Three lines, two corners of two curves each.
+    assert_eq!(
+        (&run.summary["elements"], &run.summary["elements_per_block"]),
+        (&json!(7), &json!(7.0 / 3.0))
+    );
+    assert!(run.stdout.contains("mm of 0.4 mm permitted, 100.0 %, at N20"), "{}", run.stdout);
+    assert!(run.stdout.contains("7, 2.33 per motion block"), "{}", run.stdout);
+}
+
+#[test]
+fn rotary_axes_have_a_deviation_of_their_own() {
+    let text =
+        "N10 #CONTOUR MODE [DEV PATH_DEV=1 TRACK_DEV=0.5]\nN20 G261 G01 X40 C30 F3000\nN30 Y40 C-10\nM30\n";
+    let run = run("tracking", &written("tracking", text), Some(&shipped("machines/five-axis.toml")));
+    let told = &run.summary["tracking"];
+    assert_eq!(told.as_array().map(Vec::len), Some(1), "{told}");
+    assert_eq!(
+        (&told[0]["axis"], &told[0]["unit"], &told[0]["tolerance"]),
+        (&json!("C"), &json!("°"), &json!(0.5))
+    );
+    let value = number(&told[0]["value"]);
+    assert!(value > 0.05 && value <= 0.5, "{told}");
+}
+
+#[test]
+fn arcs_are_programmed_paths_too() {
+    let text = "N10 #CONTOUR MODE [DEV PATH_DEV=0.2]\nN20 G261 G01 X30 F3000\nN30 G02 X50 I10\nN40 G03 Z5 I10\nN50 G01 X80\nM30\n";
+    let run = run("arcs-off", &written("arcs-off", text), None);
+    let told = &run.summary["deviation"];
+    assert!((0.18..=0.2001).contains(&number(&told["value"])), "{told}");
+}
+
+#[test]
+fn methods_without_a_tolerance_are_told_without_one() {
+    let text = "N10 #CONTOUR MODE [DIST PRE_DIST=4 POST_DIST=4]\nN20 G261 G01 X30 F3000\nN30 Y30\nM30\n";
+    let run = run("no-tolerance", &written("no-tolerance", text), None);
+    let told = &run.summary["deviation"];
+    assert_eq!(told["tolerance"], json!(null));
+    // By far the most of it in the middle: 3/8 of the distance.
+    assert!((number(&told["value"]) - 1.5 * 2_f64.sqrt() / 2.0).abs() < 0.5, "{told}");
+    // Nothing is smoothed: nothing is told. Lines that go straight on become one.
+    let text = "N10 G01 X10 F3000\nN20 X20\nN30 X30\nN40 Y10\nM30\n";
+    let plain = crate::run("plain-off", &written("plain-off", text), None);
+    assert_eq!(plain.summary["deviation"], json!(null));
+    assert!(number(&plain.summary["elements_per_block"]) < 1.0, "{}", plain.stdout);
+}
