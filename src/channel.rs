@@ -106,8 +106,6 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     released: u32,
     /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
     lost: bool,
-    /// A plan has failed.
-    failed: bool,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
@@ -122,7 +120,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
             self.forget_abort();
-            return Ok(self.done());
+            return Ok(Progress::Done);
         }
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
@@ -138,7 +136,6 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
             Ok(Work::Refused) => return Err(self.refuse_curve()),
             Err(error) => {
                 self.lose();
-                self.failed = true;
                 self.planning.drop_ahead();
                 return Err(match error {
                     Unplannable::Broken => Error::Unplannable,
@@ -155,16 +152,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 self.source = Source::Ended;
                 Ok(Progress::Working)
             }
-            Source::Ended => Ok(self.done()),
+            Source::Ended => Ok(Progress::Done),
         }
-    }
-
-    /// There is nothing left to do.
-    fn done(&mut self) -> Progress {
-        if self.failed {
-            self.settle();
-        }
-        Progress::Done
     }
 
     /// Whether the motion stands still in a feed hold.

@@ -60,7 +60,6 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
                 held: None,
                 released: 0,
                 lost: false,
-                failed: false,
             },
             interpolator,
             operator,

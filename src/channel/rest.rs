@@ -116,7 +116,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     /// # Errors
     /// Not at rest: nothing has changed.
     pub fn load_next(&mut self) -> Result<(), Busy<()>> {
-        if !self.settle() {
+        if !self.is_at_rest() {
             return Err(Busy { text: () });
         }
         self.begin(false);
@@ -135,7 +135,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if self.lost || !self.decoder.is_refused() {
             return Err(GoOnError::NothingRefused);
         }
-        if !self.settle() {
+        if !self.is_at_rest() {
             return Err(GoOnError::NotAtRest);
         }
         self.planning.begin();
@@ -156,7 +156,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if axis >= AXES || position > MAX || position < -MAX {
             return Err(PositionError::Range);
         }
-        if !self.settle() || !self.planning.set_position(axis, position) {
+        if !self.is_at_rest() || !self.planning.set_position(axis, position) {
             return Err(PositionError::NotAtRest);
         }
         self.decoder.set_position(axis, position);
@@ -187,17 +187,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.planning.position()
     }
 
-    /// Whether the axes are at rest; if they are, the planner knows where.
-    pub(super) fn settle(&mut self) -> bool {
-        let at_rest = self.is_at_rest();
-        if at_rest && core::mem::take(&mut self.failed) {
-            self.planning.recover();
-        }
-        at_rest
-    }
-
     fn replace(&mut self, text: T, keeps: bool) -> Result<T, Busy<T>> {
-        if !self.settle() {
+        if !self.is_at_rest() {
             return Err(Busy { text });
         }
         self.begin(keeps);

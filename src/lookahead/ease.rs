@@ -57,8 +57,8 @@ impl Ease {
         Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
     }
 
-    /// With a lower highest speed.
-    pub fn lowered(self, part: f32) -> Self {
+    /// With a part of its highest speed, or with more of it.
+    pub fn scaled(self, part: f32) -> Self {
         Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
     }
 

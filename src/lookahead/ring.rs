@@ -126,6 +126,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
             block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
+            if !block.is(Marks::ANCHOR) && block.v_reached > UNPLANNED {
+                // As the slow block whose speed it is.
+                block.v_reached = block.ease().scaled(max(by * ROUNDED, 1.0)).kept();
+            }
             // A valley stays as fast as it is.
             if k > 0 && !lent && !block.joint.is_lent() {
                 let fastest = min(block.highest, min(last, block.limits.v));
@@ -165,7 +169,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             if is_anchor {
                 block.v_reached = scaled(block.v_reached, part);
             } else if block.v_reached > UNPLANNED {
-                block.v_reached = block.ease().lowered(by).kept();
+                block.v_reached = block.ease().scaled(by * ROUNDED).kept();
             }
         }
         if let Some(first) = self.blocks.front_mut() {

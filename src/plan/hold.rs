@@ -106,7 +106,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.reserve.is_made() || self.queue.clock.has_left() {
             return Some(self.look_after());
         }
-        let commands = Commands::of(word);
+        let mut commands = Commands::of(word);
+        // A law that failed ends the motion as an abort does.
+        commands.abort |= self.orders.failed;
         // An acknowledgement to be looked at makes every word a new one.
         let word = word & Control::COMMANDS;
         if word != self.orders.word {
@@ -150,8 +152,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Some(Work::Waiting);
         }
         if commands.abort {
+            if self.queue.control.commands().abort {
+                self.queue.control.aborted();
+            }
             self.forget();
-            self.queue.control.aborted();
             return Some(Work::Aborted);
         }
         if commands.standstill() {
@@ -192,7 +196,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether there is nothing that moves or may move.
     pub fn is_idle(&self) -> bool {
         let left = self.queue.clock.has_left();
-        self.committed.len() == 0 && self.lookahead.ring.is_empty() && self.task.rest == 0 && !left
+        let empty = self.committed.len() == 0 && self.lookahead.ring.is_empty();
+        empty && self.task.rest == 0 && !left && !self.orders.failed
     }
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed.
@@ -221,7 +226,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             } else if let Some(motion) = self.motion_at(at)
                 && let Some(descent) = self.descend(k, &motion)
             {
-                if self.task.stage == RingStage::Passing && descent.brake.v_out > 0 {
+                let is_known = self.task.stage != RingStage::Passing || self.orders.failed;
+                if !is_known && descent.brake.v_out > 0 {
                     // The way through the look-ahead is known when its plan is complete.
                     return None;
                 }
@@ -603,10 +609,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
             }
-            if let Err(error) = self.lay() {
-                self.give_up();
-                return Err(error);
-            }
+            self.lay().map_err(|error| self.fail_to_plan(error))?;
             return Ok(Some(Work::Working));
         }
         Ok(None)
@@ -623,14 +626,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// After a law that failed: what has none is forgotten.
-    pub(super) fn give_up(&mut self) {
-        if let Some(committed) = self.committed.get(self.frontier.planned) {
-            self.handed = committed.start;
+    /// There is no law for the next span. The motion at hand comes to a standstill as with an abort: its way
+    /// down is another law. Where that fails too, it ends where the queue does.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn fail_to_plan(&mut self, error: Unplannable) -> Unplannable {
+        if core::mem::replace(&mut self.orders.failed, true) {
+            if let Some(motion) = self.motion_at(self.frontier.end) {
+                self.put_rest(Distance::from_bits(motion.distance), 1);
+            }
+            self.frontier.speed = Speed::ZERO;
+            (self.orders.mode.stopping, self.orders.mode.standing) = (true, true);
         }
-        self.committed.truncate(self.frontier.planned);
-        self.lookahead.clear();
-        self.queue.segments.withdraw(self.queue.segments.handed());
+        (self.orders.mode.busy, self.orders.mode.tried) = (true, None);
+        error
     }
 
     /// Where it stands is all that is left. The interrupt has nothing to do.
@@ -675,5 +684,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.drop_reserve();
         self.reserve.clear();
         self.orders.mode = Mode { cut: self.orders.mode.cut, ..Mode::RUN };
+        self.orders.failed = false;
     }
 }

@@ -60,7 +60,7 @@ pub enum Work {
     Starved,
     /// It got no time for so long that the motion came to a standstill on its way. It goes on.
     Late,
-    /// It stands still, and what was taken in is forgotten, as the operator wanted.
+    /// It stands still, and what was taken in is forgotten, as the operator wanted or because a plan failed.
     Aborted,
     /// The curve of a corner leads beyond a software limit. The motion ends before it:
     /// [`Planning::take_refused`].
@@ -181,6 +181,8 @@ struct Orders {
     word: u32,
     /// What they make of the speed.
     pace: Pace,
+    /// A law could not be made: the motion stops, and what was taken in is forgotten.
+    failed: bool,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -299,7 +301,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             committed,
             handed: Distance::ZERO,
             supply: Supply { low: 0, seen: 0 },
-            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace },
+            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace, failed: false },
             functions,
             reserve: reserve.write(Reserve::none()),
             report: Report { begun: 0, planned: Planned::default() },
@@ -318,7 +320,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     ///
     /// # Errors
     /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a
-    /// block takes too long. Nothing more is planned.
+    /// block takes too long. The motion comes to a standstill as with an abort: [`Work::Aborted`] follows.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         if let Some(work) = self.attend() {
             return Ok(work);
@@ -368,6 +370,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// The next step once the last span is handed out.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
+        if self.orders.failed && !self.orders.mode.stopping {
+            return Ok(self.wait_a_while());
+        }
         let behind = self.frontier.planned != self.committed.len() || self.frontier.pending_dwell > 0;
         if (behind || self.orders.mode.stopping)
             && let Some(work) = self.catch_up()?
@@ -490,10 +495,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.frontier.planned += 1;
             return Ok(Work::Working);
         }
-        if let Err(error) = self.lay() {
-            self.give_up();
-            return Err(error);
-        }
+        self.lay().map_err(|error| self.fail_to_plan(error))?;
         Ok(Work::Planned)
     }
 

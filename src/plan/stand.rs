@@ -15,7 +15,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || self.task.shifted == Some(self.frontier.end);
         let rests =
             self.frontier.speed == Speed::ZERO && self.task.rest == 0 && self.frontier.pending_dwell == 0;
-        !taken_in && handed_out && passed && rests && !self.queue.clock.has_left()
+        !taken_in && handed_out && passed && rests && !self.queue.clock.has_left() && !self.orders.failed
     }
 
     /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
@@ -51,11 +51,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub fn drop_ahead(&mut self) {
         self.forget_ahead();
         (self.task.flush, self.task.rest) = (false, 0);
-    }
-
-    /// Behind a plan that failed, at rest: goes on from where the axes stand.
-    pub fn recover(&mut self) {
-        self.forget();
     }
 
     /// The point where the axes stand, as a curve without length: what comes next begins on it. There is

@@ -318,7 +318,7 @@ impl Linear {
         let before = begun.length();
         let room = room.saturating_add(before);
         // At least the deceleration at hand.
-        let least = v - motion.speed + released(decel, self.down_fall);
+        let least = (v - motion.speed).saturating_add(released(decel, self.down_fall));
         if least > v {
             return None;
         }
