@@ -14,8 +14,8 @@ use crate::machine::Synch;
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Kinematics, Motion, NcError, NcWarning, NcWarningKind,
-    Place, Spline, Step, Text,
+    Command, ContourMethod, Decoder, DwellTime, Head, HscMethod, Kinematics, Motion, NcError, NcWarning,
+    NcWarningKind, Place, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
@@ -99,6 +99,8 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     cycle_us: u32,
     /// FCT_PTP of P-CHAN-00600.
     ptp: bool,
+    /// FCT_SURFACE of P-CHAN-00600.
+    surface: bool,
     source: Source,
     /// A function that the ring of events did not take.
     held: Option<Held>,
@@ -345,6 +347,28 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 self.look_ahead(head)?;
                 self.planning.contour(contour, head.in_motion);
             }
+            Command::Hsc(head, hsc) => {
+                let other = match hsc.method {
+                    None | Some(HscMethod::Surface) => None,
+                    Some(HscMethod::Bspline) => Some("#HSC [BSPLINE]"),
+                    Some(HscMethod::Op(_)) => Some("#HSC [OPMODE]"),
+                };
+                if let Some(other) = other {
+                    return refuse(other);
+                }
+                // To switch it off, or to prepare it, needs nothing.
+                if hsc.switch == Some(true) && !self.surface {
+                    return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
+                }
+                if hsc.switch == Some(true) && !self.planning.measures_space() {
+                    return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
+                }
+                self.look_ahead(head)?;
+                if !self.planning.hsc(hsc) {
+                    let kind = NcWarningKind::HscIsOn;
+                    return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
+                }
+            }
             Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
@@ -391,5 +415,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
 }
 
 const PTP_NEEDS: &str = "#CONTOUR MODE [PTP] is not enabled; expected FCT_PTP in configuration.path_preparation.function (P-CHAN-00600)";
+
+const SURFACE_NEEDS: &str = "#HSC [SURFACE] is not enabled; expected FCT_SURFACE in configuration.path_preparation.function (P-CHAN-00600)";
+
+const SURFACE_MEASURES: &str =
+    "#HSC [SURFACE] needs the main axes as feed axes (P-CHAN-00011, default_feed_axis)";
 
 const MASTER_NEEDS: &str = "#CONTOUR MODE [DIST_MASTER] needs a master axis; expected one feed axis alone (P-CHAN-00011, default_feed_axis = 1), marked as master axis (P-AXIS-00015, kenngr.achs_mode = 0x10000001)";

@@ -248,7 +248,7 @@ pub fn round<const AXES: usize>(
         }
     };
     for block in blocks {
-        stage.take(block, &dynamics, false);
+        stage.take(block, &dynamics, glidepath::smooth::Parting::None);
         drain(&mut stage);
     }
     stage.flush(false);

@@ -100,8 +100,8 @@ const EXAMPLES: [Example; 42] = [
     runs("D3-EX17_max_angle_change", MM_MIN, [0.0, 0.0], 0.5, nothing_is_rounded),
     runs("D3-EX18_angle_sweep", MM_MIN, [-50.0, 0.0], 0.5, rounded_up_to_73_degrees),
     runs("D3-EX19_put_ax", MM_MIN, [100.0, 50.0], 0.5, the_axis_given_away_ends_it),
-    refused("D3-EX20_surface", "#HSC"),
-    refused("D3-EX21_surface_two_step", "#HSC"),
+    runs("D3-EX20_surface", MM_MIN, [100.0, 37.5], 0.02, |_| Ok(())),
+    runs("D3-EX21_surface_two_step", MM_MIN, [100.0, 37.5], 0.02, |_| Ok(())),
     refused("D3-EX22_bspline", "#HSC"),
     refused("D3-EX23_bspline_two_step", "#HSC"),
     runs("D3-EX24_slope_types", MM_MIN, [15.0, 50.0], 1e-6, |_| Ok(())),
@@ -132,6 +132,7 @@ fn machine(example: &Example, slope: u8) -> Machine {
         slope_profile: slope,
         feedrate_factor_milli: example.feed_unit,
         ptp: true,
+        surface: true,
         corr_v_trans_jerk: true,
         m_synch: SynchTable::NONE.with(25, Synch::MvsSns).with(26, Synch::MvsSvs),
         ..ChannelData::new()

@@ -56,6 +56,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
                 planning: Planning::new(planning, machine, start, sender),
                 cycle_us: machine.channel.cycle_us,
                 ptp: machine.channel.ptp,
+                surface: machine.channel.surface,
                 source: Source::Open,
                 held: None,
                 released: 0,

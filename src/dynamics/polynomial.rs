@@ -22,6 +22,14 @@ const TINY: f32 = 1e-12;
 /// sooner a feed hold stands in it.
 const STEADY_NORMAL_PART: f32 = 0.95;
 const STEADY_PART: f32 = 0.88;
+/// The same of an element that is one of many of a curve: what they leave to the slope is to be alike, since
+/// one law goes through all of them with the least of it.
+const FLOWING_NORMAL_PART: f32 = 0.7;
+const FLOWING_PART: f32 = 0.6;
+const FLOWING_SLOPE_PART: f32 = 0.25;
+/// Its speed leaves that part of the acceleration that its jerk reaches; one of so many speeds.
+const FLOWING_PULL: f32 = 0.25;
+const FLOWING_SPEEDS: usize = 8;
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
@@ -61,6 +69,7 @@ const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
         // A deceleration of STEP has to be there from the first tick on.
         Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
         Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+        Passage::Flowing => [FLOWING_NORMAL_PART, FLOWING_PART, FLOWING_SLOPE_PART],
         Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
         Passage::Varying | Passage::Timed(_) => [NORMAL_PART, ARC_PART, ARC_SLOPE_PART],
     }
@@ -155,13 +164,15 @@ impl<const AXES: usize> Dynamics<AXES> {
                     limits.v = min(limits.v, cbrt_f32(curve_part * budget / third));
                 }
                 if let (true, SlopeLaw::JerkLimited { shape, j, .. }) =
-                    (*first > 0.0 && !trades, &mut limits.law)
+                    (*first > 0.0 && !trades && !bounds.flows(), &mut limits.law)
                 {
                     lower(j, [slope_part / shape.peak_jerk() * budget / first; 4]);
                 }
             }
         }
-        if trades {
+        if bounds.flows() && !stepped {
+            self.flow(bounds, &mut limits, |axis| budget_of(axis.set(rapid)));
+        } else if trades {
             let whole = |axis: &Axis| {
                 let set = axis.set(rapid);
                 max(set.curving_budget(curving.jerk), set.joint.budget)
@@ -185,6 +196,55 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.path.lower(&mut limits, rapid, true);
         let override_range = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, override_range)
+    }
+
+    /// Limits of an element that is one of many of a curve: the highest of some speeds, each four fifths of the
+    /// one before, that leaves a part of the acceleration with which it is reached. Of the jerk that a speed
+    /// leaves, half is for an acceleration along the path, half for its change.
+    fn flow(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
+        let most = min(limits.a_up, limits.a_down);
+        let mut left = self.left(bounds, limits.v, most, &budget_of);
+        for _ in 0..FLOWING_SPEEDS {
+            let [a, j] = left;
+            if a >= FLOWING_PULL * min(most, sqrt_f32(j * limits.v)) {
+                break;
+            }
+            limits.v *= ARC_SPEED_STEP;
+            left = self.left(bounds, limits.v, most, &budget_of);
+        }
+        let [a, jerk] = left;
+        if let SlopeLaw::JerkLimited { shape, j, .. } = &mut limits.law {
+            lower(j, [jerk / shape.peak_jerk(); 4]);
+        }
+        limits.lower_accelerations(a);
+    }
+
+    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most.
+    fn left(
+        &self,
+        bounds: &Bounds<AXES>,
+        v: f32,
+        mut most: f32,
+        budget_of: &impl Fn(&Axis) -> f32,
+    ) -> [f32; 2] {
+        let mut jerk = NO_LIMIT;
+        let derivatives = bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives) {
+            if *first > 0.0 {
+                most = min(most, max(axis.a_max - second * v * v, 0.0) / first);
+            }
+            let budget = budget_of(axis);
+            if budget < f32::MAX {
+                let left = max(budget - third * v * v * v, 0.0);
+                if *second > 0.0 {
+                    most = min(most, 0.5 * left / (3.0 * second * v));
+                }
+                if *first > 0.0 {
+                    jerk = min(jerk, 0.5 * left / first);
+                }
+            }
+        }
+        [max(most, TINY), max(jerk, TINY)]
     }
 
     /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as

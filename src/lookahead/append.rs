@@ -28,6 +28,8 @@ pub(super) struct Last<const AXES: usize> {
     pub bent: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
+    /// It is a part of a curve of many elements.
+    pub flows: bool,
     /// Where the last one ends that is not brief.
     pub behind: End<AXES>,
 }
@@ -108,7 +110,7 @@ impl<const AXES: usize> Next<'_, AXES> {
         match dynamics.slope() {
             // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs
             // less.
-            SlopeType::Hsc => limits.is_as_strong(before),
+            SlopeType::Hsc => limits.is_as_strong(before, self.piece.flows || last.flows),
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
             // As if it were one block.
             SlopeType::Trapez | SlopeType::Sin2 => {
@@ -166,9 +168,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             _ => *piece.exit,
         };
         let (exit, trades) = (*piece.exit, piece.trades);
-        let (timed, bent) = (piece.timed, piece.bent);
+        let (timed, bent, flows) = (piece.timed, piece.bent, piece.flows);
         self.tail.last =
-            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, behind });
+            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, flows, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);

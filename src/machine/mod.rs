@@ -274,6 +274,8 @@ pub struct ChannelData {
     /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is
     /// allowed.
     pub ptp: bool,
+    /// P-CHAN-00600 holds FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
+    pub surface: bool,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
 }
@@ -299,6 +301,7 @@ impl ChannelData {
             m_synch: SynchTable::NONE,
             h_synch: SynchTable::NONE,
             ptp: false,
+            surface: false,
             default_index: 0,
         }
     }

@@ -221,10 +221,27 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         )
     },
     Parameter {
-        words: &["FCT_DEFAULT", "FCT_DEFAULT|FCT_PTP", "FCT_DEFAULT | FCT_PTP"],
-        set: |t, milli| t.ptp = milli != 0,
-        get: |t| t.ptp as i64 * 1000,
-        ..channel("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 2000)
+        words: &[
+            "FCT_DEFAULT",
+            "FCT_DEFAULT|FCT_PTP",
+            "FCT_DEFAULT|FCT_SURFACE",
+            "FCT_DEFAULT|FCT_PTP|FCT_SURFACE",
+            "FCT_DEFAULT | FCT_PTP",
+            "FCT_DEFAULT | FCT_SURFACE",
+            "FCT_DEFAULT | FCT_PTP | FCT_SURFACE",
+            "FCT_DEFAULT|FCT_SURFACE|FCT_PTP",
+            "FCT_DEFAULT | FCT_SURFACE | FCT_PTP",
+        ],
+        set: |t, milli| {
+            (t.ptp, t.surface) = match milli / 1000 {
+                0 => (false, false),
+                1 | 4 => (true, false),
+                2 | 5 => (false, true),
+                _ => (true, true),
+            };
+        },
+        get: |t| t.ptp as i64 * 1000 + t.surface as i64 * 2000,
+        ..channel("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 8000)
     },
     Parameter {
         set: |t, milli| t.default_index = (milli / 1000) as u8,

@@ -322,13 +322,15 @@ pub enum NcWarningKind {
     MasterRests,
     /// A dwell between two blocks of which the first has a rounded end: it is at the corner, which stays.
     DwellAtCorner,
+    /// 120542: parameters of #HSC while it is on; they are not taken.
+    HscIsOn,
 }
 
 impl NcWarningKind {
     /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the
     /// decoder.
     pub const fn is_of_curve(&self) -> bool {
-        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests | Self::DwellAtCorner)
+        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests | Self::DwellAtCorner | Self::HscIsOn)
     }
 }
 
@@ -337,6 +339,7 @@ impl NcWarning {
     pub const fn id(&self) -> u32 {
         match self.kind {
             NcWarningKind::DwellExtraAxis => 20685,
+            NcWarningKind::HscIsOn => 120_542,
             _ => 0,
         }
     }
@@ -358,6 +361,7 @@ impl fmt::Display for NcWarning {
             NcWarningKind::DwellAtCorner => {
                 "G04 between rounded blocks: the motion stands still in the programmed corner, which gets no curve"
             }
+            NcWarningKind::HscIsOn => "#HSC is on: its parameters stay as they are; switch it off first",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

@@ -236,6 +236,13 @@ pub struct Hsc {
     pub conterror: Option<Position>,
 }
 
+impl Hsc {
+    /// Whether it gives more than its switch.
+    pub fn gives_parameters(&self) -> bool {
+        *self != Self { switch: self.switch, ..Self::default() }
+    }
+}
+
 /// #FILTER. It switches off with `switch: Some(false)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {

@@ -83,6 +83,8 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub bent: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
+    /// It is a part of a curve of many elements.
+    pub flows: bool,
 }
 
 impl<const AXES: usize> Element<AXES> {
@@ -92,7 +94,9 @@ impl<const AXES: usize> Element<AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
         let timed = bounds.as_ref().is_some_and(Bounds::is_timed);
         let trades = bounds.as_ref().is_some_and(Bounds::trades);
-        Piece { shape, entry, exit, timed, bent: bounds.is_some() && !timed, trades }
+        let flows = bounds.as_ref().is_some_and(Bounds::flows);
+        let bent = bounds.is_some() && !timed && !flows;
+        Piece { shape, entry, exit, timed, bent, trades, flows }
     }
 }
 

@@ -46,6 +46,8 @@ pub enum Passage {
     Varying,
     /// It is to be one: what changes the speed is beside it.
     Steady,
+    /// It changes over many elements that are one curve, as if they were one.
+    Flowing,
     /// It is one (CONST_VEL).
     Constant,
     /// Path is time: the path speed, mm/tick, that it was made for.
@@ -56,6 +58,11 @@ impl<const AXES: usize> Bounds<AXES> {
     /// Its path is time.
     pub const fn is_timed(&self) -> bool {
         matches!(self.passage, Passage::Timed(_))
+    }
+
+    /// It is a part of a curve of many elements.
+    pub const fn flows(&self) -> bool {
+        matches!(self.passage, Passage::Flowing)
     }
 
     /// Acceleration inside it is bought with speed.

@@ -103,6 +103,11 @@ impl Functions {
         self.entries.iter().any(|entry| !entry.placed || !entry.gated)
     }
 
+    /// Whether an acknowledgement is demanded of one that is still to be given its place or its gate.
+    pub fn are_awaited(&self) -> bool {
+        self.entries.iter().any(|entry| !entry.gated && entry.ticket.waits())
+    }
+
     /// The motion that they were programmed with is refused.
     pub fn drop_unsettled(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| entry.unsettled) {

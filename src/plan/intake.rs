@@ -7,11 +7,11 @@ use crate::dynamics::{Dynamics, Permitted};
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
+use crate::nc::{ArcBy, Contour, Hsc, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
-use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
+use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,6 +278,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.contour(contour, in_motion);
     }
 
+    /// #HSC changes. Only after [`super::Work::Hungry`]. `false`: it is on, and its parameters stay.
+    pub fn hsc(&mut self, hsc: &Hsc) -> bool {
+        self.let_go();
+        self.intake.smoothing.hsc(hsc)
+    }
+
+    /// Whether the main axes are the feed axes, as HSC takes for granted.
+    pub fn measures_space(&self) -> bool {
+        self.measure.is_space()
+    }
+
     /// Whether there is a master axis for DIST_MASTER.
     pub fn has_master(&self) -> bool {
         self.measure.master().is_some()
@@ -331,11 +342,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             number: self.intake.taken,
             stop: motion.exact_stop,
         };
-        let parted = self.functions.are_open();
+        let parting = if self.functions.are_awaited() {
+            Parting::Awaited
+        } else if self.functions.are_open() {
+            Parting::Functions
+        } else {
+            Parting::None
+        };
         self.intake.smoothing.take(
             &ProgrammedBlock { element: *element, from, to, form, data },
             self.dynamics,
-            parted,
+            parting,
         );
         self.functions.settle(true, self.intake.smoothing.rounds());
         Ok(())

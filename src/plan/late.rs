@@ -11,7 +11,7 @@
 //! to the way in reserve, see `reserve`.)
 //!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the
-//! text comes.
+//! text comes. The row of blocks that HSC holds back ends where its last block ends ([`Smoother::gives_way`]).
 use super::{Planning, RESERVE, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
@@ -56,6 +56,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.let_go();
         if !self.lookahead.ring.is_empty() {
             return self.begin_pass();
+        }
+        if self.intake.smoothing.gives_way() {
+            return Work::Working;
         }
         if !self.intake.smoothing.holds() {
             self.functions.at_end(self.intake.taken, self.handed, &mut self.queue.actions);

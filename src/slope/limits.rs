@@ -12,6 +12,8 @@ const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
 /// An acceleration below this part of another one is far less.
 const WEAK: f32 = 1.0 / 64.0;
+/// The same between parts of one curve.
+const WEAK_PART: f32 = 1.0 / 5.0;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
 pub type Ramps = [f32; 4];
 
@@ -195,9 +197,11 @@ impl Limits {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
     }
 
-    /// Whether neither has far less acceleration, or deceleration, than the other.
-    pub(crate) fn is_as_strong(&self, other: &Self) -> bool {
-        let near = |a: f32, b: f32| min(a, b) >= WEAK * max(a, b);
+    /// Whether neither has far less acceleration, or deceleration, than the other. `flows`: between parts of
+    /// one curve, of which many are in one span.
+    pub(crate) fn is_as_strong(&self, other: &Self, flows: bool) -> bool {
+        let weak = if flows { WEAK_PART } else { WEAK };
+        let near = |a: f32, b: f32| min(a, b) >= weak * max(a, b);
         near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
     }
 

@@ -1,15 +1,16 @@
 //! Smoothing of the path: from programmed blocks to the elements that are driven.
 //!
 //! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
-//! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work. Contour
-//! mode is the kind there is.
+//! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
 pub mod contour;
+pub mod surface;
 
 use crate::dynamics::{Curving, Dynamics};
-use crate::nc::{Contour, NcWarningKind, Place, Plane};
+use crate::nc::{Contour, Hsc, HscMethod, NcWarningKind, Place, Plane};
 use crate::path::{Element, Measure};
 use crate::quantity::Position;
 use contour::Contouring;
+use surface::Surface;
 
 /// How a block was programmed, to make its rest anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,11 +71,21 @@ pub struct Smoothed<'a, const AXES: usize> {
     pub due: u32,
 }
 
+/// What stands between a block and the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parting {
+    /// Nothing.
+    None,
+    /// Functions.
+    Functions,
+    /// Functions, of which an acknowledgement is waited for.
+    Awaited,
+}
+
 /// A stage between programmed blocks and the look-ahead.
 pub trait Smoother<const AXES: usize> {
     /// Takes in the next block; only when [`Self::work`] has nothing to do and [`Self::emit`] no more.
-    /// `parted`: functions stand between it and the block before.
-    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parted: bool);
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting);
 
     /// Does a bounded piece of work. `false` if nothing is to be done, and only then [`Self::emit`] knows
     /// what goes on.
@@ -114,93 +125,176 @@ pub trait Smoother<const AXES: usize> {
 
     /// Whether a block is held back.
     fn holds(&self) -> bool;
+
+    /// The text is late, and the motion would stand still for it: whether what is held back now goes on.
+    fn gives_way(&mut self) -> bool;
 }
 
-/// The smoother at work, in one memory for all kinds.
-#[derive(Clone, Copy, Debug)]
-pub enum Smoothing<const AXES: usize> {
+/// The kinds, in one memory.
+#[derive(Debug)]
+enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261.
     Contour(Contouring<AXES>),
+    /// #HSC \[SURFACE\].
+    Surface(Surface<AXES>),
+}
+
+/// The smoother at work, and what each of the others is to begin with.
+#[derive(Debug)]
+pub struct Smoothing<const AXES: usize> {
+    measure: Measure,
+    kind: Kind<AXES>,
+    /// Contour mode while another kind is at work.
+    contour: contour::Settings,
+    surface: surface::Parameters,
+    /// The kind of HSC that ON selects.
+    method: HscMethod,
+    /// What is to be at work as soon as nothing is held back: HSC, or contour mode.
+    wanted: Option<bool>,
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
     /// Contour mode, off; `check_jerk` is P-CHAN-00110.
     pub fn new(measure: Measure, check_jerk: u8) -> Self {
-        Self::Contour(Contouring::new(measure, check_jerk))
+        let contouring = Contouring::new(measure, check_jerk);
+        Self {
+            measure,
+            contour: contouring.settings(),
+            kind: Kind::Contour(contouring),
+            surface: surface::Parameters::new(check_jerk),
+            method: HscMethod::Surface,
+            wanted: None,
+        }
     }
 
     /// Takes in a command of contour mode. `in_motion`: it stands in a block with a motion.
     pub fn contour(&mut self, command: &Contour, in_motion: bool) {
-        let Self::Contour(contouring) = self;
-        contouring.command(command, in_motion);
+        match &mut self.kind {
+            Kind::Contour(contouring) => contouring.command(command, in_motion),
+            Kind::Surface(_) => self.contour.command(command),
+        }
+    }
+
+    /// Whether HSC is on, or will be behind the blocks held back.
+    pub fn is_hsc(&self) -> bool {
+        self.wanted.unwrap_or(matches!(self.kind, Kind::Surface(_)))
+    }
+
+    /// Takes in parameters of #HSC, and its switch. What is held back ends where it was programmed to.
+    ///
+    /// While HSC is on, its parameters stay: `false` if the command gives some.
+    pub fn hsc(&mut self, command: &Hsc) -> bool {
+        let (on, gives) = (self.is_hsc(), command.gives_parameters());
+        if on && gives && command.switch != Some(false) {
+            return false;
+        }
+        if gives {
+            self.method = command.method.unwrap_or(self.method);
+            self.surface.update(command);
+        }
+        if let Some(switch) = command.switch.filter(|switch| *switch != on) {
+            self.cancel();
+            self.wanted = Some(switch);
+        }
+        true
+    }
+
+    /// Another kind gets to work. Only when nothing is held back.
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, hsc: bool) {
+        if let Kind::Contour(contouring) = &self.kind {
+            self.contour = contouring.settings();
+        }
+        self.kind = if hsc {
+            Kind::Surface(Surface::new(self.measure, &self.surface))
+        } else {
+            Kind::Contour(Contouring::with(self.measure, &self.contour))
+        };
     }
 }
 
+/// What the kind at work does.
+macro_rules! at_work {
+    ($smoothing:ident, $kind:ident => $what:expr) => {
+        match &mut $smoothing.kind {
+            Kind::Contour($kind) => $what,
+            Kind::Surface($kind) => $what,
+        }
+    };
+    (ref $smoothing:ident, $kind:ident => $what:expr) => {
+        match &$smoothing.kind {
+            Kind::Contour($kind) => $what,
+            Kind::Surface($kind) => $what,
+        }
+    };
+}
+
 impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
-    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parted: bool) {
-        let Self::Contour(contouring) = self;
-        contouring.take(block, dynamics, parted);
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
+        if let Some(hsc) = self.wanted.take() {
+            self.change(hsc);
+        }
+        at_work!(self, kind => kind.take(block, dynamics, parting));
     }
 
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.work(dynamics)
+        at_work!(self, kind => kind.work(dynamics))
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.emit(into)
+        at_work!(self, kind => kind.emit(into))
     }
 
     fn flush(&mut self, stop: bool) {
-        let Self::Contour(contouring) = self;
-        contouring.flush(stop);
+        at_work!(self, kind => kind.flush(stop));
     }
 
     fn cancel(&mut self) {
-        let Self::Contour(contouring) = self;
-        contouring.cancel();
+        at_work!(self, kind => kind.cancel());
     }
 
     fn clear(&mut self) {
-        let Self::Contour(contouring) = self;
-        contouring.clear();
+        at_work!(self, kind => kind.clear());
     }
 
     fn restart(&mut self) {
-        let Self::Contour(contouring) = self;
-        contouring.restart();
+        if matches!(self.kind, Kind::Surface(_)) {
+            self.change(false);
+        }
+        self.wanted = None;
+        self.surface.restart();
+        self.method = HscMethod::Surface;
+        at_work!(self, kind => kind.restart());
     }
 
     fn place(&self) -> Option<Place> {
-        let Self::Contour(contouring) = self;
-        contouring.place()
+        at_work!(ref self, kind => kind.place())
     }
 
     fn remark(&mut self) -> Option<NcWarningKind> {
-        let Self::Contour(contouring) = self;
-        contouring.remark()
+        at_work!(self, kind => kind.remark())
     }
 
     #[inline(always)]
     fn is_idle(&self) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.is_idle()
+        self.wanted.is_none() && at_work!(ref self, kind => kind.is_idle())
     }
 
     #[inline(always)]
     fn is_empty(&self) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.is_empty()
+        at_work!(ref self, kind => kind.is_empty())
     }
 
     fn rounds(&self) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.rounds()
+        at_work!(ref self, kind => kind.rounds())
     }
 
     fn holds(&self) -> bool {
-        let Self::Contour(contouring) = self;
-        contouring.holds()
+        at_work!(ref self, kind => kind.holds())
+    }
+
+    fn gives_way(&mut self) -> bool {
+        at_work!(self, kind => kind.gives_way())
     }
 }

@@ -39,6 +39,7 @@ mod parameters;
 mod timed;
 
 pub use parameters::Parameters;
+pub(super) use parameters::half_sine;
 
 use self::corner_curve::CornerCurve;
 use self::held_block::{HeldBlock, Stray};
@@ -49,7 +50,7 @@ use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line};
 use crate::quantity::{Distance, Position};
-use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
+use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
 /// An element that waits to be emitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +114,26 @@ impl<const AXES: usize> Turning<AXES> {
             self.draft = None;
         }
         Some(())
+    }
+}
+
+/// What is in force: all that stays when nothing is held back.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    parameters: Parameters,
+    on: bool,
+    once: bool,
+}
+
+impl Settings {
+    /// Takes in a command, while another kind of smoothing is at work.
+    pub fn command(&mut self, contour: &Contour) {
+        self.parameters.update(contour);
+        match contour.switch {
+            None => {}
+            Some(ContourSwitch::Block) => self.once = true,
+            Some(switch) => self.on = switch == ContourSwitch::On,
+        }
     }
 }
 
@@ -220,6 +241,18 @@ impl<const AXES: usize> Contouring<AXES> {
             joining: None,
             remark: None,
         }
+    }
+
+    /// With what was in force.
+    pub fn with(measure: Measure, settings: &Settings) -> Self {
+        let Settings { parameters, on, once } = *settings;
+        Self { parameters, on, once, ..Self::new(measure, parameters.of_channel) }
+    }
+
+    /// What is in force.
+    pub fn settings(&self) -> Settings {
+        let Self { parameters, on, once, .. } = *self;
+        Settings { parameters, on, once }
     }
 
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
@@ -367,7 +400,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
 impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     #[inline(never)]
-    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parted: bool) {
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
         let mut rounds = (self.on || core::mem::take(&mut self.once)) && !block.data.stop;
         if rounds && self.parameters.method == ContourMethod::Ptp && block.form != Form::Line {
             self.on = false;
@@ -392,7 +425,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.waiting = Some(next);
             return;
         }
-        self.enter(next, None, parted, dynamics);
+        self.enter(next, None, parting != Parting::None, dynamics);
     }
 
     #[inline(never)]
@@ -492,5 +525,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn holds(&self) -> bool {
         self.held.is_some()
+    }
+
+    fn gives_way(&mut self) -> bool {
+        // A corner that is held back waits for its second block: the path does not depend on when the text
+        // comes.
+        false
     }
 }

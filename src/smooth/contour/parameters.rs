@@ -57,7 +57,7 @@ pub struct Parameters {
 }
 
 /// Sine of half an angle in degrees.
-fn half_sine(angle: Position) -> f32 {
+pub fn half_sine(angle: Position) -> f32 {
     // 2^-32 degrees to 2^-64 revolutions, halved
     let turns = (angle.to_bits().max(0).unsigned_abs() / 720) << 32;
     to_f32(sin_cos(turns).0) * (1.0 / (1u64 << 62) as f32)

@@ -576,6 +576,7 @@ mod tests {
             m_synch: machine.channel.m_synch,
             h_synch: SynchTable::NONE.with(7, Synch::MnsSns),
             ptp: true,
+            surface: false,
             default_index: 6,
         };
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));

@@ -50,7 +50,8 @@ impl Machine {
         let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
         // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is
         // not.
-        let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
+        let channel =
+            ChannelData { slope_profile: 1, corr_v_trans_jerk: true, surface: true, ..ChannelData::new() };
         Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
     }
 

@@ -1,0 +1,201 @@
+//! A cell of the path: the quintic between two knots, its length, and the proof in integers that it stays
+//! inside the tolerance.
+//!
+//! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell beside each chord of
+//! the program, less the chord itself, is such a polynomial: if all its coefficients are inside the tolerance,
+//! so is the path. Over a cell and its chords the same distance counts, in parts of both lengths; so the path
+//! keeps to the order of the contour too.
+use super::parameters::Tolerance;
+use crate::math::float::{max, to_f32};
+use crate::path::poly::Knot;
+use crate::quantity::Position;
+
+/// Coefficients, LSB 2^-26 mm, from the start of the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hull<const AXES: usize> {
+    points: [[i32; AXES]; 6],
+}
+
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+const ONE_26: f32 = (1u32 << 26) as f32;
+/// From the LSB of a position.
+const COARSER: u32 = 6;
+
+/// Of a tolerance, for rounding: 2^-17 mm.
+const ROUNDING: i64 = 1 << 9;
+
+/// Steps of the search for the length.
+const STEPS: usize = 3;
+
+/// From one knot to another, mm.
+fn travel<const AXES: usize>(from: &Knot<AXES>, to: &Knot<AXES>) -> [f32; AXES] {
+    let mut d = [0.0; AXES];
+    for (d, (from, to)) in d.iter_mut().zip(from.position.iter().zip(&to.position)) {
+        *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32;
+    }
+    d
+}
+
+/// Length (mm) with which the cell between two knots has the same speed in its middle as at its ends: its arc
+/// length, but for a part of some ten millionth. `space`: length of a vector.
+pub fn length<const AXES: usize>(
+    from: &Knot<AXES>,
+    to: &Knot<AXES>,
+    space: impl Fn(&[f32; AXES]) -> f32,
+) -> f32 {
+    let d = travel(from, to);
+    let mut length = space(&d);
+    let (mut tangents, mut bends) = ([0.0; AXES], [0.0; AXES]);
+    for (k, (tangent, bend)) in tangents.iter_mut().zip(&mut bends).enumerate() {
+        if let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) {
+            *tangent = (to_f32(*t0) + to_f32(*t1)) * (LSB_40 * 7.0 / 16.0);
+        }
+        if let (Some(k0), Some(k1)) = (from.end.curvature.get(k), to.end.curvature.get(k)) {
+            *bend = (k1 - k0) * (1.0 / 32.0);
+        }
+    }
+    for _ in 0..STEPS {
+        let mut middle = d.map(|d| d * 1.875);
+        for (middle, (tangent, bend)) in middle.iter_mut().zip(tangents.iter().zip(&bends)) {
+            *middle += length * (length * bend - tangent);
+        }
+        length += (space(&middle) - length) * (8.0 / 15.0);
+    }
+    length
+}
+
+/// An offset in the LSB of a hull; beyond its range the largest one.
+fn coarse(x: Position, from: Position) -> i32 {
+    let d = x.to_bits().wrapping_sub(from.to_bits()) >> COARSER;
+    d.clamp(i64::from(-BEYOND), i64::from(BEYOND)) as i32
+}
+
+/// 16 mm or degrees: no cell is that large.
+const BEYOND: i32 = 1 << 30;
+
+/// Between two numbers; `part`: LSB 2^-31.
+#[inline(always)]
+fn between(a: i32, b: i32, part: i32) -> i32 {
+    let d = i64::from(b) - i64::from(a);
+    a.wrapping_add(((d * i64::from(part) + (1 << 30)) >> 31) as i32)
+}
+
+/// A part below 1, LSB 2^-31.
+fn part_of(x: f32) -> i32 {
+    const MOST: f32 = 2_147_483_520.0;
+    let x = x * 2_147_483_648.0;
+    if x <= 0.0 {
+        0
+    } else if x >= MOST {
+        i32::MAX
+    } else {
+        x as i32
+    }
+}
+
+/// A chord beside a cell, or the part of it that is: its ends, what may be deviated from it, and the path
+/// length of the cell where it ends, as a part of what is left of the cell.
+pub struct Beside<'a, const AXES: usize> {
+    pub ends: [&'a [Position; AXES]; 2],
+    pub tolerance: Tolerance,
+    pub part: f32,
+}
+
+impl<const AXES: usize> Hull<AXES> {
+    /// Of the cell of that length between two knots; `None` if it is too large.
+    pub fn new(from: &Knot<AXES>, to: &Knot<AXES>, length: f32) -> Option<Self> {
+        let mut points = [[0; AXES]; 6];
+        let fine = ONE_26 * length;
+        for k in 0..AXES {
+            let end = coarse(*to.position.get(k)?, *from.position.get(k)?);
+            let slope = |knot: &Knot<AXES>| {
+                let t = to_f32(*knot.end.tangent.get(k)?) * (LSB_40 * 0.2) * fine;
+                let c = *knot.end.curvature.get(k)? * (0.05 * length) * fine;
+                (max(t, -t) + max(c, -c) < 2.5e8).then_some([t as i32, (2.0 * t) as i32, c as i32])
+            };
+            let ([t0, tt0, c0], [t1, tt1, c1]) = (slope(from)?, slope(to)?);
+            if end.abs() >= BEYOND / 2 {
+                return None;
+            }
+            let column = [0, t0, tt0 + c0, end - tt1 + c1, end - t1, end];
+            for (point, x) in points.iter_mut().zip(column) {
+                *point.get_mut(k)? = x;
+            }
+        }
+        Some(Self { points })
+    }
+
+    /// At least the largest speed over its length.
+    pub fn fastest(&self, length: f32, space: impl Fn(&[f32; AXES]) -> f32) -> f32 {
+        let mut most = 0.0;
+        for pair in self.points.windows(2) {
+            let [a, b] = pair else { continue };
+            let mut d = [0.0; AXES];
+            for (d, (a, b)) in d.iter_mut().zip(a.iter().zip(b)) {
+                *d = (b - a) as f32;
+            }
+            most = max(most, space(&d));
+        }
+        most * 5.0 / (ONE_26 * length) * (1.0 + 1.0 / 1_048_576.0)
+    }
+
+    /// Cuts it: becomes what is behind that part of it, and returns what is before.
+    fn cut(&mut self, part: i32) -> Self {
+        let mut before = *self;
+        for k in 0..AXES {
+            let mut b = [0; 6];
+            for (b, point) in b.iter_mut().zip(&self.points) {
+                *b = point.get(k).copied().unwrap_or(0);
+            }
+            let (mut left, mut right) = (b, b);
+            for i in 1..6 {
+                for j in 0..6 - i {
+                    b[j] = between(b[j], b[j + 1], part);
+                }
+                (left[i], right[5 - i]) = (b[0], b[5 - i]);
+            }
+            for ((before, behind), (left, right)) in
+                before.points.iter_mut().zip(&mut self.points).zip(left.into_iter().zip(right))
+            {
+                if let (Some(before), Some(behind)) = (before.get_mut(k), behind.get_mut(k)) {
+                    (*before, *behind) = (left, right);
+                }
+            }
+        }
+        before
+    }
+
+    /// Whether the part of it beside a chord is inside the tolerance. What is behind is left.
+    pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
+        let part = part_of(chord.part);
+        let own = if part == i32::MAX { *self } else { self.cut(part) };
+        let path = ((chord.tolerance.path * ONE_26) as i64 - ROUNDING).max(0);
+        let track = ((chord.tolerance.track * ONE_26) as i64 - ROUNDING).max(0);
+        let mut squares = [0i64; 6];
+        for k in 0..AXES {
+            let (Some(origin), Some(from), Some(to)) =
+                (origin.get(k), chord.ends[0].get(k), chord.ends[1].get(k))
+            else {
+                return false;
+            };
+            let (from, to) = (coarse(*from, *origin), coarse(*to, *origin));
+            if from.abs() == BEYOND || to.abs() == BEYOND {
+                return false;
+            }
+            let is_main = main >> (k & 31) & 1 == 1;
+            for (i, (point, square)) in own.points.iter().zip(&mut squares).enumerate() {
+                let Some(x) = point.get(k) else { return false };
+                // Fifths of 2^31.
+                let at = between(from, to, if i == 5 { i32::MAX } else { 429_496_730 * i as i32 });
+                let d = i64::from(*x) - i64::from(at);
+                if is_main {
+                    *square = square.saturating_add(d * d);
+                } else if chord.tolerance.track > 0.0 && d.abs() > track {
+                    return false;
+                }
+            }
+        }
+        squares.iter().all(|square| *square <= path * path)
+    }
+}

@@ -1,0 +1,273 @@
+//! Blocks as chords: a line is one, an arc many. On chords that are long beside the kernels more vertices come
+//! in between, on the smooth curve that the chords stand for.
+use super::parameters::{Parameters, Tolerance};
+use super::window::{Programmed, Vertex, Window, smoothness};
+use crate::math::float::{max, min, to_f32};
+use crate::quantity::{Distance, Position};
+use crate::smooth::{Data, ProgrammedBlock};
+
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+const ONE_30: f32 = (1u32 << 30) as f32;
+
+/// A part of a block between two vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chord<const AXES: usize> {
+    pub from: [Position; AXES],
+    pub to: [Position; AXES],
+    /// Per mm of path in space.
+    pub direction: [f32; AXES],
+    /// mm.
+    pub length: f32,
+    pub programmed: Programmed,
+}
+
+/// The block that chords are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source<const AXES: usize> {
+    pub block: ProgrammedBlock<AXES>,
+    /// Where the next chord of an arc begins, and how long each is; 0: all of it.
+    next: Distance,
+    step: Distance,
+    from: [Position; AXES],
+    /// It is passed as it is.
+    pub exact: bool,
+    /// Functions stand before it.
+    pub parted: bool,
+    /// All of it has gone on.
+    pub is_over: bool,
+}
+
+/// Vertices between two others, at most.
+pub const BETWEEN: usize = 11;
+/// Of the kernels' width, between two vertices.
+const STEP: f32 = 0.25;
+/// A chord of so many widths is straight but for its ends.
+const LONG: f32 = 3.0;
+/// Of a tolerance, that a curve may lie beside its chord.
+const BULGE: f32 = 0.9;
+/// One that wants more than so much of it gets less: what is left is for the kernels.
+const FAR: f32 = 1.05;
+const LESS: f32 = 0.6;
+
+impl<const AXES: usize> Source<AXES> {
+    /// `chord`: length (mm) of the chords of an arc.
+    pub fn new(block: &ProgrammedBlock<AXES>, chord: Option<f32>, exact: bool, parted: bool) -> Self {
+        let length = block.element.shape.length.to_bits();
+        let mut step = length;
+        if let Some(chord) = chord {
+            let most = max(to_f32(length) / max(chord * (1u64 << 44) as f32, 1.0), 0.0);
+            // Two at least, so that a circle is one.
+            step = length / (2 + (min(most, 1e6) as i64)) + 1;
+        }
+        let next = Distance::ZERO;
+        let (block, from, step) = (*block, block.from, Distance::from_bits(step));
+        Self { block, next, step, from, exact, parted, is_over: false }
+    }
+
+    /// The next chord; without going on.
+    pub fn chord(&self, window: &Window<AXES>) -> Option<Chord<AXES>> {
+        let Data { feed, n, number, .. } = self.block.data;
+        let programmed = Programmed { feed, n, number };
+        let end = self.next.to_bits().saturating_add(self.step.to_bits());
+        let mut to = self.block.to;
+        if end < self.block.element.shape.length.to_bits() {
+            let shape = &self.block.element.shape;
+            shape.at(end, &shape.base(&self.block.from), &mut to);
+        }
+        Chord::new(&self.from, &to, programmed, window)
+    }
+
+    /// The chord has been taken.
+    pub fn go_on(&mut self, to: &[Position; AXES]) {
+        let end = self.next.to_bits().saturating_add(self.step.to_bits());
+        self.next = Distance::from_bits(end);
+        self.from = *to;
+        self.is_over = end >= self.block.element.shape.length.to_bits();
+    }
+}
+
+impl<const AXES: usize> Chord<AXES> {
+    /// `None` where no main axis moves.
+    pub fn new(
+        from: &[Position; AXES],
+        to: &[Position; AXES],
+        programmed: Programmed,
+        window: &Window<AXES>,
+    ) -> Option<Self> {
+        let mut direction = [0.0; AXES];
+        for (d, (from, to)) in direction.iter_mut().zip(from.iter().zip(to)) {
+            *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32;
+        }
+        let length = window.length(&direction);
+        if length <= 0.0 {
+            return None;
+        }
+        let per = 1.0 / length;
+        let direction = direction.map(|d| d * per);
+        Some(Self { from: *from, to: *to, direction, length, programmed })
+    }
+
+    /// The step of direction to the next chord.
+    pub fn turn(&self, next: &Self) -> [f32; AXES] {
+        let mut turn = next.direction;
+        for (turn, before) in turn.iter_mut().zip(&self.direction) {
+            *turn -= before;
+        }
+        turn
+    }
+}
+
+/// A chord between its neighbours.
+pub struct Between<'a, const AXES: usize> {
+    pub chord: &'a Chord<AXES>,
+    pub before: Option<&'a Chord<AXES>>,
+    pub behind: Option<&'a Chord<AXES>>,
+    /// Marks of the vertex at its end.
+    pub marks: u8,
+}
+
+/// How a curve leaves its chord at both ends: per length of the chord.
+struct Bulge<const AXES: usize> {
+    slopes: [[f32; AXES]; 2],
+}
+
+impl<const AXES: usize> Bulge<AXES> {
+    const NONE: Self = Self { slopes: [[0.0; AXES]; 2] };
+
+    /// At a part of the chord, of that length.
+    fn at(&self, w: f32, length: f32) -> [f32; AXES] {
+        let rest = 1.0 - w;
+        let [first, last] = &self.slopes;
+        let (a, b) = (length * w * rest * rest, -length * w * w * rest);
+        let mut off = *first;
+        for (off, last) in off.iter_mut().zip(last) {
+            *off = *off * a + last * b;
+        }
+        off
+    }
+}
+
+/// The part of a bulge that a tolerance leaves.
+fn kept(bulge: f32, tolerance: f32) -> f32 {
+    let most = if bulge > FAR * tolerance { LESS } else { BULGE };
+    min(1.0, most * tolerance / max(bulge, f32::MIN_POSITIVE))
+}
+
+impl<const AXES: usize> Window<AXES> {
+    /// How smooth the turn from one chord to the next is, and its part that the curve at the vertex turns
+    /// from the chord of that length.
+    fn leaves(&self, one: &Chord<AXES>, next: &Chord<AXES>) -> ([f32; AXES], f32) {
+        let turn = one.turn(next);
+        (turn, smoothness(self.length(&turn)))
+    }
+
+    /// The curve that a chord stands for.
+    fn bulge(&self, between: &Between<'_, AXES>, tolerance: &Tolerance) -> Bulge<AXES> {
+        let Between { chord, before, behind, .. } = between;
+        let mut bulge = Bulge::NONE;
+        // A long chord is straight: the curve beside it leaves in its direction.
+        let long = LONG * self.reach;
+        let mut of = |slot: usize, one: &Chord<AXES>, next: &Chord<AXES>, sign: f32| {
+            let (turn, smooth) = self.leaves(one, next);
+            let other = if slot == 0 { one } else { next };
+            let share = if other.length > long { 1.0 } else { chord.length / (one.length + next.length) };
+            let part = sign * smooth * share;
+            if let Some(slopes) = bulge.slopes.get_mut(slot) {
+                *slopes = turn.map(|turn| turn * part);
+            }
+        };
+        if let Some(before) = before {
+            of(0, before, chord, -1.0);
+        }
+        if let Some(behind) = behind {
+            of(1, chord, behind, 1.0);
+        }
+        let middle = bulge.at(0.5, chord.length);
+        let mut part = kept(self.length(&middle), tolerance.path);
+        if tolerance.track > 0.0 {
+            for (_, x) in middle.iter().enumerate().filter(|(k, _)| !self.is_main(*k)) {
+                part = min(part, kept(max(*x, -*x), tolerance.track));
+            }
+        }
+        for slopes in &mut bulge.slopes {
+            *slopes = slopes.map(|x| x * part);
+        }
+        bulge
+    }
+
+    /// Takes in a chord. There is room for [`BETWEEN`] + 1 vertices. `heading`: direction of the polygon up to
+    /// here, and then behind it.
+    pub fn take(
+        &mut self,
+        between: &Between<'_, AXES>,
+        heading: &mut Option<[f32; AXES]>,
+        parameters: &Parameters,
+    ) {
+        let chord = between.chord;
+        let widest = max(self.reach, f32::MIN_POSITIVE);
+        let step = STEP * widest;
+        let edge = between.before.map(|before| self.leaves(before, chord).1);
+        let mut bulge = Bulge::NONE;
+        let mut count = 0;
+        let mut long = false;
+        if chord.length > step {
+            long = chord.length > LONG * widest;
+            if long {
+                count = 8;
+            } else {
+                count = (chord.length / step) as usize;
+                bulge = self.bulge(between, &parameters.tolerance(chord.programmed.feed.is_none()));
+            }
+        }
+        let mut from = (chord.from, [0.0; AXES]);
+        let mut edge = edge;
+        let parts = 1.0 / (count + 1) as f32;
+        for k in 1..=count.min(BETWEEN) {
+            let w = match (long, k) {
+                (false, _) => k as f32 * parts,
+                (true, ..5) => k as f32 * step / chord.length,
+                (true, _) => 1.0 - (9 - k) as f32 * step / chord.length,
+            };
+            let mut at = chord.from;
+            let part = (w * ONE_30) as i64;
+            for (at, to) in at.iter_mut().zip(&chord.to) {
+                let d = to.to_bits().wrapping_sub(at.to_bits());
+                let d = crate::math::wide::mul_shift(d, part, 30);
+                *at = Position::from_bits(at.to_bits().wrapping_add(d));
+            }
+            let offset = bulge.at(w, chord.length);
+            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, 0));
+        }
+        let marks = between.marks | Vertex::<AXES>::PROGRAMMED;
+        self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks));
+    }
+
+    /// Appends a vertex, with the turn at the one before.
+    fn append(
+        &mut self,
+        from: &mut ([Position; AXES], [f32; AXES]),
+        (at, offset): (&[Position; AXES], &[f32; AXES]),
+        edge: Option<f32>,
+        heading: &mut Option<[f32; AXES]>,
+        (chord, marks): (&Chord<AXES>, u8),
+    ) {
+        let is_straight = from.1.iter().chain(offset).all(|x| *x == 0.0);
+        let mut d = [0.0; AXES];
+        let ends = from.0.iter().zip(at).zip(from.1.iter().zip(offset));
+        for (d, ((from, to), (before, offset))) in d.iter_mut().zip(ends) {
+            *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32 + (offset - before);
+        }
+        let length = self.length(&d);
+        let per = 1.0 / max(length, f32::MIN_POSITIVE);
+        let direction = if is_straight { chord.direction } else { d.map(|d| d * per) };
+        let mut turn = [0.0; AXES];
+        if let Some(heading) = heading {
+            for (turn, (now, before)) in turn.iter_mut().zip(direction.iter().zip(&*heading)) {
+                *turn = now - before;
+            }
+        }
+        self.push((at, offset), (&turn, edge), length, chord.programmed, marks);
+        *heading = Some(direction);
+        *from = (*at, *offset);
+    }
+}

@@ -1,0 +1,305 @@
+//! Points of the smoothed path: the control polygon P with a kernel at each vertex.
+//!
+//! Over the length s of the polygon, with d_i the step of its direction at vertex i, c_i the half width of its
+//! kernel and u = 1 − |s − s_i|/c_i,
+//!
+//! ```text
+//! Q = P + Σ d_i·c_i·u³/6      Q' = P' ± Σ d_i·u²/2      Q'' = Σ d_i·u/c_i
+//! ```
+//!
+//! over all vertices nearer than c_i. Q is twice continuously differentiable whatever the widths are.
+use super::window::{SLOWEST, Vertex, WIDEST_EVER, Window, step};
+use crate::math::float::{max, min};
+use crate::math::wide::mul_shift;
+use crate::path::poly::Knot;
+use crate::path::{End, Measure, straight};
+use crate::quantity::Position;
+
+/// A place of the polygon: so far (mm) behind a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    pub vertex: usize,
+    pub x: f32,
+}
+
+/// A turn that makes an element end at its vertex and where its kernel ends.
+const STRONG: f32 = 0.2;
+
+/// Part of the width of a kernel that an element goes over.
+const CELL: f32 = 0.5;
+/// No element is made shorter than this part of that, for the end of a kernel.
+const SLIVER: f32 = 0.1;
+/// Longest element, mm.
+const LONGEST: f32 = 8.0;
+/// Shortest line, mm.
+const LINE: f32 = 1.0;
+/// Less is no distance, mm.
+const NOTHING: f32 = 1e-6;
+
+const ONE_40: f32 = (1u64 << 40) as f32;
+const ONE_32: f32 = (1u64 << 32) as f32;
+
+/// What comes next of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// So far from the last knot, mm.
+    pub way: f32,
+    /// Nothing turns on the way.
+    pub is_straight: bool,
+}
+
+/// What lies ahead of a place.
+struct Ahead {
+    /// Some kernel is at work there.
+    active: bool,
+    /// Distance to the first kernel.
+    start: f32,
+    /// Distance to the first place at which an element has to end, of a strong turn or of the program.
+    strong: f32,
+    forced: f32,
+}
+
+fn positive(x: f32) -> i64 {
+    (x * ONE_32) as i64
+}
+
+impl<const AXES: usize> Window<AXES> {
+    /// Distance along the control polygon from a place to a vertex behind it.
+    pub fn to_vertex(&self, spot: &Spot, vertex: usize) -> f32 {
+        let mut way = -spot.x;
+        for k in spot.vertex + 1..=vertex {
+            way += self.get(k).map_or(0.0, |vertex| vertex.moved_length);
+        }
+        way
+    }
+
+    /// Distance along the control polygon from a vertex to a place behind it.
+    pub fn since(&self, spot: &Spot, vertex: usize) -> f32 {
+        let mut way = spot.x;
+        for k in vertex + 1..=spot.vertex {
+            way += self.get(k).map_or(0.0, |vertex| vertex.moved_length);
+        }
+        way
+    }
+
+    /// The place so far behind another one.
+    pub fn advance(&self, spot: &Spot, way: f32) -> Spot {
+        let Spot { mut vertex, mut x } = *spot;
+        x += way;
+        while let Some(next) = self.get(vertex + 1)
+            && vertex + 1 < self.moved
+            && x >= next.moved_length - NOTHING
+        {
+            x = max(x - next.moved_length, 0.0);
+            vertex += 1;
+            if x < NOTHING {
+                x = 0.0;
+            }
+        }
+        Spot { vertex, x }
+    }
+
+    /// What lies ahead; what is nearer than `least` is no place to end.
+    fn look_ahead(&self, spot: &Spot, least: f32) -> Ahead {
+        let mut ahead = Ahead { active: false, start: f32::MAX, strong: f32::MAX, forced: f32::MAX };
+        let note = |place: &mut f32, at: f32| {
+            if at > least {
+                *place = min(*place, at);
+            }
+        };
+        let mut away = spot.x;
+        let mut k = spot.vertex;
+        while let Some(vertex) = self.get(k)
+            && away < WIDEST_EVER
+        {
+            if vertex.turns() && vertex.width > away + NOTHING {
+                ahead.active = true;
+                if self.length(&vertex.moved_turn) > STRONG {
+                    note(&mut ahead.strong, vertex.width - away);
+                }
+            }
+            away += vertex.moved_length;
+            let Some(before) = k.checked_sub(1) else { break };
+            k = before;
+        }
+        away = -spot.x;
+        for k in spot.vertex + 1..self.moved {
+            let Some(vertex) = self.get(k) else { break };
+            away += vertex.moved_length;
+            let last = self.ended && k + 1 == self.len();
+            if vertex.turns() && !last {
+                ahead.start = min(ahead.start, away - vertex.width);
+                if self.length(&vertex.moved_turn) > STRONG {
+                    note(&mut ahead.strong, away - vertex.width);
+                    note(&mut ahead.strong, away);
+                    note(&mut ahead.strong, away + vertex.width);
+                }
+            }
+            if vertex.is(Vertex::<AXES>::FORCED) || last {
+                note(&mut ahead.forced, away);
+                break;
+            }
+        }
+        ahead.active |= ahead.start <= NOTHING;
+        ahead
+    }
+
+    /// How far the next element goes; `None` if more vertices have to be known.
+    pub fn aim(&self, spot: &Spot) -> Option<Aim> {
+        let all = self.ended && self.checked == self.len();
+        let last = self.checked.checked_sub(1)?;
+        // Beyond what is looked at, kernels are known as far as they reach.
+        let known = if all { f32::MAX } else { self.to_vertex(spot, last) + self.reach };
+        if known < 0.0 || last < spot.vertex && !all {
+            return None;
+        }
+        let (from, to) = (self.get(spot.vertex)?, self.get(spot.vertex + 1)?);
+        let part = min(spot.x / max(to.moved_length, f32::MIN_POSITIVE), 1.0);
+        let width = max(from.width + (to.width - from.width) * part, max(0.5 * from.width, 0.5 * to.width));
+        let mut way = min(CELL * max(width, 4.0 * NOTHING), LONGEST);
+        let least = SLIVER * way;
+        let ahead = self.look_ahead(spot, least);
+        let mut near = min(ahead.forced, ahead.strong);
+        if ahead.forced < near + least {
+            near = ahead.forced;
+        }
+        if !ahead.active {
+            let way = min(ahead.forced, min(ahead.start, known - self.reach));
+            if way >= LINE || way > NOTHING && way == ahead.forced {
+                return Some(Aim { way, is_straight: way >= LINE });
+            }
+            if !all && known < 1.5 * self.reach {
+                return None;
+            }
+            if ahead.start < LINE && ahead.start > NOTHING {
+                return Some(Aim { way: ahead.start, is_straight: false });
+            }
+        }
+        if !all && known < way + self.reach {
+            return None;
+        }
+        if near < 4.0 * way {
+            // In even parts.
+            let parts = 1.0 + (near / (1.1 * way)) as i32 as f32;
+            way = if near <= 1.1 * way { near } else { near / parts };
+        }
+        Some(Aim { way: min(way, ahead.forced), is_straight: false })
+    }
+
+    /// The point of the path at a place.
+    pub fn knot(&self, spot: &Spot, measure: &Measure) -> Option<Knot<AXES>> {
+        let from = self.get(spot.vertex)?;
+        let Some(to) = self.get(spot.vertex + 1).filter(|_| spot.vertex + 1 < self.moved) else {
+            return self.end(spot.vertex, measure);
+        };
+        let length = to.moved_length;
+        let per = 1.0 / max(length, f32::MIN_POSITIVE);
+        let heading = step(from, &to.at, &to.offset).map(|x| x * per);
+        let rest = length - spot.x;
+        let mut off = [0.0; AXES];
+        let mut direction = heading;
+        let mut bend = [0.0; AXES];
+        let mut count = 0;
+        let mut add = |vertex: &Vertex<AXES>, away: f32, behind: bool| {
+            if away >= vertex.width || !vertex.turns() {
+                return;
+            }
+            count += 1;
+            let inverse = 1.0 / vertex.width;
+            let u = 1.0 - away * inverse;
+            let half = 0.5 * u * u;
+            let (g, t, k) =
+                (vertex.width * u * half * (1.0 / 3.0), if behind { -half } else { half }, u * inverse);
+            let sums = off.iter_mut().zip(&mut direction).zip(&mut bend);
+            for (((off, direction), bend), turn) in sums.zip(&vertex.moved_turn) {
+                *off += turn * g;
+                *direction += turn * t;
+                *bend += turn * k;
+            }
+        };
+        let (mut away, mut k) = (spot.x, spot.vertex);
+        while let Some(vertex) = self.get(k)
+            && away < WIDEST_EVER
+        {
+            add(vertex, away, true);
+            away += vertex.moved_length;
+            let Some(before) = k.checked_sub(1) else { break };
+            k = before;
+        }
+        away = rest;
+        for k in spot.vertex + 1..self.moved.saturating_sub(1) {
+            let Some(vertex) = self.get(k) else { break };
+            if away >= WIDEST_EVER {
+                break;
+            }
+            add(vertex, away, false);
+            away += self.get(k + 1).map_or(0.0, |next| next.moved_length);
+        }
+        if count == 0 && from.is_on_contour() && to.is_on_contour() {
+            return on_chord((from, to), (spot.x, rest), measure);
+        }
+        // From the nearer vertex.
+        let (near, way) = if spot.x <= rest { (from, spot.x) } else { (to, -rest) };
+        let mut position = near.at;
+        for (((x, offset), heading), off) in position.iter_mut().zip(&near.offset).zip(&heading).zip(&off) {
+            let d = offset + heading * way + off;
+            *x = Position::from_bits(x.to_bits().wrapping_add(signed(d)));
+        }
+        self.knot_of(position, &direction, &bend)
+    }
+
+    /// With directions and curvatures over the path instead of the polygon.
+    fn knot_of(
+        &self,
+        position: [Position; AXES],
+        direction: &[f32; AXES],
+        bend: &[f32; AXES],
+    ) -> Option<Knot<AXES>> {
+        let speed = self.length(direction);
+        if speed < SLOWEST * 0.8 {
+            return None;
+        }
+        let per = 1.0 / speed;
+        let unit = direction.map(|x| x * per);
+        let mut along = 0.0;
+        for (k, (unit, bend)) in unit.iter().zip(bend).enumerate() {
+            along += if self.is_main(k) { unit * bend } else { 0.0 };
+        }
+        let mut curvature = *bend;
+        for (curvature, unit) in curvature.iter_mut().zip(&unit) {
+            *curvature = (*curvature - unit * along) * (per * per);
+        }
+        let tangent = unit.map(|x| (x * ONE_40) as i64);
+        Some(Knot { position, end: End { tangent, curvature } })
+    }
+
+    /// The last vertex.
+    fn end(&self, k: usize, measure: &Measure) -> Option<Knot<AXES>> {
+        let (from, to) = (self.get(k.checked_sub(1)?)?, self.get(k)?);
+        if from.is_on_contour() {
+            return on_chord((from, to), (to.moved_length, 0.0), measure);
+        }
+        let (d, length) = self.chord(k)?;
+        let per = 1.0 / max(length, f32::MIN_POSITIVE);
+        self.knot_of(to.at, &d.map(|x| x * per), &[0.0; AXES])
+    }
+}
+
+fn signed(x: f32) -> i64 {
+    if x < 0.0 { -positive(-x) } else { positive(x) }
+}
+
+/// A point on a chord of the program that no kernel reaches: to the last bit.
+fn on_chord<const AXES: usize>(
+    (from, to): (&Vertex<AXES>, &Vertex<AXES>),
+    (x, rest): (f32, f32),
+    measure: &Measure,
+) -> Option<Knot<AXES>> {
+    let tangent = *straight(&from.at, &to.at, measure).ok()??.tangent();
+    let (near, way) = if x <= rest { (from, positive(x)) } else { (to, -positive(rest)) };
+    let mut position = near.at;
+    for (x, tangent) in position.iter_mut().zip(&tangent) {
+        *x = Position::from_bits(x.to_bits().wrapping_add(mul_shift(*tangent, way, 40)));
+    }
+    Some(Knot { position, end: End { tangent, curvature: [0.0; AXES] } })
+}

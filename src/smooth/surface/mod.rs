@@ -1,0 +1,550 @@
+//! #HSC [SURFACE]: short blocks become one curve that is continuous in direction and curvature, inside a
+//! tolerance, and much the same whatever points of the surface the blocks go through.
+//!
+//! The contour is a row of vertices. Each has a kernel of its own width that rounds the polygon over a stretch
+//! of path ([`mod@knot`]), as wide as the tolerance permits; the vertices are moved out by as much as the kernels
+//! would cut, so that the curve behind the chords comes back ([`mod@window`]). What is handed on are quintics through
+//! position, direction and curvature at knots about half a kernel apart ([`mod@cell`]): far fewer than there are
+//! blocks. Whatever all of that finds in `f32`, an element goes on only after a proof in integers that it is inside
+//! the tolerance. Where the proof fails the kernels become narrower; at last the motion goes straight to the next
+//! vertex, where it stands still.
+//!
+//! A row ends exactly in a vertex: at an exact stop, a dwell, a function that is waited for, a turn beyond MAX_ANGLE,
+//! before and behind an arc that stays one, a block without main axes, and with AUTO_OFF_G00 a rapid one. Another
+//! feed, and a function that is not waited for, begins with an element, and ends nothing.
+//!
+//! Text that comes late ends a row too, when the motion would stand still for it: the path depends on that alone.
+mod cell;
+mod chords;
+mod knot;
+mod parameters;
+mod window;
+
+pub use parameters::Parameters;
+
+use self::cell::{Beside, Hull};
+use self::chords::{BETWEEN, Between, Chord, Source};
+use self::knot::{Aim, Spot};
+use self::window::{Programmed, Vertex, Window};
+use crate::dynamics::{Curving, Dynamics};
+use crate::math::float::{max, min};
+use crate::math::wide::mul_shift;
+use crate::nc::{NcWarningKind, Place};
+use crate::path::poly::{Draft, Knot};
+use crate::path::{Element, Measure, Passage, line};
+use crate::quantity::Position;
+use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+
+/// An element on its way out.
+#[derive(Clone, Copy, Debug)]
+struct Made<const AXES: usize> {
+    element: Element<AXES>,
+    data: Data,
+    due: u32,
+    is_curve: bool,
+    /// Axes still to be made.
+    draft: Option<Draft<AXES>>,
+}
+
+/// Where the elements end that are made.
+#[derive(Clone, Copy, Debug)]
+struct Front<const AXES: usize> {
+    spot: Spot,
+    knot: Knot<AXES>,
+}
+
+/// What has been tried for the next element.
+#[derive(Clone, Copy, Debug)]
+struct Tried {
+    halved: u8,
+    narrowed: u8,
+}
+
+impl Tried {
+    const NOTHING: Self = Self { halved: 0, narrowed: 0 };
+}
+
+/// The stage.
+#[derive(Debug)]
+pub struct Surface<const AXES: usize> {
+    measure: Measure,
+    parameters: Parameters,
+    window: Window<AXES>,
+    /// The block at hand, as far as it has not gone into the window.
+    source: Option<Source<AXES>>,
+    /// The last chord, which waits for the next one, and the one before it.
+    pending: Option<Chord<AXES>>,
+    passed: Option<Chord<AXES>>,
+    /// Direction of the polygon at its end.
+    heading: Option<[f32; AXES]>,
+    /// The row is to end behind the chords that are there; in a standstill.
+    ending: Option<bool>,
+    front: Option<Front<AXES>>,
+    tried: Tried,
+    made: Option<Made<AXES>>,
+    place: Place,
+}
+
+/// How often an element becomes half as long, and the kernels narrower.
+const HALVED: u8 = 2;
+const NARROWED: u8 = 14;
+const NARROWER: f32 = 0.7;
+
+/// A cell may be so much faster than its path.
+const FASTEST: f32 = 1.5;
+
+const ONE_30: f32 = (1u32 << 30) as f32;
+
+impl<const AXES: usize> Surface<AXES> {
+    pub fn new(measure: Measure, parameters: &Parameters) -> Self {
+        Self {
+            measure,
+            parameters: *parameters,
+            window: Window::new(&measure),
+            source: None,
+            pending: None,
+            passed: None,
+            heading: None,
+            ending: None,
+            front: None,
+            tried: Tried::NOTHING,
+            made: None,
+            place: Place::default(),
+        }
+    }
+
+    /// The row is done.
+    fn end_row(&mut self) {
+        self.window.vertices.clear();
+        (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
+        self.window.ended = false;
+        (self.pending, self.passed, self.heading, self.front, self.ending) = (None, None, None, None, None);
+        self.tried = Tried::NOTHING;
+    }
+
+    /// Takes a chord, or the end of the row, into the window. `false` if nothing is to be done.
+    fn feed(&mut self) -> bool {
+        if self.window.ended {
+            return false;
+        }
+        if self.pending.is_some() && self.window.room() < BETWEEN + 2 {
+            // Full, and nothing can be made of it.
+            self.window.hurry();
+            return true;
+        }
+        let Some(source) = self.source.filter(|source| !source.exact && self.ending.is_none()) else {
+            if self.ending.is_none() && self.source.is_some() && self.pending.is_some() {
+                self.ending = Some(false);
+            }
+            if self.ending.is_none() {
+                return false;
+            }
+            if self.pending.is_some() {
+                self.push(None, 0);
+                self.window.ended = true;
+                return true;
+            }
+            if self.window.len() == 0 {
+                self.ending = None;
+            }
+            return false;
+        };
+        let Some(next) = source.chord(&self.window) else {
+            // Nothing of it moves in space: of an arc, the rest of a rounding.
+            if let Some(source) = &mut self.source {
+                source.go_on(&source.block.to.clone());
+            }
+            return self.finish_source();
+        };
+        let mut marks = 0;
+        if let Some(pending) = &self.pending {
+            let turn = pending.turn(&next);
+            let is_arc = source.block.form != Form::Line;
+            if !is_arc && self.parameters.is_beyond(self.window.length(&turn)) {
+                self.ending = Some(false);
+                return true;
+            }
+            if source.parted && pending.programmed.number != next.programmed.number
+                || pending.programmed.feed != next.programmed.feed
+            {
+                marks = Vertex::<AXES>::FORCED;
+            }
+            self.push(Some(&next), marks);
+        }
+        self.pending = Some(next);
+        self.place = source.block.data.place;
+        if let Some(source) = &mut self.source {
+            source.go_on(&next.to);
+        }
+        self.finish_source()
+    }
+
+    /// The block at hand may have gone on as a whole.
+    fn finish_source(&mut self) -> bool {
+        if let Some(source) = self.source.filter(|source| source.is_over) {
+            if source.block.data.stop {
+                self.ending = Some(true);
+            }
+            self.source = None;
+        }
+        true
+    }
+
+    /// The chord that waits goes into the window.
+    fn push(&mut self, behind: Option<&Chord<AXES>>, marks: u8) {
+        let Some(chord) = self.pending.take() else { return };
+        if self.window.len() == 0 {
+            self.window.begin(&chord.from, self.parameters.widest());
+            self.heading = None;
+        }
+        let before = self.passed.as_ref();
+        let between = Between { chord: &chord, before, behind, marks };
+        self.window.take(&between, &mut self.heading, &self.parameters);
+        self.passed = Some(chord);
+    }
+
+    /// Makes the next element, or a part of it. `false` if more has to be known.
+    fn advance(&mut self) -> bool {
+        let Some(front) = self.front else {
+            if self.window.checked < 2 {
+                return false;
+            }
+            let spot = Spot { vertex: 0, x: 0.0 };
+            let Some(knot) = self.window.knot(&spot, &self.measure) else {
+                self.give_up();
+                return true;
+            };
+            self.front = Some(Front { spot, knot });
+            return true;
+        };
+        let all = self.window.ended && self.window.checked == self.window.len();
+        if all && front.spot.vertex + 1 >= self.window.len() {
+            self.end_row();
+            return true;
+        }
+        let Some(aim) = self.window.aim(&front.spot) else { return false };
+        if aim.is_straight {
+            self.go_straight(&front, &aim);
+        } else {
+            self.bend(&front, &aim);
+        }
+        true
+    }
+
+    /// What goes with an element from the front to a place.
+    fn data(&self, from: &Spot, to: &Spot) -> (Data, u32) {
+        let chord = |k: usize| self.window.get(k).map(|vertex| vertex.programmed);
+        let none = Programmed { feed: None, n: 0, number: 0 };
+        let first = chord(from.vertex + 1).unwrap_or(none);
+        let last = if to.x > 0.0 { chord(to.vertex + 1) } else { chord(to.vertex) }.unwrap_or(first);
+        let ends = self.window.ended && to.vertex + 1 == self.window.len();
+        let stop = ends && self.ending == Some(true);
+        let Programmed { feed, n, number } = last;
+        (Data { feed, n, place: self.place, number, stop }, first.number)
+    }
+
+    /// A line, where nothing turns.
+    #[inline(never)]
+    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim) {
+        let spot = self.window.advance(&front.spot, aim.way);
+        let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
+            let element = line(&front.knot.position, &knot.position, &self.measure).ok()??;
+            Some((knot, element))
+        });
+        let Some((knot, element)) = made else {
+            self.bend(front, &Aim { is_straight: false, ..*aim });
+            return;
+        };
+        let (data, due) = self.data(&front.spot, &spot);
+        self.made = Some(Made { element, data, due, is_curve: false, draft: None });
+        self.reach(Front { spot, knot });
+    }
+
+    /// A cell.
+    #[inline(never)]
+    fn bend(&mut self, front: &Front<AXES>, aim: &Aim) {
+        let way = aim.way / f32::from(1u8 << self.tried.halved.min(HALVED));
+        let spot = self.window.advance(&front.spot, way);
+        match self.cell(front, &spot) {
+            Some((knot, element, draft)) => {
+                let (data, due) = self.data(&front.spot, &spot);
+                self.made = Some(Made { element, data, due, is_curve: true, draft: Some(draft) });
+                self.reach(Front { spot, knot });
+            }
+            None if self.tried.halved < HALVED => self.tried.halved += 1,
+            None if self.tried.narrowed < NARROWED => {
+                self.tried.halved = 0;
+                self.tried.narrowed += 1;
+                self.narrow(&front.spot, aim.way);
+            }
+            None => self.give_up(),
+        }
+    }
+
+    /// The cell from the front to a place, if it is inside the tolerance.
+    fn cell(&self, front: &Front<AXES>, spot: &Spot) -> Option<(Knot<AXES>, Element<AXES>, Draft<AXES>)> {
+        let knot = self.window.knot(spot, &self.measure)?;
+        let space = |d: &[f32; AXES]| self.window.length(d);
+        let length = cell::length(&front.knot, &knot, space);
+        let mut hull = Hull::new(&front.knot, &knot, length)?;
+        let fastest = max(hull.fastest(length, space), 1.0);
+        if !(fastest < FASTEST && length > 0.0) || !self.is_inside(front, spot, &mut hull) {
+            return None;
+        }
+        let (mut element, draft) = Draft::new(&front.knot, &knot, length, fastest)?;
+        if let Some(bounds) = &mut element.bounds {
+            bounds.passage = Passage::Flowing;
+        }
+        Some((knot, element, draft))
+    }
+
+    /// Whether all of a cell is inside the tolerance.
+    fn is_inside(&self, front: &Front<AXES>, to: &Spot, hull: &mut Hull<AXES>) -> bool {
+        let from = front.spot;
+        let origin = &front.knot.position;
+        let mut left = to.x - from.x;
+        for k in from.vertex + 1..=to.vertex {
+            left += self.window.get(k).map_or(0.0, |vertex| vertex.moved_length);
+        }
+        let mut x = from.x;
+        let mut at = self.on_contour(&from);
+        for k in from.vertex..=to.vertex {
+            let last = k == to.vertex;
+            if last && to.x <= 0.0 {
+                break;
+            }
+            let Some(vertex) = self.window.get(k + 1) else { return false };
+            let way = if last { to.x - x } else { vertex.moved_length - x };
+            let end = if last { self.on_contour(to) } else { vertex.at };
+            let is_last = last || k + 1 == to.vertex && to.x <= 0.0;
+            let part = if is_last { 1.0 } else { way / max(left, f32::MIN_POSITIVE) };
+            let chord = Beside { ends: [&at, &end], tolerance: self.tolerance(k + 1), part };
+            if !hull.keeps(origin, &chord, self.window.main) {
+                return false;
+            }
+            left -= way;
+            (x, at) = (0.0, end);
+        }
+        true
+    }
+
+    /// The tolerance beside the chord to a vertex.
+    fn tolerance(&self, k: usize) -> parameters::Tolerance {
+        let rapid = |k: usize| self.window.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
+        if !rapid(k) {
+            return self.parameters.tolerance(false);
+        }
+        let own = self.parameters.tolerance(true);
+        if rapid(k + 1) && k.checked_sub(1).is_none_or(|k| k == 0 || rapid(k)) {
+            return own;
+        }
+        let normal = self.parameters.tolerance(false);
+        parameters::Tolerance { path: max(own.path, normal.path), track: max(own.track, normal.track) }
+    }
+
+    /// The point of the programmed contour at a place.
+    fn on_contour(&self, spot: &Spot) -> [Position; AXES] {
+        let Some(from) = self.window.get(spot.vertex) else { return [Position::ZERO; AXES] };
+        let mut at = from.at;
+        let Some(to) = self.window.get(spot.vertex + 1) else { return at };
+        let part = min(spot.x / max(to.moved_length, f32::MIN_POSITIVE), 1.0);
+        let part = (part * ONE_30) as i64;
+        for (at, to) in at.iter_mut().zip(&to.at) {
+            let d = mul_shift(to.to_bits().wrapping_sub(at.to_bits()), part, 30);
+            *at = Position::from_bits(at.to_bits().wrapping_add(d));
+        }
+        at
+    }
+
+    /// The front is there now; what lies far behind is forgotten.
+    fn reach(&mut self, mut front: Front<AXES>) {
+        self.tried = Tried::NOTHING;
+        let widest = self.parameters.widest();
+        if self.window.reach < widest {
+            self.window.reach = min(widest, self.window.reach * 1.02);
+        }
+        while front.spot.vertex > 0
+            && let Some(first) = self.window.get(0)
+        {
+            let way = self.window.since(&front.spot, 0);
+            if first.width > way {
+                break;
+            }
+            self.window.pop();
+            front.spot.vertex -= 1;
+        }
+        self.front = Some(front);
+    }
+
+    /// Kernels that reach the next element become narrower.
+    #[cold]
+    #[inline(never)]
+    fn narrow(&mut self, from: &Spot, way: f32) {
+        let to = self.window.advance(from, way);
+        let mut last = to.vertex + 1;
+        let mut away = 0.0;
+        while let Some(vertex) = self.window.get(last + 1)
+            && last + 1 < self.window.moved
+        {
+            away += vertex.moved_length;
+            if away > vertex.width {
+                break;
+            }
+            last += 1;
+        }
+        let first = (0..from.vertex)
+            .find(|k| self.window.get(*k).is_some_and(|vertex| vertex.width > self.window.since(from, *k)));
+        self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER);
+    }
+
+    /// Straight to the next vertex of the program, where the motion stands still.
+    #[cold]
+    #[inline(never)]
+    fn give_up(&mut self) {
+        let from = self.front.map_or(Spot { vertex: 0, x: 0.0 }, |front| front.spot);
+        let known = self.window.moved.max(2).min(self.window.len());
+        let next = (from.vertex + 1..known)
+            .find(|k| self.window.get(*k).is_some_and(|vertex| vertex.is(Vertex::<AXES>::PROGRAMMED)));
+        let next = next.unwrap_or(known.saturating_sub(1));
+        let at = self.window.get(next).map(|vertex| vertex.at);
+        let start =
+            self.front.map(|front| front.knot.position).or(self.window.get(from.vertex).map(|v| v.at));
+        if let (Some(start), Some(at)) = (start, at)
+            && let Ok(Some(element)) = line(&start, &at, &self.measure)
+        {
+            let (data, due) = self.data(&from, &Spot { vertex: next, x: 0.0 });
+            self.made = Some(Made { element, data, due, is_curve: false, draft: None });
+        }
+        self.tried = Tried::NOTHING;
+        self.front = None;
+        if self.window.ended && next + 1 >= self.window.len() {
+            self.end_row();
+        } else {
+            self.window.restart(next);
+        }
+    }
+
+    /// A cell that cannot be made becomes a line.
+    #[cold]
+    #[inline(never)]
+    fn replace(&mut self, draft: &Draft<AXES>) {
+        let Some(made) = &mut self.made else { return };
+        made.draft = None;
+        if let Some(front) = &self.front
+            && let Ok(Some(element)) = line(draft.from(), &front.knot.position, &self.measure)
+        {
+            (made.element, made.is_curve) = (element, false);
+        } else {
+            self.made = None;
+        }
+    }
+}
+
+impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
+    #[inline(never)]
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, _: &Dynamics<AXES>, parting: Parting) {
+        let moves = block.from.iter().zip(&block.to).enumerate();
+        let moves = moves.filter(|(k, _)| self.window.is_main(*k)).any(|(_, (from, to))| from != to);
+        let rapid = block.data.feed.is_none() && self.parameters.leaves_rapid();
+        let (chord, arc) = match block.form {
+            Form::Line => (None, false),
+            Form::Arc { .. } => (self.parameters.chord_of(&block.element), true),
+        };
+        let exact = rapid || if arc { chord.is_none() } else { !moves };
+        if (exact || parting == Parting::Awaited) && self.holds() {
+            self.ending = self.ending.or(Some(false));
+        }
+        self.source = Some(Source::new(block, chord, exact, parting != Parting::None));
+    }
+
+    #[inline(never)]
+    fn work(&mut self, _: &Dynamics<AXES>) -> bool {
+        if let Some(made) = &mut self.made {
+            let Some(draft) = &mut made.draft else { return false };
+            let done = draft.go_on(&mut made.element).is_some();
+            if !done {
+                let draft = *draft;
+                self.replace(&draft);
+            } else if draft.is_done() {
+                made.draft = None;
+            }
+            return true;
+        }
+        if self.window.len() > 0
+            && (self.advance() || self.window.check(&self.parameters) || self.window.move_out())
+        {
+            return true;
+        }
+        if self.window.len() > 0 && self.window.widen(&self.parameters) {
+            return true;
+        }
+        if self.window.len() == 0
+            && self.pending.is_none()
+            && let Some(source) = self.source.filter(|source| source.exact)
+        {
+            let ProgrammedBlock { element, data, .. } = source.block;
+            self.made = Some(Made { element, data, due: data.number, is_curve: false, draft: None });
+            (self.source, self.ending) = (None, None);
+            return true;
+        }
+        self.feed()
+    }
+
+    fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        let Some(made) = self.made.as_ref().filter(|made| made.draft.is_none()) else { return false };
+        let Made { element, data, due, is_curve, .. } = made;
+        let curving = is_curve.then_some(Curving { jerk: self.parameters.check_jerk(), constant: None });
+        into(&Smoothed { element, data, curving, due: *due });
+        self.made = None;
+        true
+    }
+
+    fn flush(&mut self, stop: bool) {
+        if self.holds() {
+            self.ending = Some(stop || self.ending == Some(true));
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.flush(false);
+    }
+
+    fn clear(&mut self) {
+        self.end_row();
+        (self.source, self.made) = (None, None);
+    }
+
+    fn restart(&mut self) {
+        self.clear();
+    }
+
+    fn place(&self) -> Option<Place> {
+        Some(self.source.map_or(self.place, |source| source.block.data.place))
+    }
+
+    fn remark(&mut self) -> Option<NcWarningKind> {
+        None
+    }
+
+    fn is_idle(&self) -> bool {
+        false
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.holds()
+    }
+
+    fn rounds(&self) -> bool {
+        false
+    }
+
+    fn holds(&self) -> bool {
+        self.window.len() > 0 || self.pending.is_some() || self.source.is_some() || self.made.is_some()
+    }
+
+    fn gives_way(&mut self) -> bool {
+        let waits = self.holds() && self.ending.is_none();
+        self.flush(false);
+        waits
+    }
+}

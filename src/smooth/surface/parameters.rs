@@ -1,0 +1,167 @@
+//! What #HSC [SURFACE] sets, each until it is set again.
+use crate::math::float::{max, min, to_f32};
+use crate::math::root::sqrt_f32;
+use crate::nc::Hsc;
+use crate::path::Element;
+use crate::quantity::Position;
+use crate::smooth::contour::half_sine;
+
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+
+/// The parameters, in mm and degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// PATH_DEV.
+    path_dev: f32,
+    /// PATH_DEV_G00; PATH_DEV where it is not given.
+    path_dev_g00: Option<f32>,
+    /// TRACK_DEV; 0: not monitored.
+    track_dev: f32,
+    /// TRACK_DEV_G00; TRACK_DEV where it is not given.
+    track_dev_g00: Option<f32>,
+    /// Sine of half of MAX_ANGLE.
+    max_angle: f32,
+    /// CHECK_JERK, and what P-CHAN-00110 says.
+    check_jerk: u8,
+    of_channel: u8,
+    /// AUTO_OFF_G00.
+    auto_off_g00: bool,
+    /// CIR_MODE.
+    cir_mode: u8,
+    /// CIR_MIN_ANGLE, radians.
+    cir_min_angle: f32,
+    /// CIR_MIN_RADIUS.
+    cir_min_radius: f32,
+    /// MERGE.
+    merge: bool,
+    /// LENGTH_LONG_CIR.
+    length_long_cir: f32,
+}
+
+/// Largest width of a kernel is this times the square root of the tolerance (mm): 5 mm at 0.02 mm, which is
+/// three or four segments of usual programs of free-form surfaces.
+const WIDTH: f32 = 38.0;
+/// Its largest value, mm.
+const WIDEST: f32 = 16.0;
+
+/// Sagitta of a chord of an arc, as a part of the tolerance.
+const SAGITTA: f32 = 1.0 / 20.0;
+
+/// An arc of so many tolerances or less is of their order.
+const SMALL_RADIUS: f32 = 4.0;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
+/// A tolerance of main axes together, in space, and of each other axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// mm.
+    pub path: f32,
+    /// Degrees.
+    pub track: f32,
+}
+
+impl Parameters {
+    /// At program start; `check_jerk` is P-CHAN-00110.
+    pub const fn new(check_jerk: u8) -> Self {
+        Self {
+            path_dev: 0.2,
+            path_dev_g00: None,
+            track_dev: 2.0,
+            track_dev_g00: None,
+            // 160 degrees
+            max_angle: 0.984_807_7,
+            check_jerk,
+            of_channel: check_jerk,
+            auto_off_g00: false,
+            cir_mode: 1,
+            cir_min_angle: core::f32::consts::FRAC_PI_6,
+            cir_min_radius: 0.0,
+            merge: false,
+            length_long_cir: 2.0,
+        }
+    }
+
+    /// As at program start.
+    pub const fn restart(&mut self) {
+        *self = Self::new(self.of_channel);
+    }
+
+    /// Takes over what is programmed.
+    pub fn update(&mut self, hsc: &Hsc) {
+        let value = |given: Option<Position>| given.map(|given| to_f32(given.to_bits()) * LSB_32);
+        let set = |own: &mut f32, given: Option<Position>| *own = value(given).unwrap_or(*own);
+        set(&mut self.path_dev, hsc.path_dev);
+        set(&mut self.track_dev, hsc.track_dev);
+        set(&mut self.cir_min_radius, hsc.cir_min_radius);
+        set(&mut self.length_long_cir, hsc.length_long_cir);
+        self.path_dev_g00 = value(hsc.path_dev_g00).or(self.path_dev_g00);
+        self.track_dev_g00 = value(hsc.track_dev_g00).or(self.track_dev_g00);
+        if let Some(angle) = value(hsc.cir_min_angle) {
+            self.cir_min_angle = angle * (core::f32::consts::PI / 180.0);
+        }
+        if let Some(angle) = hsc.max_angle {
+            self.max_angle = half_sine(angle);
+        }
+        self.check_jerk = hsc.check_jerk.unwrap_or(self.check_jerk);
+        self.auto_off_g00 = hsc.auto_off_g00.unwrap_or(self.auto_off_g00);
+        self.cir_mode = hsc.cir_mode.unwrap_or(self.cir_mode);
+        self.merge = hsc.merge.unwrap_or(self.merge);
+    }
+
+    /// CHECK_JERK.
+    pub const fn check_jerk(&self) -> u8 {
+        self.check_jerk
+    }
+
+    /// Whether a block is passed as it is because it is a rapid one.
+    pub const fn leaves_rapid(&self) -> bool {
+        self.auto_off_g00
+    }
+
+    /// MERGE.
+    pub const fn merges(&self) -> bool {
+        self.merge
+    }
+
+    /// Whether a turn between two lines is too large: `chord` is the length of the step of direction, twice
+    /// the sine of half the angle.
+    pub fn is_beyond(&self, chord: f32) -> bool {
+        chord > 2.0 * self.max_angle
+    }
+
+    /// The tolerance of a transition; `rapid`: G00 on both sides.
+    pub fn tolerance(&self, rapid: bool) -> Tolerance {
+        let normal = Tolerance { path: self.path_dev, track: self.track_dev };
+        if !rapid {
+            return normal;
+        }
+        Tolerance {
+            path: self.path_dev_g00.unwrap_or(normal.path),
+            track: self.track_dev_g00.unwrap_or(normal.track),
+        }
+    }
+
+    /// Largest half width of a kernel, mm.
+    pub fn widest(&self) -> f32 {
+        min(WIDTH * sqrt_f32(self.path_dev), WIDEST)
+    }
+
+    /// Length of the chords (mm) that stand for an arc; `None` if it is passed exactly.
+    pub fn chord_of<const AXES: usize>(&self, arc: &Element<AXES>) -> Option<f32> {
+        let circle = arc.circle.as_ref()?;
+        if self.cir_mode == 0 {
+            return None;
+        }
+        let length = to_f32(arc.shape.length.to_bits()) * LSB_44;
+        // 8·sagitta·radius is the square of the chord.
+        let chord = sqrt_f32(8.0 * SAGITTA * self.path_dev * circle.radius);
+        let angle = length * circle.share / circle.radius;
+        let small = circle.radius < max(self.cir_min_radius, SMALL_RADIUS * self.path_dev);
+        if angle < self.cir_min_angle || small {
+            return Some(chord / circle.share);
+        }
+        // Long arcs: as long as segments of the least length stay inside.
+        (self.cir_mode == 2 && chord >= self.length_long_cir).then_some(chord / circle.share)
+    }
+}

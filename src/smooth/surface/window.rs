@@ -1,0 +1,623 @@
+//! The vertices that a point of the path depends on.
+//!
+//! A vertex is a point of the programmed contour, or one put in between on a chord. Beside it lies the point of
+//! the *control polygon*, which the kernels smooth. Three passes go over the vertices, each as far behind the
+//! last one as it has to know ahead: widths, then points of the control polygon, then knots of the path.
+use super::knot::Spot;
+use super::parameters::{Parameters, Tolerance};
+use crate::math::float::{magnitude, max, min, to_f32};
+use crate::math::root::sqrt_f32;
+use crate::path::Measure;
+use crate::quantity::Position;
+use heapless::Deque;
+
+/// Vertices of the window.
+pub const VERTICES: usize = 64;
+
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+
+/// What holds for a chord, kept with the vertex at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Programmed {
+    /// Feed, mm/min; rapid without.
+    pub feed: Option<f32>,
+    /// N number.
+    pub n: u32,
+    /// Motion blocks before it.
+    pub number: u32,
+}
+
+/// A vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex<const AXES: usize> {
+    /// On the programmed contour.
+    pub at: [Position; AXES],
+    /// From there to its point of the control polygon, mm.
+    pub offset: [f32; AXES],
+    /// Step of the direction of the polygon before its points were moved.
+    pub turn: [f32; AXES],
+    /// Step of the direction of the control polygon.
+    pub moved_turn: [f32; AXES],
+    /// Length of the polygon from the vertex before, mm: before points were moved, and behind.
+    pub length: f32,
+    pub moved_length: f32,
+    /// Distance from the start of the row, LSB 2^-20 mm, for differences.
+    pub distance: u32,
+    /// Half width of its kernel, mm.
+    pub width: f32,
+    /// Part of the deviation that its point is moved out: 1 where the contour is smooth, 0 at an edge.
+    pub gain: f32,
+    pub programmed: Programmed,
+    pub marks: u8,
+}
+
+impl<const AXES: usize> Vertex<AXES> {
+    /// It stands in the program.
+    pub const PROGRAMMED: u8 = 1;
+    /// An element ends here: a feed or a function begins.
+    pub const FORCED: u8 = 2;
+
+    pub const fn is(&self, mark: u8) -> bool {
+        self.marks & mark != 0
+    }
+
+    /// Whether the control polygon goes through the contour here.
+    pub fn is_on_contour(&self) -> bool {
+        self.offset.iter().all(|x| *x == 0.0)
+    }
+
+    /// A turn above rounding.
+    pub fn turns(&self) -> bool {
+        self.moved_turn.iter().any(|d| magnitude(*d) > STRAIGHT)
+    }
+}
+
+/// Rounding of a direction.
+const STRAIGHT: f32 = 1.0 / 1_048_576.0;
+
+/// The row of vertices at hand, from where the path is made to the newest one.
+#[derive(Debug)]
+pub struct Window<const AXES: usize> {
+    pub vertices: Deque<Vertex<AXES>, VERTICES>,
+    /// Main axes, bit k for axis k.
+    pub main: u32,
+    /// Vertices with their width; with their point of the control polygon.
+    pub wide: usize,
+    pub moved: usize,
+    /// Vertices up to which the path was looked at, and how often it was changed for the next one.
+    pub checked: usize,
+    pub again: u8,
+    /// The widest kernel now, mm: less where the window is full.
+    pub reach: f32,
+    /// The last vertex is the end of the row.
+    pub ended: bool,
+    /// The start of the row is near: its distance.
+    pub begun: Option<u32>,
+}
+
+/// Turns (twice the sine of half the angle) below which a vertex is smooth, and above which it is an edge.
+const SMOOTH: f32 = 0.14;
+const EDGE: f32 = 0.35;
+
+/// How much more a kernel may deviate than the tolerance where its vertex is moved out.
+const MORE: f32 = 0.6;
+
+/// Steps of the search for a width.
+const STEPS: usize = 9;
+
+/// The part of a tolerance that the path is inside where it is looked at, how much narrower kernels become
+/// where it is not, and how often.
+const WELL: f32 = 0.93;
+const LITTLE: f32 = 0.85;
+const AGAIN: u8 = 8;
+
+/// What is left of a bulge where kernels become narrower.
+const NARROWED_BULGE: f32 = 0.97;
+
+/// Change of width over distance.
+pub const SLOPE: f32 = 0.5;
+
+/// The least speed of the point over the distance along the polygon.
+pub const SLOWEST: f32 = 0.6;
+
+/// From 2^-20 mm.
+const LSB_20: f32 = 1.0 / (1u32 << 20) as f32;
+
+impl<const AXES: usize> Window<AXES> {
+    pub fn new(measure: &Measure) -> Self {
+        let main = measure.main.into_iter().flatten().filter(|k| *k < 32).fold(0, |bits, k| bits | 1 << k);
+        Self {
+            vertices: Deque::new(),
+            main,
+            wide: 0,
+            moved: 0,
+            checked: 0,
+            again: 0,
+            reach: 0.0,
+            ended: false,
+            begun: None,
+        }
+    }
+
+    /// Length of a vector in space.
+    #[inline(always)]
+    pub fn length(&self, d: &[f32; AXES]) -> f32 {
+        let mut sum = 0.0;
+        for (k, x) in d.iter().enumerate() {
+            if self.main >> (k & 31) & 1 == 1 {
+                sum += x * x;
+            }
+        }
+        sqrt_f32(sum)
+    }
+
+    /// Whether an axis is a main one.
+    #[inline(always)]
+    pub const fn is_main(&self, axis: usize) -> bool {
+        self.main >> (axis & 31) & 1 == 1
+    }
+
+    /// Whether a deviation is inside a tolerance.
+    pub fn is_inside(&self, d: &[f32; AXES], tolerance: &Tolerance, part: f32) -> bool {
+        let mut tracks = true;
+        if tolerance.track > 0.0 {
+            let most = tolerance.track * part;
+            tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
+        }
+        tracks && self.length(d) <= tolerance.path * part
+    }
+
+    /// Empties it for a row with kernels of that width.
+    pub fn begin(&mut self, from: &[Position; AXES], widest: f32) {
+        self.vertices.clear();
+        let programmed = Programmed { feed: None, n: 0, number: 0 };
+        let _ = self.vertices.push_back(Vertex {
+            at: *from,
+            offset: [0.0; AXES],
+            turn: [0.0; AXES],
+            moved_turn: [0.0; AXES],
+            length: 0.0,
+            moved_length: 0.0,
+            distance: 0,
+            width: 0.0,
+            gain: 0.0,
+            programmed,
+            marks: Vertex::<AXES>::PROGRAMMED,
+        });
+        (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
+        (self.checked, self.again) = (1, 0);
+        self.reach = widest;
+    }
+
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    pub fn room(&self) -> usize {
+        VERTICES - self.vertices.len()
+    }
+
+    pub fn get(&self, k: usize) -> Option<&Vertex<AXES>> {
+        self.vertices.get(k)
+    }
+
+    /// From one vertex of the control polygon to the next one, `k`: the vector and its length.
+    #[inline(always)]
+    pub fn chord(&self, k: usize) -> Option<([f32; AXES], f32)> {
+        let (from, to) = (self.vertices.get(k.checked_sub(1)?)?, self.vertices.get(k)?);
+        let d = step(from, &to.at, &to.offset);
+        Some((d, self.length(&d)))
+    }
+
+    /// Appends a vertex; `turn`: the step of the direction at the one before. There is room.
+    pub fn push(
+        &mut self,
+        (at, offset): (&[Position; AXES], &[f32; AXES]),
+        (turn, edge): (&[f32; AXES], Option<f32>),
+        length: f32,
+        programmed: Programmed,
+        marks: u8,
+    ) {
+        let mut gain = 1.0;
+        let mut distance = 0;
+        if let Some(last) = self.vertices.back_mut() {
+            last.turn = *turn;
+            distance = last.distance.wrapping_add((length * (1.0 / LSB_20)) as u32);
+            if let Some(edge) = edge {
+                last.gain = min(last.gain, edge);
+            }
+            gain = last.gain;
+        }
+        let widest = max(self.reach, f32::MIN_POSITIVE);
+        let _ = self.vertices.push_back(Vertex {
+            at: *at,
+            offset: *offset,
+            turn: [0.0; AXES],
+            moved_turn: [0.0; AXES],
+            length,
+            moved_length: length,
+            distance,
+            width: 0.0,
+            gain: min(1.0, gain + length / widest),
+            programmed,
+            marks,
+        });
+        if self.begun.is_some_and(|begun| distance.wrapping_sub(begun) > 100 << 20) {
+            self.begun = None;
+        }
+        // Towards an edge the gain fades.
+        let mut k = self.len().saturating_sub(2);
+        while k > self.moved {
+            let Some(behind) = self.vertices.get(k) else { return };
+            let most = behind.gain + behind.length / widest;
+            let Some(before) = self.vertices.get_mut(k - 1) else { return };
+            if before.gain <= most {
+                break;
+            }
+            before.gain = most;
+            k -= 1;
+        }
+    }
+
+    /// Distance from a vertex to a later one, mm.
+    pub fn between(&self, from: usize, to: usize) -> f32 {
+        match (self.vertices.get(from), self.vertices.get(to)) {
+            (Some(from), Some(to)) => to.distance.wrapping_sub(from.distance) as f32 * LSB_20,
+            _ => 0.0,
+        }
+    }
+
+    /// The tolerance at a vertex.
+    fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
+        let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
+        parameters.tolerance(rapid(k) && rapid(k + 1))
+    }
+
+    /// The next vertex gets its width; `false` if that has to wait.
+    pub fn widen(&mut self, parameters: &Parameters) -> bool {
+        let (k, last) = (self.wide, self.len().saturating_sub(1));
+        if k > last || !(self.ended || self.between(k, last) >= self.reach) || !self.ended && k == last {
+            return false;
+        }
+        let mut cap = self.reach;
+        let Some(vertex) = self.vertices.get(k) else { return false };
+        if let Some(begun) = self.begun {
+            cap = min(cap, vertex.distance.wrapping_sub(begun) as f32 * LSB_20);
+        }
+        if self.ended {
+            cap = min(cap, self.between(k, last));
+        }
+        let (length, before) = (vertex.length, k.checked_sub(1).and_then(|k| self.vertices.get(k)));
+        cap = min(cap, before.map_or(0.0, |before| before.width + SLOPE * length));
+        let tolerance = self.tolerance(k, parameters);
+        let more = 1.0 + MORE * vertex.gain;
+        let width = self.search(k, cap, &tolerance, more);
+        if let Some(vertex) = self.vertices.get_mut(k) {
+            vertex.width = width;
+        }
+        self.wide = k + 1;
+        self.slope_down(k);
+        true
+    }
+
+    /// Vertices before it, as far as they are not moved yet, are not much wider.
+    fn slope_down(&mut self, from: usize) {
+        let mut k = from;
+        while k > self.moved {
+            let Some(behind) = self.vertices.get(k) else { return };
+            let most = behind.width + SLOPE * behind.length;
+            let Some(before) = self.vertices.get_mut(k - 1) else { return };
+            if before.width <= most {
+                return;
+            }
+            before.width = most;
+            k -= 1;
+        }
+    }
+
+    /// The largest width up to `cap` with which the deviation at a vertex is inside the tolerance.
+    fn search(&self, k: usize, cap: f32, tolerance: &Tolerance, more: f32) -> f32 {
+        if cap <= 0.0 || self.fits(k, cap, tolerance, more) {
+            return max(cap, 0.0);
+        }
+        let (mut low, mut high) = (0.0, cap);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (low + high);
+            if self.fits(k, middle, tolerance, more) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Whether a width common to all vertices nearby would do.
+    fn fits(&self, k: usize, width: f32, tolerance: &Tolerance, more: f32) -> bool {
+        let Some((chord, length)) = self.chord(k) else { return true };
+        let per = 1.0 / max(length, f32::MIN_POSITIVE);
+        let mut direction = chord.map(|x| x * per);
+        let mut off = [0.0; AXES];
+        let inverse = 1.0 / width;
+        let mut add = |vertex: &Vertex<AXES>, away: f32, behind: bool| {
+            let u = 1.0 - away * inverse;
+            let (g, t) = (width * u * u * u * (1.0 / 6.0), 0.5 * u * u);
+            let t = if behind { -t } else { t };
+            for ((off, direction), turn) in off.iter_mut().zip(&mut direction).zip(&vertex.turn) {
+                *off += turn * g;
+                *direction += turn * t;
+            }
+        };
+        // The direction before the vertex: what is there counts ahead.
+        let mut away = 0.0;
+        let mut j = k;
+        while let Some(vertex) = self.vertices.get(j)
+            && away < width
+        {
+            add(vertex, away, false);
+            j += 1;
+            away += self.vertices.get(j).map_or(width, |next| next.length);
+        }
+        (away, j) = (0.0, k);
+        while let Some(vertex) = self.vertices.get(j)
+            && let Some(next) = j.checked_sub(1)
+        {
+            away += vertex.length;
+            if away >= width {
+                break;
+            }
+            j = next;
+            if let Some(vertex) = self.vertices.get(j) {
+                add(vertex, away, true);
+            }
+        }
+        self.is_inside(&off, tolerance, more) && self.length(&direction) >= SLOWEST
+    }
+
+    /// The next vertex gets its point of the control polygon; `false` if that has to wait.
+    pub fn move_out(&mut self) -> bool {
+        let k = self.moved;
+        let known = self.wide.checked_sub(1);
+        let is_known = self.ended && self.wide == self.len()
+            || known.is_some_and(|known| known > k && self.between(k, known) >= 2.0 * self.reach);
+        if k >= self.wide || !is_known {
+            return false;
+        }
+        let raw = self.deviation(k);
+        if let Some(vertex) = self.vertices.get_mut(k) {
+            for (offset, raw) in vertex.offset.iter_mut().zip(&raw) {
+                *offset -= vertex.gain * raw;
+            }
+        }
+        self.moved = k + 1;
+        self.settle(k);
+        true
+    }
+
+    /// The deviation of the smoothed polygon at a vertex, before points are moved.
+    fn deviation(&self, k: usize) -> [f32; AXES] {
+        let mut off = [0.0; AXES];
+        let mut add = |vertex: &Vertex<AXES>, away: f32| {
+            let u = 1.0 - away / vertex.width;
+            let g = vertex.width * u * u * u * (1.0 / 6.0);
+            for (off, turn) in off.iter_mut().zip(&vertex.turn) {
+                *off += turn * g;
+            }
+        };
+        let mut away = 0.0;
+        let mut j = k;
+        while let Some(vertex) = self.vertices.get(j)
+            && away < WIDEST_EVER
+            && j < self.wide
+        {
+            if away < vertex.width {
+                add(vertex, away);
+            }
+            j += 1;
+            away += self.vertices.get(j).map_or(0.0, |next| next.length);
+        }
+        (away, j) = (0.0, k);
+        while let Some(vertex) = self.vertices.get(j)
+            && let Some(next) = j.checked_sub(1)
+            && away < WIDEST_EVER
+        {
+            away += vertex.length;
+            j = next;
+            if let Some(vertex) = self.vertices.get(j)
+                && away < vertex.width
+            {
+                add(vertex, away);
+            }
+        }
+        off
+    }
+
+    /// Direction and length of the control polygon up to a vertex.
+    pub fn settle(&mut self, k: usize) {
+        let Some((chord, length)) = self.chord(k) else { return };
+        let per = 1.0 / max(length, f32::MIN_POSITIVE);
+        let mut turn = chord.map(|x| x * per);
+        if let Some((before, length)) = k.checked_sub(1).and_then(|k| self.chord(k)) {
+            let per = 1.0 / max(length, f32::MIN_POSITIVE);
+            for (turn, before) in turn.iter_mut().zip(&before) {
+                *turn -= before * per;
+            }
+        } else {
+            turn = [0.0; AXES];
+        }
+        if let Some(vertex) = self.vertices.get_mut(k) {
+            vertex.moved_length = length;
+        }
+        if let Some(vertex) = k.checked_sub(1).and_then(|k| self.vertices.get_mut(k)) {
+            vertex.moved_turn = turn;
+        }
+    }
+
+    /// The window is full and nothing can be made of it: kernels become narrower.
+    pub fn hurry(&mut self) {
+        self.reach *= 0.75;
+        for k in self.moved..self.wide {
+            if let Some(vertex) = self.vertices.get_mut(k) {
+                vertex.width = min(vertex.width, self.reach);
+            }
+        }
+    }
+
+    /// Looks at the path at the next vertex and in the middle of the chord behind it. Where it is not well inside
+    /// the tolerance, kernels nearby become narrower. `false` if more has to be known.
+    pub fn check(&mut self, parameters: &Parameters) -> bool {
+        let k = self.checked;
+        let last = self.moved.saturating_sub(2);
+        let all = self.ended && self.moved == self.len();
+        if k >= self.moved || !all && (k >= last || self.between(k, last) < self.reach) {
+            return false;
+        }
+        let tolerance = self.tolerance(k, parameters);
+        let way = self.get(k + 1).filter(|_| k + 1 < self.moved).map_or(0.0, |next| 0.5 * next.moved_length);
+        let fits = [0.0, way].into_iter().all(|x| {
+            let off = self.beside(&Spot { vertex: k, x });
+            self.is_inside(&off, &tolerance, WELL)
+        });
+        if fits || self.again >= AGAIN {
+            (self.checked, self.again) = (k + 1, 0);
+            return true;
+        }
+        self.again += 1;
+        let near = |j: usize| {
+            let away = self.between(j.min(k), j.max(k));
+            self.get(j).is_some_and(|vertex| vertex.width + way > away)
+        };
+        let first = (0..k).find(|j| near(*j)).unwrap_or(k);
+        let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
+        self.narrow(first, last, LITTLE);
+        true
+    }
+
+    /// The smoothed path less the chord of the program, at a place.
+    fn beside(&self, spot: &Spot) -> [f32; AXES] {
+        let Some(from) = self.get(spot.vertex) else { return [0.0; AXES] };
+        let mut off = from.offset;
+        let mut add = |vertex: &Vertex<AXES>, away: f32| {
+            if away < vertex.width {
+                let u = 1.0 - away / vertex.width;
+                let g = vertex.width * u * u * u * (1.0 / 6.0);
+                for (off, turn) in off.iter_mut().zip(&vertex.moved_turn) {
+                    *off += turn * g;
+                }
+            }
+        };
+        let (mut away, mut k) = (spot.x, spot.vertex);
+        while let Some(vertex) = self.get(k)
+            && away < WIDEST_EVER
+        {
+            add(vertex, away);
+            away += vertex.moved_length;
+            let Some(before) = k.checked_sub(1) else { break };
+            k = before;
+        }
+        away = -spot.x;
+        for k in spot.vertex + 1..self.moved {
+            let Some(vertex) = self.get(k) else { break };
+            away += vertex.moved_length;
+            if away >= WIDEST_EVER {
+                break;
+            }
+            add(vertex, away);
+        }
+        if let Some(to) = self.get(spot.vertex + 1) {
+            let part = min(spot.x / max(to.moved_length, f32::MIN_POSITIVE), 1.0);
+            for (off, (from, to)) in off.iter_mut().zip(from.offset.iter().zip(&to.offset)) {
+                *off += part * (to - from);
+            }
+        }
+        off
+    }
+
+    /// Kernels of these vertices become narrower, and their points move accordingly.
+    pub fn narrow(&mut self, from: usize, to: usize, part: f32) {
+        let to = to.min(self.moved.saturating_sub(1));
+        for sign in [1.0, -1.0] {
+            // First all points go back.
+            for k in from..=to {
+                let raw = self.deviation(k);
+                if let Some(vertex) = self.vertices.get_mut(k) {
+                    let gain = vertex.gain * sign;
+                    for (offset, raw) in vertex.offset.iter_mut().zip(&raw) {
+                        *offset += gain * raw;
+                    }
+                }
+            }
+            if sign < 0.0 {
+                break;
+            }
+            for k in from..=to {
+                if let Some(vertex) = self.vertices.get_mut(k) {
+                    vertex.width *= part;
+                    vertex.offset = vertex.offset.map(|x| x * NARROWED_BULGE);
+                }
+            }
+        }
+        for k in from..(to + 3).min(self.moved) {
+            self.settle(k);
+        }
+    }
+
+    /// A vertex becomes the start of a row, and those before it are forgotten.
+    pub fn restart(&mut self, k: usize) {
+        for _ in 0..k {
+            self.pop();
+        }
+        let mut away = 0.0;
+        for k in 0..self.len() {
+            let Some(vertex) = self.vertices.get_mut(k) else { break };
+            if k == 0 {
+                (vertex.width, vertex.offset) = (0.0, [0.0; AXES]);
+                (vertex.turn, vertex.moved_turn) = ([0.0; AXES], [0.0; AXES]);
+                self.begun = Some(vertex.distance);
+                continue;
+            }
+            away += if k < self.moved { vertex.moved_length } else { vertex.length };
+            vertex.width = min(vertex.width, 0.9 * away);
+        }
+        (self.wide, self.moved) = (self.wide.max(1), self.moved.max(1));
+        (self.checked, self.again) = (1, 0);
+        for k in 1..self.moved.min(3) {
+            self.settle(k);
+        }
+        if let Some(vertex) = self.vertices.front_mut() {
+            vertex.moved_turn = [0.0; AXES];
+        }
+    }
+
+    /// Forgets the first vertex.
+    pub fn pop(&mut self) {
+        if self.vertices.pop_front().is_some() {
+            (self.wide, self.moved) = (self.wide.saturating_sub(1), self.moved.saturating_sub(1));
+            self.checked = self.checked.saturating_sub(1);
+        }
+    }
+}
+
+/// No kernel is wider, mm.
+pub const WIDEST_EVER: f32 = 16.5;
+
+/// From a point of the control polygon to another one, mm.
+#[inline(always)]
+pub fn step<const AXES: usize>(
+    from: &Vertex<AXES>,
+    to: &[Position; AXES],
+    offset: &[f32; AXES],
+) -> [f32; AXES] {
+    let mut d = [0.0; AXES];
+    let ends = to.iter().zip(&from.at).zip(offset.iter().zip(&from.offset));
+    for (d, ((to, from), (offset, before))) in d.iter_mut().zip(ends) {
+        *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32 + (offset - before);
+    }
+    d
+}
+
+/// How smooth a contour is at a turn: 1 to 0.
+pub fn smoothness(turn: f32) -> f32 {
+    let x = min(max((EDGE - turn) * (1.0 / (EDGE - SMOOTH)), 0.0), 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
