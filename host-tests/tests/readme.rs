@@ -111,7 +111,8 @@ fn the_example_runs() {
     let end = example::last_set_point(b"N10 G01 X10 Y-5 F1000\nN20 G02 X20 I5\nM30\n");
     assert_eq!(end.map(|end| end.map(|axis| axis.to_num::<f64>())), Ok([20.0, -5.0, 0.0]));
     let refused = example::last_set_point(b"N10 G01 X10 F1000\nN20 #HSC ON [SURFACE]\n");
-    assert_eq!(refused, Err("line 2: #HSC is known, not available in this version".into()));
+    let needs = "line 2: #HSC [SURFACE] is not enabled; expected FCT_SURFACE in configuration.path_preparation.function (P-CHAN-00600)";
+    assert_eq!(refused, Err(needs.into()));
 }
 
 #[test]
