@@ -203,9 +203,17 @@ fn decode_axes<const AXES: usize>(
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
-            Step::Command(Command::Hsc(_, hsc)) => smoothing.hsc(&hsc),
+            Step::Command(Command::Hsc(_, hsc)) => {
+                smoothing.hsc(&hsc);
+                if !smoothing.is_on() {
+                    program.ends_smoothing();
+                }
+            }
             Step::Command(Command::Contour(_, contour)) => {
                 smoothing.contour(&contour);
+                if !smoothing.is_on() {
+                    program.ends_smoothing();
+                }
                 let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);
                 program.free_curves |= check == 0;
             }
@@ -358,6 +366,13 @@ impl Program {
         self.motions += 1;
     }
 
+    /// The corner behind the last motion is not rounded.
+    fn ends_smoothing(&mut self) {
+        if let Some(last) = self.segments.last_mut() {
+            last.smoothed = false;
+        }
+    }
+
     fn stop(&mut self) {
         if let Some(last) = self.segments.last_mut() {
             last.stop = true;
@@ -458,6 +473,18 @@ impl Program {
         }
         let others: Vec<usize> = (0..machine.axes.len()).filter(moves).take(3).collect();
         if others.is_empty() { main } else { others }
+    }
+
+    /// All axes that move; the main axes where there are none.
+    pub fn moving_axes(&self, machine: &Machine) -> Vec<usize> {
+        let moves = |axis: &usize| {
+            self.motions().any(|segment| match segment.kind {
+                Kind::Arc { plane, .. } if plane.contains(axis) => true,
+                _ => segment.end[*axis] != self.start[*axis],
+            })
+        };
+        let moving: Vec<usize> = (0..machine.axes.len()).filter(moves).collect();
+        if moving.is_empty() { machine.main_axes() } else { moving }
     }
 
     /// The contour in up to three axes as connected lines, arcs in small chords.

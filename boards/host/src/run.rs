@@ -78,7 +78,9 @@ fn simulate_axes<const AXES: usize>(
     let recorder = Recorder {
         statistics,
         trace,
-        picture: wanted.picture.then(|| Picture::new(machine, program.shown_axes(machine))),
+        picture: wanted
+            .picture
+            .then(|| Picture::new(machine, program.shown_axes(machine), program.moving_axes(machine))),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
         seen: 0,

@@ -178,7 +178,7 @@ fn an_abort_ends_at_rest_on_the_path() {
 
 #[test]
 fn events_are_told_and_drawn_and_leave_the_rest_alone() {
-    let program = shipped("../../programs/first.nc");
+    let program = shipped("../../programs/plate.nc");
     let plain = run("no-events", &program, None);
     let none = run_with("only-comments", &program, None, &["--events", &events("none", "# nothing\n\n")]);
     assert_eq!(plain.summary, none.summary);
@@ -222,8 +222,8 @@ fn events_are_told_and_drawn_and_leave_the_rest_alone() {
 
 #[test]
 fn the_shipped_events_are_accepted() {
-    let file = shipped("../../programs/first.events");
-    let run = run_with("shipped", &shipped("../../programs/first.nc"), None, &["--events", &file]);
+    let file = shipped("../../programs/plate.events");
+    let run = run_with("shipped", &shipped("../../programs/plate.nc"), None, &["--events", &file]);
     let told = run.summary["events"].as_array().expect("a list");
     let given = told.iter().filter(|event| event["tick"].is_u64()).count();
     assert_eq!((told.len(), given), (6, 6));

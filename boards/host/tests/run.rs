@@ -345,27 +345,97 @@ fn blocks_of_a_span_are_counted_and_their_corners_are_seen() {
 fn pictures_show_limits_beside_values() {
     let run = run("limits", &shipped("../../programs/first.nc"), None);
     let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
-    for text in ["limit of the axes", "programmed", "slope 2\u{202f}000, with contour 6\u{202f}000"] {
+    let texts = [
+        "limit of the axes",
+        "programmed",
+        "limit of an axis 6\u{202f}000",
+        "limit of an axis 200\u{202f}000",
+    ];
+    for text in texts {
         assert!(svg.contains(&format!("{text}</text>")), "{text}");
     }
-    // An axis of its own dynamics has a line of its own, in its colour.
+    // Axes of different dynamics are compared each with its own.
     let slow = fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
-    let at = slow.find("[axis.Z.slope_profil]").expect("a table");
-    let slow = format!("{}{}", &slow[..at], slow[at..].replace("= 2000", "= 1500"));
+    let at = slow.find("[axis.Y").expect("a table");
+    let slow = format!("{}{}", &slow[..at], slow[at..].replacen("a_max = 6000", "a_max = 5000", 1));
     let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("slow.toml");
     fs::write(&machine, slow).expect("a machine for the test");
     let other = crate::run("slow", &shipped("../../programs/first.nc"), machine.to_str());
     let other = fs::read_to_string(other.directory.join("p.svg")).expect("it was asked for");
-    let dashed = |svg: &str, colour: &str| {
-        svg.lines().filter(|line| line.contains("dasharray=\"6 4\"") && line.contains(colour)).count()
+    let own = |svg: &str| {
+        svg.contains("% of the limit of each axis</text>") && svg.contains(">Y 5\u{202f}000</text>")
     };
-    assert_eq!((dashed(&svg, "#3a9d5d"), dashed(&other, "#3a9d5d")), (0, 4));
+    assert_eq!((own(&svg), own(&other)), (false, true));
 }
 
-/// The path of `first.nc` turns on arcs, between two ticks, and ends where it began.
+/// What reaches a limit does not seem to cross it: the line of the limit lies outside of the stroke.
+#[test]
+fn the_speed_at_the_feed_stays_below_its_line() {
+    let program = written("at-feed", "N10 G01 X100 F6000\nM30\n");
+    let run = run("at-feed", &program, None);
+    let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    // Heights of a path in the first chart, from the top.
+    let heights = |colour: &str, width: &str| -> Vec<f64> {
+        let look = format!("stroke=\"{colour}\" stroke-width=\"{width}\"");
+        let line = svg.lines().find(|line| line.contains(&look) && line.contains("d=\"M"));
+        let data = line.and_then(|line| line.split("d=\"M").nth(1)).and_then(|data| data.split('"').next());
+        let numbers = data.expect("a path").replace('l', " ").replace('-', " -");
+        let numbers: Vec<f64> = numbers.split_whitespace().filter_map(|number| number.parse().ok()).collect();
+        let steps = numbers.chunks(2).map(|pair| pair[1]);
+        steps
+            .scan(0.0, |at, step| {
+                *at += step;
+                Some(*at)
+            })
+            .collect()
+    };
+    let highest = |all: Vec<f64>| all.into_iter().fold(f64::MAX, f64::min);
+    let feed = highest(heights("#8fb8d8", "1.6"));
+    let path = highest(heights("#1f2933", "1").into_iter().filter(|height| *height > 100.0).collect());
+    // Half of both strokes between them.
+    assert!(feed + 0.8 <= path - 0.5 + 0.011, "feed at {feed}, path at {path}");
+}
+
+#[test]
+fn pictures_show_where_the_path_leaves_the_programmed_one() {
+    let run = run("insets", &shipped("../../programs/first.nc"), None);
+    let svg = fs::read_to_string(run.directory.join("p.svg")).expect("it was asked for");
+    for text in ["Largest deviations", "Deviation", "% of the tolerance", "N60:  0.2 of 0.2 mm"] {
+        assert!(svg.contains(&format!("{text}</text>")), "{text}");
+    }
+    // The band of the tolerance, three times.
+    assert_eq!(svg.lines().filter(|line| line.contains("#cfe8d6")).count(), 3);
+    // A program without smoothing has none; rotary axes are shown like the others.
+    let rotary = shipped("../../programs/rotary_corners.nc");
+    let rotary = crate::run("insets-rotary", &rotary, Some(&shipped("machines/five-axis.toml")));
+    let rotary = fs::read_to_string(rotary.directory.join("p.svg")).expect("it was asked for");
+    let names = ["X", "Y", "C"].map(|name| rotary.contains(&format!(">{name} ")));
+    assert_eq!((names, rotary.contains(">C</text>")), ([true; 3], true));
+    let plain = crate::run("insets-plain", &shipped("../../programs/plate.nc"), None);
+    let plain = fs::read_to_string(plain.directory.join("p.svg")).expect("it was asked for");
+    assert!(!plain.contains("Largest deviations") && !plain.contains("#cfe8d6"));
+}
+
+/// The headline: both slopes run the first program, each in its own way, in some seconds of motion.
+#[test]
+fn the_first_program_shows_what_there_is() {
+    let program = shipped("../../programs/first.nc");
+    let begun = std::time::Instant::now();
+    let trapez = run("first-trapez", &program, None);
+    assert!(begun.elapsed().as_secs_f64() < 20.0);
+    let hsc = run_with("first-hsc", &program, None, &["--slope", "hsc"]);
+    assert_ne!(trapez.summary["digest"], hsc.summary["digest"]);
+    for seen in [&trapez, &hsc] {
+        assert!(number(&seen.summary["program_time_s"]) < 6.0);
+        assert!(number(&seen.summary["elements_per_block"]) > 2.0);
+        assert!((number(&seen.summary["deviation"]["value"]) - 0.2).abs() < 0.001);
+    }
+}
+
+/// The path of `plate.nc` turns on arcs, between two ticks, and ends where it began.
 #[test]
 fn travel_and_ends_are_those_of_the_path() {
-    let run = run("first-travel", &shipped("../../programs/first.nc"), None);
+    let run = run("first-travel", &shipped("../../programs/plate.nc"), None);
     for (axis, expected) in [("X", 1370.0), ("Y", 1060.0), ("Z", 80.0)] {
         let travel = number(&run.summary["axes"][axis]["travel"]);
         assert!((travel - expected).abs() < 1e-5, "{axis}: {travel}");

@@ -16,11 +16,16 @@ pub const CHORDS: u32 = 16;
 /// Places that are kept, with curves around each of them.
 const PLACES: usize = 3;
 const AROUND: usize = 12;
+/// Curves that are remembered: more than come between a place and the word that it is one.
+const RECENT: usize = 96;
 /// Blocks around that of a curve that it may belong to, and as far as they are looked for.
 const NEAR: usize = 2;
 const FAR: usize = 64;
 /// Parts of a path that are shown at most.
 const COLUMNS: usize = 4096;
+
+/// A smaller deviation is rounding, mm or degrees.
+pub const NOTHING: f64 = 1e-6;
 
 /// A point of the main axes.
 pub type Point = [f64; 3];
@@ -80,15 +85,20 @@ pub struct Place {
     pub largest: Largest,
     /// Index of the motion block.
     pub block: usize,
-    #[expect(dead_code, reason = "for the picture")]
     /// On the programmed path, and on the driven one.
     pub programmed: Point,
-    #[expect(dead_code, reason = "for the picture")]
     pub moved: Point,
     /// The driven path around it.
     pub around: Vec<Point>,
     /// Curves that are still to come.
     missing: usize,
+}
+
+impl Place {
+    /// With the driven path `around` it, as far as it is known.
+    pub fn new(largest: Largest, block: usize, programmed: Point, moved: Point, around: Vec<Point>) -> Self {
+        Self { largest, block, programmed, moved, around, missing: usize::MAX }
+    }
 }
 
 /// Deviations over a part of the path.
@@ -99,14 +109,30 @@ pub struct Column {
     /// Of the main axes, and of the others.
     pub path: f64,
     pub track: f64,
+    /// As parts of their tolerances; 0 where there is none.
+    pub path_used: f64,
+    pub track_used: f64,
+}
+
+impl Column {
+    /// The larger one of each, up to the end of both.
+    fn or(self, other: Self) -> Self {
+        Self {
+            distance: self.distance.max(other.distance),
+            path: self.path.max(other.path),
+            track: self.track.max(other.track),
+            path_used: self.path_used.max(other.path_used),
+            track_used: self.track_used.max(other.track_used),
+        }
+    }
 }
 
 /// The comparison.
 pub struct Deviation {
     main: Vec<usize>,
     blocks: Vec<Block>,
-    /// The shortest distance of each block's end from the driven path, and where that is nearest.
-    ends: Vec<(f64, Point)>,
+    /// Of the end of each block: its shortest distance from the driven path, where that is, and how far along.
+    ends: Vec<(f64, Point, f64)>,
     /// Ends before that one are done.
     done: usize,
     before: usize,
@@ -220,7 +246,7 @@ impl Deviation {
             });
         }
         Self {
-            ends: vec![(f64::INFINITY, [0.0; 3]); blocks.len()],
+            ends: vec![(f64::INFINITY, [0.0; 3], 0.0); blocks.len()],
             done: 0,
             before: 0,
             curves: 0,
@@ -237,7 +263,12 @@ impl Deviation {
         }
     }
 
-    #[expect(dead_code, reason = "for the picture")]
+    /// Ends of the blocks around one.
+    pub fn ends(&self, block: usize) -> Vec<Point> {
+        let (from, to) = (block.saturating_sub(AROUND), (block + AROUND).min(self.blocks.len()));
+        self.blocks.get(from..to).unwrap_or(&[]).iter().map(|block| block.ends[1]).collect()
+    }
+
     /// The programmed end points around a block, as far as they are shown, and their first one's index.
     pub fn programmed(&self, block: usize) -> Vec<Point> {
         let from = block.saturating_sub(AROUND);
@@ -295,6 +326,7 @@ impl Deviation {
             return;
         }
         column.path = column.path.max(seen.distance);
+        column.path_used = column.path_used.max(tolerance.path.map_or(0.0, |most| seen.distance / most));
         let foot = self.blocks[seen.block].at(seen.part);
         self.see(
             Largest { value: seen.distance, tolerance: tolerance.path, n: self.blocks[seen.block].n },
@@ -322,6 +354,7 @@ impl Deviation {
             let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
             let value = (low - value).max(value - high).max(0.0);
             column.track = column.track.max(value);
+            column.track_used = column.track_used.max(tolerance.track.map_or(0.0, |most| value / most));
             let largest = Largest { value, tolerance: tolerance.track, n: block.n };
             let known = &mut self.track[axis];
             if known.is_none_or(|known| largest.used() > known.used()) {
@@ -356,7 +389,7 @@ impl Deviation {
                 let nearest = between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1]));
                 let distance = apart(&end, &nearest);
                 if distance < self.ends[index].0 {
-                    self.ends[index] = (distance, nearest);
+                    self.ends[index] = (distance, nearest, self.distance);
                 }
             }
         }
@@ -366,10 +399,17 @@ impl Deviation {
     /// Ends before that one are passed.
     fn settle(&mut self, to: usize) {
         for index in self.done..to {
-            let ((value, moved), block) = (self.ends[index], &self.blocks[index]);
+            let ((value, moved, along), block) = (self.ends[index], &self.blocks[index]);
             if block.smoothed && value.is_finite() {
                 let largest = Largest { value, tolerance: self.around(index).1.path, n: block.n };
                 let programmed = block.ends[1];
+                // The curve that comes so near ends behind there.
+                let at = self.columns.partition_point(|column| column.distance <= along);
+                if let Some(column) = self.columns.get_mut(at) {
+                    column.path = column.path.max(value);
+                    column.path_used =
+                        column.path_used.max(largest.tolerance.map_or(0.0, |most| value / most));
+                }
                 self.see(largest, index, programmed, moved);
             }
         }
@@ -379,6 +419,7 @@ impl Deviation {
     /// All curves are there.
     pub fn finish(&mut self) {
         self.settle(self.blocks.len().saturating_sub(1));
+        self.surround();
         self.places.sort_by(|one, other| other.largest.used().total_cmp(&one.largest.used()));
     }
 
@@ -386,9 +427,9 @@ impl Deviation {
         if self.path.is_none_or(|known| largest.used() > known.used()) {
             self.path = Some(largest);
         }
-        let place = || Place { largest, block, programmed, moved, around: Vec::new(), missing: usize::MAX };
+        let place = || Place::new(largest, block, programmed, moved, Vec::new());
         // One for each corner.
-        let near = self.places.iter_mut().find(|place| place.block.abs_diff(block) <= 2 * NEAR);
+        let near = self.places.iter_mut().find(|place| place.block.abs_diff(block) <= 1);
         if let Some(near) = near {
             if largest.used() > near.largest.used() {
                 *near = place();
@@ -408,37 +449,37 @@ impl Deviation {
 
     /// The driven path around the places found.
     fn keep(&mut self, path: Vec<Point>) {
-        if self.recent.len() >= 2 * AROUND {
+        if self.recent.len() >= RECENT {
             self.recent.pop_front();
         }
         self.recent.push_back(path);
-        for place in &mut self.places {
-            if place.missing == usize::MAX {
-                place.around = self.recent.iter().flatten().copied().collect();
-                place.missing = AROUND;
-            } else if place.missing > 0 {
-                place.around.extend(self.recent.back().into_iter().flatten());
-                place.missing -= 1;
-            }
+        for place in self.places.iter_mut().filter(|place| (1..usize::MAX).contains(&place.missing)) {
+            place.around.extend(self.recent.back().into_iter().flatten());
+            place.missing -= 1;
+        }
+        self.surround();
+    }
+
+    /// Places that were just found get what was driven before.
+    fn surround(&mut self) {
+        for place in self.places.iter_mut().filter(|place| place.missing == usize::MAX) {
+            place.around = self.recent.iter().flatten().copied().collect();
+            place.missing = AROUND;
         }
     }
 
     fn show(&mut self, column: Column) {
         match self.columns.last_mut() {
             Some(last) if column.distance - last.distance < self.step => {
-                last.path = last.path.max(column.path);
-                last.track = last.track.max(column.track);
+                *last = last.or(column);
             }
             _ => self.columns.push(column),
         }
         if self.columns.len() > COLUMNS {
             self.step = (2.0 * self.step).max(self.distance / COLUMNS as f64);
-            let mut joined: Vec<Column> = Vec::with_capacity(COLUMNS);
-            for pair in self.columns.chunks(2) {
-                let most = |of: fn(&Column) -> f64| pair.iter().map(of).fold(0.0, f64::max);
-                let distance = pair.last().map_or(0.0, |column| column.distance);
-                joined.push(Column { distance, path: most(|c| c.path), track: most(|c| c.track) });
-            }
+            let joined =
+                self.columns.chunks(2).map(|pair| pair.iter().fold(pair[0], |one, other| one.or(*other)));
+            let joined: Vec<Column> = joined.collect();
             self.columns = joined;
         }
     }

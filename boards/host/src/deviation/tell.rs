@@ -1,5 +1,5 @@
 //! The largest deviations, as a part of the summary.
-use super::{Deviation, Largest};
+use super::{Deviation, Largest, NOTHING};
 use crate::machine::Machine;
 use glidepath::machine::AxisKind;
 use serde::Serialize;
@@ -30,9 +30,6 @@ struct Off {
     unit: &'static str,
     n: u32,
 }
-
-/// Less is rounding.
-const NOTHING: f64 = 1e-6;
 
 impl Told {
     /// Of a run with so many motion blocks.

@@ -49,8 +49,20 @@ pub const LIMIT: Colour = Colour(0xd6, 0x45, 0x45);
 pub const EVENT: Colour = Colour(0x7a, 0x4f, 0xa8);
 /// Rest because of them.
 pub const HELD: Colour = Colour(0xf2, 0xb1, 0x34);
-/// The main axes.
-pub const AXES: [Colour; 3] = [Colour(0x2b, 0x7a, 0xb8), Colour(0xe0, 0x8a, 0x1e), Colour(0x3a, 0x9d, 0x5d)];
+/// The axes of a machine.
+const AXES: [Colour; 6] = [
+    Colour(0x2b, 0x7a, 0xb8),
+    Colour(0xe0, 0x8a, 0x1e),
+    Colour(0x3a, 0x9d, 0x5d),
+    Colour(0xb0, 0x4a, 0x8f),
+    Colour(0x8a, 0x6d, 0x3b),
+    Colour(0x4f, 0x5d, 0x9e),
+];
+
+/// The colour of the axis with this index.
+pub fn axis_colour(axis: usize) -> Colour {
+    AXES[axis % AXES.len()]
+}
 
 /// How a line looks.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +118,13 @@ impl TextStyle {
 /// A file format that can be drawn on.
 pub trait Canvas {
     /// Connected lines.
-    fn polyline(&mut self, points: &[Point], stroke: &Stroke);
+    fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
+        self.polylines(std::slice::from_ref(&points.to_vec()), stroke);
+    }
+    /// Several of them, of one look.
+    fn polylines(&mut self, lines: &[Vec<Point>], stroke: &Stroke);
+    /// A filled area without an edge.
+    fn polygon(&mut self, points: &[Point], colour: Colour, opacity: f64);
     /// A filled rectangle.
     fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64);
     /// A filled circle with a white rim.

@@ -1,12 +1,13 @@
 //! A picture of a run: where it went, how fast, how smoothly.
 //!
-//! Left the path, programmed thin and grey, moved coloured by speed; right speed, acceleration and jerk over
-//! time.
+//! Left the path, programmed thin and grey, moved coloured by speed, and the places where both differ most;
+//! right speed, acceleration and jerk over time, and the deviation over the path.
 
 mod canvas;
 mod chart;
 mod events;
 mod font;
+mod insets;
 mod path;
 mod png;
 mod record;
@@ -54,6 +55,8 @@ pub fn parse_target(name: &str) -> Result<Target, String> {
 
 const WIDTH: f64 = 1400.0;
 const HEIGHT: f64 = 860.0;
+/// With the row of the deviation, and the places where it is largest.
+const TALL: f64 = 1120.0;
 const MARGIN: f64 = 28.0;
 const TOP: f64 = 100.0;
 
@@ -73,21 +76,22 @@ pub struct Scene<'a> {
 
 /// Draws a run, as the bytes of a file.
 pub fn draw(format: Format, source: &Source, scene: &Scene<'_>) -> Vec<u8> {
+    let height = if insets::any(scene) { TALL } else { HEIGHT };
     match format {
         Format::Svg => {
-            let mut canvas = svg::Svg::new(WIDTH, HEIGHT);
-            compose(&mut canvas, source, scene);
+            let mut canvas = svg::Svg::new(WIDTH, height);
+            compose(&mut canvas, height, source, scene);
             canvas.finish()
         }
         Format::Png => {
-            let mut canvas = png::Png::new(WIDTH, HEIGHT);
-            compose(&mut canvas, source, scene);
+            let mut canvas = png::Png::new(WIDTH, height);
+            compose(&mut canvas, height, source, scene);
             canvas.finish()
         }
     }
 }
 
-fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
+fn compose(canvas: &mut dyn Canvas, height: f64, source: &Source, scene: &Scene<'_>) {
     let statistics = scene.statistics;
     let file = std::path::Path::new(&source.name).file_name().map(|name| name.to_string_lossy());
     let title = file.unwrap_or_else(|| source.name.as_str().into());
@@ -105,10 +109,13 @@ fn compose(canvas: &mut dyn Canvas, source: &Source, scene: &Scene<'_>) {
     );
     canvas.text(Point(MARGIN, 62.0), &facts, &TextStyle { size: 13.0, ..TextStyle::new(SOFT) });
 
-    let path_area = Rect { x: MARGIN, y: TOP, width: 600.0, height: HEIGHT - TOP - MARGIN };
-    path::draw(canvas, &path_area, scene);
-    let left = MARGIN + path_area.width + 34.0;
-    let charts = Rect { x: left, y: TOP, width: WIDTH - left - MARGIN, height: HEIGHT - TOP - MARGIN };
+    let left = Rect { x: MARGIN, y: TOP, width: 600.0, height: height - TOP - MARGIN };
+    let below = if insets::any(scene) { insets::HEIGHT + 20.0 } else { 0.0 };
+    path::draw(canvas, &Rect { height: left.height - below, ..left }, scene);
+    let places = Rect { y: left.bottom() - insets::HEIGHT, height: insets::HEIGHT, ..left };
+    insets::draw(canvas, &places, scene);
+    let right = left.right() + 34.0;
+    let charts = Rect { x: right, y: TOP, width: WIDTH - right - MARGIN, height: height - TOP - MARGIN };
     chart::draw(canvas, &charts, scene);
     let version = concat!("glidepath ", env!("CARGO_PKG_VERSION"));
     let style = TextStyle { size: 11.0, anchor: Anchor::End, ..TextStyle::new(SOFT) };
@@ -125,7 +132,7 @@ mod tests {
     use glidepath::tick::Telemetry;
 
     /// A square with one round side, run at constant speed: what matters here is that it can be drawn.
-    fn scene(format: Format, ticks: u64) -> Vec<u8> {
+    fn scene(format: Format, ticks: u64, rounds: usize) -> Vec<u8> {
         let machine = Machine::built_in();
         let line = |x: f64, y: f64| Segment {
             n: 1,
@@ -144,9 +151,12 @@ mod tests {
             Segment { kind: arc, ..line(0.0, 100.0) },
             Segment { feed: None, ..line(0.0, 0.0) },
         ];
-        let program = Program { segments, motions: 4, ..Program::empty(&machine) };
+        // Many more blocks than can be told apart, all over the picture.
+        let rest = (0..rounds).map(|i| line((i * 37 % 101) as f64, (i * 59 % 103) as f64));
+        let segments: Vec<Segment> = segments.into_iter().chain(rest).collect();
+        let program = Program { motions: segments.len(), segments, ..Program::empty(&machine) };
         let mut statistics = Statistics::new(&[Position::ZERO; 3], 0);
-        let mut picture = Picture::new(&machine, vec![0, 1, 2]);
+        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2]);
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
             let at = match s {
@@ -180,13 +190,15 @@ mod tests {
 
     #[test]
     fn pictures_stay_small_however_long_the_run() {
-        let [short, long] = [4000, 1_000_000].map(|ticks| scene(Format::Svg, ticks).len());
-        assert!(short > 50_000 && long < 1_500_000, "{short} {long}");
+        // A second, and an hour.
+        let short = scene(Format::Svg, 1000, 0).len();
+        let long = scene(Format::Svg, 3_600_000, 300_000).len();
+        assert!(short > 10_000 && long < 2_000_000, "{short} {long}");
     }
 
     #[test]
     fn svg_escapes_and_closes_what_it_opens() {
-        let svg = String::from_utf8(scene(Format::Svg, 4000)).unwrap_or_default();
+        let svg = String::from_utf8(scene(Format::Svg, 4000, 0)).unwrap_or_default();
         assert!(svg.contains(">a &amp; b.nc</text>") && svg.ends_with("</svg>\n"));
         assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
@@ -194,7 +206,7 @@ mod tests {
 
     #[test]
     fn png_shows_all_colours_of_the_speed_scale() {
-        let bytes = scene(Format::Png, 4000);
+        let bytes = scene(Format::Png, 4000, 0);
         if let Some(path) = std::env::var_os("GLIDEPATH_SHOW") {
             std::fs::write(path, &bytes).unwrap_or_default();
         }

@@ -7,6 +7,10 @@ use super::scale::{label, round_up, ticks};
 /// Shades of the speed scale.
 const SHADES: usize = 32;
 
+/// Points nearer to one another than that are one, and so many of a line are drawn at most.
+const FINEST: f64 = 0.5;
+const MOST: usize = 12_000;
+
 /// Radius of the dots at start and end, and of the end's dot where it lies under that of the start.
 const DOT: f64 = 5.0;
 const RING: f64 = 8.5;
@@ -117,34 +121,35 @@ fn one(
         View::Isometric => tripod(canvas, &inner, &names),
     }
     canvas.clip(Some(&inner));
-    let mut points: Vec<Point> = Vec::new();
-    for (index, &at) in programmed.iter().enumerate() {
-        let point = place(at);
-        if index + 1 == programmed.len() || points.last().is_none_or(|&last| apart(last, point)) {
-            points.push(point);
-        }
-    }
-    canvas.polyline(&points, &Stroke::new(PROGRAMMED, 1.0));
+    let whole: Vec<Point> = programmed.iter().map(|&at| place(at)).collect();
+    canvas.polyline(&thinned(&whole), &Stroke::new(PROGRAMMED, 1.0));
+    let mut shades = vec![Vec::new(); SHADES];
     // One line for each stretch of one shade.
     let mut points: Vec<Point> = Vec::new();
     let mut current = None;
     for &(at, speed) in moved {
         let shade = ((speed / top_speed * SHADES as f64) as usize).min(SHADES - 1);
         let point = place(at);
-        if current == Some(shade) && points.last().is_some_and(|&last| !apart(last, point)) {
+        if points.last().is_some_and(|&last| !apart(last, point, FINEST)) && points.len() > 1 {
             continue;
         }
         points.push(point);
         if current != Some(shade) {
             if let Some(shade) = current {
-                canvas.polyline(&points, &Stroke::new(colour(shade), 2.4));
-                points = points.split_off(points.len() - 1);
+                let next = points.split_off(points.len() - 1);
+                points.extend(next.first());
+                shades[shade].push(std::mem::replace(&mut points, next));
             }
             current = Some(shade);
         }
     }
+    points.extend(moved.last().map(|&(at, _)| place(at)));
     if let Some(shade) = current {
-        canvas.polyline(&points, &Stroke::new(colour(shade), 2.4));
+        shades[shade].push(points);
+    }
+    // Slow stretches last: they are what is looked for.
+    for (shade, lines) in shades.iter().enumerate().rev() {
+        canvas.polylines(lines, &Stroke::new(colour(shade), 2.4));
     }
     if let (Some((first, _)), Some((last, _))) = (moved.first(), moved.last()) {
         // Where both are one place, the end is seen around the start.
@@ -156,9 +161,26 @@ fn one(
     canvas.clip(None);
 }
 
-/// Far enough from one another to be seen as two.
-fn apart(a: Point, b: Point) -> bool {
-    (a.0 - b.0).hypot(a.1 - b.1) > 0.3
+/// Whether two points are further from one another than that.
+fn apart(a: Point, b: Point, distance: f64) -> bool {
+    (a.0 - b.0).hypot(a.1 - b.1) > distance
+}
+
+/// Points that can be told apart, and no more than a picture needs.
+fn thinned(points: &[Point]) -> Vec<Point> {
+    let mut finest = FINEST;
+    loop {
+        let mut kept: Vec<Point> = Vec::new();
+        for (index, &point) in points.iter().enumerate() {
+            if index + 1 == points.len() || kept.last().is_none_or(|&last| apart(last, point, finest)) {
+                kept.push(point);
+            }
+        }
+        if kept.len() <= MOST {
+            return kept;
+        }
+        finest *= 1.5;
+    }
 }
 
 fn grid(canvas: &mut dyn Canvas, inner: &Rect, scale: f64, centre: [f64; 2]) {

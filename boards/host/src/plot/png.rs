@@ -51,14 +51,20 @@ fn rect(area: &Rect) -> Option<Path> {
     Some(PathBuilder::from_rect(rect))
 }
 
+fn trace(builder: &mut PathBuilder, points: &[Point]) {
+    for (index, &Point(x, y)) in points.iter().enumerate() {
+        match index {
+            0 => builder.move_to(x as f32, y as f32),
+            _ => builder.line_to(x as f32, y as f32),
+        }
+    }
+}
+
 impl Canvas for Png {
-    fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
-        let mut builder = PathBuilder::with_capacity(points.len() + 1, points.len());
-        for (index, &Point(x, y)) in points.iter().enumerate() {
-            match index {
-                0 => builder.move_to(x as f32, y as f32),
-                _ => builder.line_to(x as f32, y as f32),
-            }
+    fn polylines(&mut self, lines: &[Vec<Point>], stroke: &Stroke) {
+        let mut builder = PathBuilder::new();
+        for points in lines {
+            trace(&mut builder, points);
         }
         let Some(path) = builder.finish() else { return };
         let dash = stroke.dash.and_then(|(dash, gap)| StrokeDash::new(vec![dash as f32, gap as f32], 0.0));
@@ -72,6 +78,15 @@ impl Canvas for Png {
         let transform = Transform::from_scale(SCALE, SCALE);
         let paint = paint(stroke.colour, stroke.opacity);
         self.pixels.stroke_path(&path, &paint, &line, transform, self.mask.as_ref());
+    }
+
+    fn polygon(&mut self, points: &[Point], colour: Colour, opacity: f64) {
+        let mut builder = PathBuilder::new();
+        trace(&mut builder, points);
+        builder.close();
+        if let Some(path) = builder.finish() {
+            self.fill_path(&path, colour, opacity);
+        }
     }
 
     fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64) {

@@ -6,7 +6,7 @@ use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 
 /// Places along the path kept at most, and stretches of time.
-const PLACES: usize = 40_000;
+const PLACES: usize = 12_000;
 const STRETCHES: usize = 1800;
 
 /// A place of the path.
@@ -22,7 +22,9 @@ pub struct Place {
 pub struct Picture {
     /// The axes shown: the main axes, where these move.
     pub axes: Vec<usize>,
-    /// Their unit.
+    /// All axes that move.
+    pub moving: Vec<usize>,
+    /// The unit of the axes shown.
     pub unit: &'static str,
     /// The path, as fine as it can be seen.
     pub places: Vec<Place>,
@@ -31,21 +33,21 @@ pub struct Picture {
     low: [f64; 3],
     high: [f64; 3],
     pending: Option<Place>,
-    /// Speed, acceleration and jerk of the path, then acceleration and jerk of each axis shown.
+    /// Speed of the path, then acceleration and jerk of each axis that moves.
     pub envelope: Envelope,
     /// Ticks that enter another block, and that block; several may begin within a tick.
     pub entries: Vec<(u64, u32)>,
     ticks: u64,
-    accel: f64,
 }
 
 impl Picture {
     /// Nothing recorded yet.
-    pub fn new(machine: &Machine, axes: Vec<usize>) -> Self {
-        let envelope = Envelope::new(3 + 2 * axes.len());
+    pub fn new(machine: &Machine, axes: Vec<usize>, moving: Vec<usize>) -> Self {
+        let envelope = Envelope::new(1 + 2 * moving.len());
         let linear = axes.iter().all(|&index| machine.axes[index].kind == AxisKind::Linear);
         Self {
             axes,
+            moving,
             unit: if linear { "mm" } else { "°" },
             places: Vec::new(),
             spacing: 0.0,
@@ -55,7 +57,6 @@ impl Picture {
             envelope,
             entries: Vec::new(),
             ticks: 0,
-            accel: 0.0,
         }
     }
 
@@ -69,11 +70,8 @@ impl Picture {
     ) {
         const LSB: f64 = (1_u64 << 58) as f64;
         let speed = telemetry.speed.to_bits() as f64 / LSB / cycle_s;
-        let accel = telemetry.accel.to_bits() as f64 / LSB / cycle_s / cycle_s;
-        let jerk = (accel - self.accel) / cycle_s;
-        self.accel = accel;
-        let mut values = vec![speed as f32, accel as f32, jerk as f32];
-        for axis in self.axes.iter().filter_map(|&index| seen.get(index)) {
+        let mut values = vec![speed as f32];
+        for axis in self.moving.iter().filter_map(|&index| seen.get(index)) {
             let [_, accel, jerk] = axis.latest(cycle_s);
             values.extend([accel as f32, jerk as f32]);
         }
@@ -96,9 +94,9 @@ impl Picture {
             self.low[axis] = self.low[axis].min(value);
             self.high[axis] = self.high[axis].max(value);
         }
-        // A thousand dots across are more than a picture of that size can show.
+        // More than a picture of that size can show.
         let extent = (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
-        self.spacing = self.spacing.max(extent / 1500.0);
+        self.spacing = self.spacing.max(extent / 1000.0);
         let near = self.places.last().is_some_and(|last| distance(last, &place) < self.spacing);
         self.pending = near.then_some(place);
         if !near {
@@ -185,6 +183,11 @@ impl Envelope {
     /// Ticks from one to the next.
     pub fn stride(&self) -> u64 {
         self.stride
+    }
+
+    /// The largest magnitude of one series.
+    pub fn peak(&self, index: usize) -> f64 {
+        self.series(index).map(|[low, high]| high.abs().max(low.abs())).fold(0.0, f64::max)
     }
 
     /// Lowest and highest values of one series.

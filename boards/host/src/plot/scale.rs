@@ -28,7 +28,8 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-fn step(span: f64, count: usize) -> f64 {
+/// The distance of round numbers, about `count` of them in `span`.
+pub fn step(span: f64, count: usize) -> f64 {
     let rough = span.max(f64::MIN_POSITIVE * 1e6) / count.max(1) as f64;
     let decade = 10_f64.powf(rough.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * decade).find(|&s| s >= rough).unwrap_or(10.0 * decade)

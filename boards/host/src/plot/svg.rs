@@ -44,20 +44,43 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// Connected lines as path data: the first point, then steps. Each step is from the point as it was written, so
+/// that rounding does not add up.
+fn run(data: &mut String, points: &[Point]) {
+    // Hundredths of a pixel.
+    let grid = |Point(x, y): Point| [x, y].map(|value| (value * 100.0).round() as i64);
+    let mut last = [0; 2];
+    for (index, &point) in points.iter().enumerate() {
+        let at = grid(point);
+        let step = [at[0] - last[0], at[1] - last[1]];
+        if index > 1 && step == [0; 2] {
+            continue;
+        }
+        match index {
+            0 => data.push('M'),
+            1 => data.push('l'),
+            _ => {}
+        }
+        for (k, value) in step.into_iter().enumerate() {
+            // A minus sign parts two numbers as well as a space.
+            if value >= 0 && (k > 0 || index > 1) {
+                data.push(' ');
+            }
+            data.push_str(&short(value as f64 / 100.0));
+        }
+        last = at;
+    }
+}
+
 impl Canvas for Svg {
-    fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
-        if points.len() < 2 {
+    fn polylines(&mut self, lines: &[Vec<Point>], stroke: &Stroke) {
+        let mut data = String::new();
+        lines.iter().filter(|points| points.len() > 1).for_each(|points| run(&mut data, points));
+        if data.is_empty() {
             return;
         }
-        let mut data = String::with_capacity(points.len() * 14);
-        for Point(x, y) in points {
-            data.push_str(if data.is_empty() { "" } else { " " });
-            data.push_str(&short(*x));
-            data.push(',');
-            data.push_str(&short(*y));
-        }
         self.add(format_args!(
-            "<polyline points=\"{data}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
+            "<path d=\"{data}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
             hex(stroke.colour),
             short(stroke.width)
         ));
@@ -68,6 +91,16 @@ impl Canvas for Svg {
             self.add(format_args!(" stroke-dasharray=\"{} {}\"", short(dash), short(gap)));
         }
         self.out.push_str("/>\n");
+    }
+
+    fn polygon(&mut self, points: &[Point], colour: Colour, opacity: f64) {
+        if points.len() < 3 {
+            return;
+        }
+        let mut data = String::new();
+        run(&mut data, points);
+        let (fill, opacity) = (hex(colour), short(opacity));
+        self.add(format_args!("<path d=\"{data}z\" fill=\"{fill}\" fill-opacity=\"{opacity}\"/>\n"));
     }
 
     fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64) {
