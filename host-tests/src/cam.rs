@@ -1,7 +1,8 @@
 //! The two programs of a CAM system that short blocks are measured with, as text for a head of one's own.
 //!
-//! A head is what switches smoothing on, for example `#CONTOUR MODE [DEV PATH_DEV=0.02]` and `G261`, each on a
-//! line. It stands behind the first lines and before the first motion. Without a head every corner is as it is.
+//! A head is what switches smoothing on, for example `#CONTOUR MODE [DEV PATH_DEV=0.02]` and `G261`, each on
+//! a line. It stands behind the first lines and before the first motion. Without a head every corner is as it
+//! is.
 use std::fmt::Write;
 
 /// Radius of [`circle`], and length of the lines before it and behind it, mm.

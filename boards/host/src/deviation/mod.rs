@@ -131,7 +131,7 @@ impl Column {
 pub struct Deviation {
     main: Vec<usize>,
     blocks: Vec<Block>,
-    /// Of the end of each block: its shortest distance from the driven path, where that is, and how far along.
+    /// Of the end of each block: its distance from the driven path, where that is, and how far along.
     ends: Vec<(f64, Point, f64)>,
     /// Ends before that one are done.
     done: usize,

@@ -1,8 +1,8 @@
-//! The places of largest deviation, seen from near: the programmed path with its ends of blocks, the driven one
-//! and the band of the tolerance between them.
+//! The places of largest deviation, seen from near: the programmed path with its ends of blocks, the driven
+//! one, and the band of the tolerance.
 //!
-//! Each place is seen in the plane of the path and of its deviation there. Where the curve is much longer than
-//! the band is wide, both directions have a scale of their own.
+//! Each place is seen in the plane of the path and of its deviation there. Where the curve is much longer
+//! than the band is wide, both directions have a scale of their own.
 use super::Scene;
 use super::canvas::{
     Anchor, Canvas, Colour, GRID, INK, LIMIT, PROGRAMMED, Point as At, Rect, SOFT, Stroke, TextStyle,

@@ -44,8 +44,8 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Connected lines as path data: the first point, then steps. Each step is from the point as it was written, so
-/// that rounding does not add up.
+/// Connected lines as path data: the first point, then steps. Each step is from the point as it was written,
+/// so that rounding does not add up.
 fn run(data: &mut String, points: &[Point]) {
     // Hundredths of a pixel.
     let grid = |Point(x, y): Point| [x, y].map(|value| (value * 100.0).round() as i64);

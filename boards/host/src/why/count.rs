@@ -35,8 +35,8 @@ pub enum Bound {
     Feed,
     /// A limit of the machine data, and its axis where one alone is to blame.
     Limit(Limit, Option<usize>),
-    /// A corner without a curve that is passed at a standstill, or nearly: what is permitted there is a matter
-    /// of its angle.
+    /// A corner without a curve that is passed at a standstill, or nearly: its angle decides what is
+    /// permitted.
     Corner,
     /// No limit alone: several at once.
     Several,
