@@ -3,13 +3,15 @@
 //! The front page of the crate shows how they are used.
 mod check;
 mod error;
+mod filter;
 mod memory;
 mod rest;
 
 pub use error::{Error, MachineError};
-pub use memory::{Channel, Handles};
+pub use memory::{Channel, FilteredHandles, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
 
+use crate::fir::{FilterPlan, Unfiltered};
 use crate::machine::Synch;
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
@@ -43,6 +45,9 @@ pub enum Progress {
     /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said
     /// once for each standstill.
     Late,
+    /// The axis with this index was beyond AX_DEV of #FILTER: a defect of the planner. Said once until #FILTER
+    /// changes the filters; [`Planner::filter_deviation`] says by how much.
+    Deviated(usize),
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act
     /// on that: go on calling as long as it moves.
     Done,
@@ -93,7 +98,7 @@ impl Held {
 ///
 /// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put
 /// in force does not belong to where the axes stand: then [`Self::continue_with`] begins as a program does.
-pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
+pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize, F = Unfiltered> {
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
@@ -108,9 +113,12 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
     released: u32,
     /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
     lost: bool,
+    filters: F,
 }
 
-impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
+    Planner<'a, T, AXES, BLOCKS, F>
+{
     /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or
     /// [`Progress::Planned`].
     ///
@@ -123,6 +131,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if self.source == Source::Ended && self.planning.is_idle() {
             self.forget_abort();
             return Ok(Progress::Done);
+        }
+        if self.settles_at_gate() {
+            return Ok(Progress::Waiting);
         }
         match self.planning.work() {
             Ok(Work::Working) => return Ok(Progress::Working),
@@ -145,6 +156,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 });
             }
         }
+        if let Some(axis) = self.filters.beyond() {
+            return Ok(Progress::Deviated(axis));
+        }
+        if self.filters.is_pending() {
+            return Ok(self.change_filters());
+        }
         if let Some(held) = self.held {
             return Ok(self.output(held));
         }
@@ -160,13 +177,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
 
     /// Whether the motion stands still in a feed hold.
     pub fn is_holding(&self) -> bool {
-        self.planning.is_holding()
+        self.planning.is_holding() && self.filters.is_settled()
     }
 
     /// Whether the motion stands still because a function is not acknowledged:
     /// [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
-        self.planning.is_waiting()
+        self.planning.is_waiting() && self.filters.is_settled()
     }
 
     /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`],
@@ -263,6 +280,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         self.source = Source::Ended;
         self.held = None;
         self.lost = true;
+        self.filters.cancel();
         self.decoder.refuse();
     }
 
@@ -281,6 +299,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                     return Err(Error::Motion(motion.place, MotionError::Released));
                 }
                 self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
+                if motion.exact_stop && self.settling() > 0 {
+                    self.planning.rest(self.settling());
+                }
                 if let Some(kind) = self.planning.remark() {
                     return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
                 }
@@ -290,7 +311,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 // 2^-32 s to µs to ticks, up
                 let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
                 let cycle = u64::from(self.cycle_us);
-                self.planning.rest(div_wide(0, us + cycle - 1, cycle));
+                self.planning.rest(div_wide(0, us + cycle - 1, cycle) + self.settling());
                 if at_corner {
                     let kind = NcWarningKind::DwellAtCorner;
                     return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
@@ -305,14 +326,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                 return Ok(self.output(Held::new(head, Function::Spindle(*speed))));
             }
             Command::Tool(head, tool) => return Ok(self.output(Held::new(head, Function::Tool(*tool)))),
-            Command::Slope(_, slope) if slope.default => self.planning.set_slope(None, false),
+            Command::Slope(_, slope) if slope.default => {
+                self.planning.set_slope(None, false);
+                self.watch_filters();
+            }
             Command::Slope(_, slope) => {
                 let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
                 self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
+                self.watch_filters();
             }
             Command::Weight(head, weight) => {
                 self.look_ahead(head)?;
                 self.planning.dynamics().weigh(weight);
+                self.watch_filters();
             }
             Command::VectorLimit(head, limit) => {
                 let others = [
@@ -369,6 +395,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
                     return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
                 }
             }
+            Command::Filter(head, filter) if F::EXIST || !command.switches_off() => {
+                return self.filter(head, filter);
+            }
+            Command::Filter(..) => {}
             Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }

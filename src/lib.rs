@@ -147,6 +147,8 @@ pub mod control;
 #[doc(hidden)]
 pub mod queue;
 
+pub mod fir;
+
 #[doc(hidden)]
 pub mod slope;
 

@@ -121,7 +121,11 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
     /// or twice, on another one while a tick is at hand.
     pub fn status(&self) -> Status<AXES> {
         let seen = self.panel.status.read();
-        let (state, step) = if seen.moved { (State::Active, seen.step.to_bits()) } else { (State::Idle, 0) };
+        let (state, step) = match (seen.moved, seen.settles) {
+            (true, _) => (State::Active, seen.step.to_bits()),
+            (false, true) => (State::Settling, 0),
+            (false, false) => (State::Idle, 0),
+        };
         Status {
             set_points: seen.set_points,
             n: seen.n,

@@ -10,6 +10,7 @@
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in
 //! the ring, at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
+use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{MAX_CURVES_PER_TICK, Receiver};
 
@@ -22,8 +23,7 @@ pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
 pub enum State {
     /// The set points rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
     Idle,
-    /// The path has ended and set points still move: filters that settle, motions of single axes. Nothing of
-    /// the kind exists yet: no tick says so in this version.
+    /// The path rests and set points still move: filters that settle.
     Settling,
     /// A set point of the planned motion; dwell time counts.
     Active,
@@ -45,17 +45,26 @@ pub struct Telemetry {
 }
 
 /// The handle of a channel that lives in the timer interrupt.
-pub struct Interpolator<'a, const AXES: usize> {
+pub struct Interpolator<'a, const AXES: usize, F = Unfiltered> {
     queue: Receiver<'a, AXES>,
+    /// Of the path.
     set_points: [Position; AXES],
+    filters: F,
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
     /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it
     /// goes with a [`crate::plan::Planning`] that takes motions from another source than an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
+        Self::filtered(queue, start, Unfiltered)
+    }
+}
+
+impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
+    /// The same with filters.
+    pub fn filtered(queue: Receiver<'a, AXES>, start: [Position; AXES], filters: F) -> Self {
         queue.show(&start);
-        Self { queue, set_points: start }
+        Self { queue, set_points: start, filters }
     }
 
     /// Computes the next set point, marks the actions that are due, shows both to the operator. Instructions
@@ -70,20 +79,36 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
         if let Some((segment, along)) = self.queue.follow(distance) {
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
-        self.queue.show(&self.set_points);
-        self.queue.pass();
+        self.filters.step(&self.set_points, distance);
+        self.queue.show(self.filters.set_points(&self.set_points));
+        match self.filters.lag() {
+            Some((lag, settled)) => self.queue.pass_later(lag, settled),
+            None => self.queue.pass(),
+        }
         State::Active
     }
 
     /// Nothing to do for the path.
     #[inline(never)]
     fn rest(&mut self) -> State {
-        self.queue.rest();
-        State::Idle
+        let moves = self.filters.rest(&self.set_points);
+        if moves {
+            self.queue.show(self.filters.set_points(&self.set_points));
+        }
+        match self.filters.lag() {
+            Some((lag, settled)) => self.queue.rest_later(lag, settled, moves),
+            None => self.queue.rest(),
+        }
+        if moves { State::Settling } else { State::Idle }
     }
 
-    /// The set point of every axis after the last tick.
+    /// The set point of every axis after the last tick, for the drives.
     pub fn set_points(&self) -> &[Position; AXES] {
+        self.filters.set_points(&self.set_points)
+    }
+
+    /// The same before filters: where the path is.
+    pub fn path_points(&self) -> &[Position; AXES] {
         &self.set_points
     }
 

@@ -12,6 +12,7 @@
 //! | [`mod@reference`] | what would exact arithmetic have done |
 //! | [`tolerance`] | how far apart may the two be, and why |
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
+//! | [`filtered`] | what becomes of it behind filters |
 //! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
@@ -44,6 +45,8 @@ pub mod deviation;
 pub mod every_tick;
 
 pub mod operate;
+
+pub mod filtered;
 
 pub mod rounded;
 

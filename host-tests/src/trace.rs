@@ -128,6 +128,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
             | Progress::Replanned
             | Progress::Starved
             | Progress::Late
+            | Progress::Deviated(_)
             | Progress::Warning(_) => idle += 1,
             Progress::Waiting => {
                 for _ in 0..burst {

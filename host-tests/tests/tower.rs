@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is
 /// that of `src/lib.rs`.
-const TOWER: [(&str, &str); 18] = [
+const TOWER: [(&str, &str); 19] = [
     ("math", ""),
     ("quantity", "math"),
     ("machine", "math quantity"),
@@ -13,16 +13,17 @@ const TOWER: [(&str, &str); 18] = [
     ("path", "math quantity machine nc"),
     ("control", "technology"),
     ("queue", "math quantity technology path control"),
+    ("fir", "math quantity machine nc queue"),
     ("slope", "math quantity queue"),
-    ("dynamics", "math machine nc path slope"),
+    ("dynamics", "math machine nc path fir slope"),
     ("smooth", "math quantity nc path slope dynamics"),
     ("lookahead", "math quantity nc path control queue slope dynamics"),
     ("plan", "math quantity machine technology nc path control queue slope dynamics smooth lookahead"),
-    ("tick", "quantity queue"),
+    ("tick", "quantity queue fir"),
     ("axis", "quantity"),
     ("operator", "quantity technology control queue tick"),
     ("digest", "quantity"),
-    ("channel", "math quantity machine technology nc path queue slope plan tick operator"),
+    ("channel", "math quantity machine technology nc path queue fir slope plan tick operator"),
 ];
 
 /// Functions above [`FUNCTION_LINES`]: a match over names.

@@ -1,4 +1,5 @@
 //! Why machine data, or a program, are refused: what a user reads.
+use crate::fir::FilterError;
 use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
 use crate::nc::{NcError, Place};
@@ -21,6 +22,8 @@ pub enum MachineError {
     Synch(&'static str, u16, Synch),
     /// This parameter names too many functions.
     TooManySynch(&'static str),
+    /// The filter of the axis with this index.
+    Filter(usize, FilterError),
 }
 
 impl core::fmt::Display for MachineError {
@@ -42,6 +45,7 @@ impl core::fmt::Display for MachineError {
                 write!(f, "{name}[{code}] = {} is known, not available in this version", synch.name())
             }
             Self::TooManySynch(name) => write!(f, "{name}: more than {SYNCHRONISED} functions"),
+            Self::Filter(_, error) => error.fmt(f),
         }
     }
 }
@@ -63,6 +67,8 @@ pub enum Error {
     /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its
     /// software limit.
     SoftwareLimit(Place, AxisName, Beyond),
+    /// #FILTER cannot be carried out; the name of the axis it fails for.
+    Filter(Place, AxisName, FilterError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
     /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
@@ -80,6 +86,7 @@ impl Error {
             | Self::NotEnabled(place, _)
             | Self::Motion(place, _)
             | Self::SoftwareLimit(place, ..)
+            | Self::Filter(place, ..)
             | Self::PathAcceleration(place) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
@@ -101,6 +108,12 @@ impl core::fmt::Display for Error {
             Self::SoftwareLimit(_, axis, beyond) => {
                 f.write_str("axis ")?;
                 software_limit(f, axis.as_str(), beyond)
+            }
+            Self::Filter(_, axis, error) => {
+                if error.axis().is_some() {
+                    write!(f, "axis {}: ", axis.as_str())?;
+                }
+                error.fmt(f)
             }
             Self::Motion(_, MotionError::TooSlow) => f.write_str(
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",

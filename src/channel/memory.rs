@@ -1,6 +1,7 @@
 //! The memory of a channel, and what is made in it.
 use super::check::check;
 use super::{MachineError, Planner, Source};
+use crate::fir::{Bank, FilterError, Filtered, Filters, FilterPlan, FilterTick, Unfiltered};
 use crate::machine::MachineData;
 use crate::nc::{Decoder, DecoderMemory, Setup, Text};
 use crate::operator::Operator;
@@ -20,14 +21,18 @@ pub struct Channel<const AXES: usize, const BLOCKS: usize> {
 }
 
 /// The handles of a channel. Each belongs to one context; all are `Send`.
-pub struct Handles<'a, T: Text, const AXES: usize, const BLOCKS: usize> {
+pub struct Handles<'a, T: Text, const AXES: usize, const BLOCKS: usize, P = Unfiltered, I = Unfiltered> {
     /// Where time is not critical: a main loop, a task, a low-priority interrupt.
-    pub planner: Planner<'a, T, AXES, BLOCKS>,
+    pub planner: Planner<'a, T, AXES, BLOCKS, P>,
     /// The timer interrupt: of higher priority than the planner, or on another core.
-    pub interpolator: Interpolator<'a, AXES>,
+    pub interpolator: Interpolator<'a, AXES, I>,
     /// Whoever gives commands and carries out functions: a PLC task, a serial task, another core.
     pub operator: Operator<'a, AXES>,
 }
+
+/// Those of a channel with filters of the order `TAPS` − 1 at most.
+pub type FilteredHandles<'a, T, const AXES: usize, const BLOCKS: usize, const TAPS: usize> =
+    Handles<'a, T, AXES, BLOCKS, Bank<'a, AXES, TAPS>, Filtered<'a, AXES, TAPS>>;
 
 impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     /// An empty channel.
@@ -46,11 +51,44 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         text: T,
     ) -> Result<Handles<'a, T, AXES, BLOCKS>, MachineError> {
         check::<AXES, BLOCKS>(machine)?;
+        if let Some(axis) = machine.axes.iter().position(|axis| axis.filter.enable) {
+            return Err(MachineError::Filter(axis, FilterError::NoMemory));
+        }
+        Ok(self.handles(machine, start, text, (Unfiltered, Unfiltered)))
+    }
+
+    /// The same with filters of the axes ([`crate::fir`]), whose memory is `filters`.
+    ///
+    /// # Errors
+    /// As [`Self::split`], or the memory of the filters is too small for those that are on.
+    pub fn split_filtered<'a, T: Text, const TAPS: usize>(
+        &'a mut self,
+        filters: &'a mut Filters<AXES, TAPS>,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        text: T,
+    ) -> Result<FilteredHandles<'a, T, AXES, BLOCKS, TAPS>, MachineError> {
+        check::<AXES, BLOCKS>(machine)?;
+        let ends = filters.split(machine, &start);
+        let ends = ends.map_err(|error| MachineError::Filter(error.axis().unwrap_or(0), error))?;
+        let mut handles = self.handles(machine, start, text, ends);
+        handles.planner.watch_filters();
+        Ok(handles)
+    }
+
+    fn handles<'a, T: Text, P: FilterPlan<AXES>, I: FilterTick<AXES>>(
+        &'a mut self,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        text: T,
+        (filters, filtered): (P, I),
+    ) -> Handles<'a, T, AXES, BLOCKS, P, I> {
         let Self { rings, decoder, planning } = self;
         let (sender, receiver, panel) = rings.split();
-        let (interpolator, operator) = (Interpolator::new(receiver, start), Operator::new(panel));
+        let interpolator = Interpolator::filtered(receiver, start, filtered);
+        let operator = Operator::new(panel);
         // Last, so that it is made where it stays: it is large.
-        Ok(Handles {
+        Handles {
             planner: Planner {
                 decoder: Decoder::new(decoder, Setup::new(machine, start), text),
                 planning: Planning::new(planning, machine, start, sender),
@@ -61,10 +99,11 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
                 held: None,
                 released: 0,
                 lost: false,
+                filters,
             },
             interpolator,
             operator,
-        })
+        }
     }
 
     /// A decoder alone, in the memory of this channel: to look through `text` before it is run.

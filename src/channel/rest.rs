@@ -2,6 +2,7 @@
 //!
 //! What is kept and what begins anew stands with [`Planner`].
 use super::{Planner, Source};
+use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;
 
@@ -85,10 +86,13 @@ impl core::fmt::Display for ZeroOffsetError {
 
 impl core::error::Error for ZeroOffsetError {}
 
-impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, BLOCKS> {
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
+    Planner<'a, T, AXES, BLOCKS, F>
+{
     /// Whether the axes stand with everything executed that was read: the calls of this page are taken.
     pub fn is_at_rest(&self) -> bool {
-        self.held.is_none() && self.decoder.is_between_lines() && self.planning.is_at_rest()
+        let reads = self.held.is_some() || !self.decoder.is_between_lines();
+        !reads && self.planning.is_at_rest() && self.filters.is_settled()
     }
 
     /// Takes the next program. It begins where the axes stand, with everything as at program start. The text
@@ -159,6 +163,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
         if !self.is_at_rest() || !self.planning.set_position(axis, position) {
             return Err(PositionError::NotAtRest);
         }
+        self.filters.suspend();
         self.decoder.set_position(axis, position);
         Ok(())
     }
@@ -199,6 +204,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize> Planner<'a, T, AXES, B
     fn begin(&mut self, keeps: bool) {
         if !keeps {
             self.planning.restart();
+            self.filters.restart();
+            self.watch_filters();
             self.released = 0;
         }
         self.forget_abort();

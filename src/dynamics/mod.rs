@@ -22,6 +22,7 @@
 //! than what the acceleration of a stage changes in a cycle.
 
 mod axis;
+mod filter;
 mod override_range;
 mod permitted;
 mod polynomial;
@@ -36,6 +37,7 @@ use crate::path::{Circle, Element};
 use crate::slope::limits::{Joins, Limits, SlopeLaw};
 use crate::slope::ramp_shape::RampShape;
 use axis::{Axis, TransitionLimits};
+use filter::Watched;
 pub use override_range::OverrideRange;
 pub use permitted::Share;
 pub use polynomial::{Curving, Steady};
@@ -78,6 +80,8 @@ pub struct Dynamics<const AXES: usize> {
     level: f32,
     /// An axis has a reduced speed.
     reduces: bool,
+    /// Filters with AX_DEV.
+    watched: Watched,
 }
 
 /// What an element permits: along the path, beside a transition, with an override.
@@ -99,6 +103,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             joins: Joins::of(slope, false),
             level: 1.0,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
+            watched: Watched::NONE,
         }
     }
 

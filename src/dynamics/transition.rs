@@ -89,6 +89,9 @@ impl<const AXES: usize> Dynamics<AXES> {
                 v = min(v, sqrt_f32(part / bend));
             }
         }
+        if self.watched.is_some() {
+            v = min(v, self.watched((from, to), rapid, shorter, fastest));
+        }
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 

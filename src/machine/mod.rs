@@ -129,6 +129,71 @@ pub struct AxisData {
     pub swe_neg: i32,
     /// P-AXIS-00178 `kenngr.swe_pos`: positive software limit, above the negative one; [`NO_LIMIT`]: none.
     pub swe_pos: i32,
+    /// The filter of its set points.
+    pub filter: FilterData,
+}
+
+/// Types of filters (P-AXIS-00586).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FilterType {
+    /// 0: none.
+    #[default]
+    None,
+    /// 1: moving average.
+    Average,
+    /// 2: Gauss.
+    Gauss,
+    /// 3: windowed sinc, an ideal low-pass cut off in time.
+    Sinc,
+    /// 4: time delay.
+    Delay,
+}
+
+impl FilterType {
+    /// Of its number, 0…4.
+    pub const fn of_number(number: u8) -> Self {
+        match number {
+            1 => Self::Average,
+            2 => Self::Gauss,
+            3 => Self::Sinc,
+            4 => Self::Delay,
+            _ => Self::None,
+        }
+    }
+}
+
+/// The filter of the set points of an axis, `filter_fir`. The program overrides all of it but the type
+/// (#FILTER).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FilterData {
+    /// P-AXIS-00573 `filter_fir.enable`: the filter is on at program start.
+    pub enable: bool,
+    /// P-AXIS-00586 `filter_fir.type`.
+    pub kind: FilterType,
+    /// P-AXIS-00587 `filter_fir.order`: 0…200, a time delay 0…100; 0: [`Self::order_time_us`].
+    pub order: u8,
+    /// P-AXIS-00590 `filter_fir.share`: effectiveness, percent.
+    pub share: u8,
+    /// P-AXIS-00593 `filter_fir.quality`: width of a Gauss kernel, in thousandths, 1…1000.
+    pub quality_milli: u16,
+    /// P-AXIS-00591 `filter_fir.order_time`: the order as a time, µs; below a cycle: not filtered.
+    pub order_time_us: u32,
+    /// P-AXIS-00585 `filter_fir.fcut`: cut-off frequency of a windowed sinc, in thousandths of Hz.
+    pub fcut_milli: u32,
+}
+
+impl FilterData {
+    /// The ISG defaults: no filter.
+    pub const NONE: Self = Self {
+        enable: false,
+        kind: FilterType::None,
+        order: 0,
+        share: 100,
+        quality_milli: 1000,
+        order_time_us: 0,
+        fcut_milli: 30_000,
+    };
 }
 
 /// A software limit that is none: ±100 000 mm or degrees, the end of all coordinates. ISG's default is ±10 m,
@@ -190,6 +255,7 @@ impl AxisData {
             versch: [0; ZERO_OFFSETS],
             swe_neg: -NO_LIMIT,
             swe_pos: NO_LIMIT,
+            filter: FilterData::NONE,
         }
     }
 

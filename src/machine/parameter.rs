@@ -1,5 +1,5 @@
 //! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
-use super::{AccelerationUnit, AxisData, ChannelData, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
+use super::{AccelerationUnit, AxisData, ChannelData, FilterType, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
 /// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
 pub struct Parameter<Target> {
@@ -94,7 +94,67 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
         get: |t| t.swe_pos as i64 * 1000,
         ..software_limit("P-AXIS-00178", "kenngr.swe_pos")
     },
+    Parameter {
+        set: |t, milli| t.filter.enable = milli != 0,
+        get: |t| t.filter.enable as i64 * 1000,
+        ..filter("P-AXIS-00573", "filter_fir.enable", "0 off, 1 on at program start", 0, 1000)
+    },
+    Parameter {
+        decimals: true,
+        set: |t, milli| t.filter.fcut_milli = milli as u32,
+        get: |t| t.filter.fcut_milli as i64,
+        ..filter("P-AXIS-00585", "filter_fir.fcut", "Hz", 1000, 1_000_000_000)
+    },
+    Parameter {
+        set: |t, milli| t.filter.kind = FilterType::of_number((milli / 1000) as u8),
+        get: |t| t.filter.kind as i64 * 1000,
+        ..filter("P-AXIS-00586", "filter_fir.type", FILTER_TYPES, 0, 4000)
+    },
+    Parameter {
+        set: |t, milli| t.filter.order = (milli / 1000) as u8,
+        get: |t| t.filter.order as i64 * 1000,
+        ..filter("P-AXIS-00587", "filter_fir.order", "", 0, 200_000)
+    },
+    Parameter {
+        set: |t, milli| t.filter.share = (milli / 1000) as u8,
+        get: |t| t.filter.share as i64 * 1000,
+        ..filter("P-AXIS-00590", "filter_fir.share", "%", 0, 100_000)
+    },
+    Parameter {
+        set: |t, milli| t.filter.order_time_us = (milli / 1000) as u32,
+        get: |t| t.filter.order_time_us as i64 * 1000,
+        ..filter("P-AXIS-00591", "filter_fir.order_time", "µs", 0, 2_000_000_000)
+    },
+    Parameter {
+        decimals: true,
+        set: |t, milli| t.filter.quality_milli = milli as u16,
+        get: |t| t.filter.quality_milli as i64,
+        ..filter("P-AXIS-00593", "filter_fir.quality", "", 1, 1000)
+    },
 );
+
+const FILTER_TYPES: &str = "0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay";
+
+/// A value of the filter that nothing reads or writes yet.
+const fn filter(
+    id: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    min_milli: i64,
+    max_milli: i64,
+) -> Parameter<AxisData> {
+    Parameter {
+        id,
+        name,
+        unit,
+        min_milli,
+        max_milli,
+        decimals: false,
+        words: &[],
+        set: |_, _| {},
+        get: |_| 0,
+    }
+}
 
 /// A software limit: the ends of the range stand for none.
 const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisData> {

@@ -324,13 +324,21 @@ pub enum NcWarningKind {
     DwellAtCorner,
     /// 120542: parameters of #HSC while it is on; they are not taken.
     HscIsOn,
+    /// #FILTER ON, and no axis has an order (ORDER, ORDER_TIME, P-AXIS-00587, P-AXIS-00591): nothing is
+    /// filtered.
+    FilterWithoutOrder,
 }
 
 impl NcWarningKind {
     /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the
     /// decoder.
     pub const fn is_of_curve(&self) -> bool {
-        matches!(self, Self::PtpArc | Self::SoftArc | Self::MasterRests | Self::DwellAtCorner | Self::HscIsOn)
+        matches!(self, Self::PtpArc
+                | Self::SoftArc
+                | Self::MasterRests
+                | Self::DwellAtCorner
+                | Self::HscIsOn
+                | Self::FilterWithoutOrder)
     }
 }
 
@@ -362,6 +370,9 @@ impl fmt::Display for NcWarning {
                 "G04 between rounded blocks: the motion stands still in the programmed corner, which gets no curve"
             }
             NcWarningKind::HscIsOn => "#HSC is on: its parameters stay as they are; switch it off first",
+            NcWarningKind::FilterWithoutOrder => {
+                "#FILTER ON and no axis has an order (ORDER, ORDER_TIME or filter_fir.order, P-AXIS-00587): nothing is filtered"
+            }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

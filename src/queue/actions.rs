@@ -181,6 +181,55 @@ impl Actions {
     }
 }
 
+/// How actions become due behind filters: later than on the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Lag {
+    /// The number of the first one whose point the path has not reached.
+    reached: u32,
+    /// Ticks from there to where the axes pass the point.
+    pub delay: u32,
+}
+
+impl Lag {
+    /// None; all bits zero.
+    pub const NONE: Self = Self { reached: 0, delay: 0 };
+}
+
+impl Actions {
+    /// As [`Self::reach`], with filters behind the path: an action becomes due when the delayed path has
+    /// reached its point. Where the path stands at that point by then, it waits until the axes stand too.
+    #[inline(never)]
+    pub(super) fn reach_later(&self, distance: i64, tick: u32, lag: &mut Lag, settled: bool) {
+        let mut due = self.due.load(Ordering::Relaxed);
+        let put = self.put.load(Ordering::Acquire);
+        for _ in 0..EVENTS {
+            let record = self.record(lag.reached);
+            // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
+            if lag.reached == put || distance.wrapping_sub(unsafe { (*record).distance }.to_bits()) < 0 {
+                break;
+            }
+            // SAFETY: the same; of the record the planner reads the distance only.
+            unsafe { (*record).tick = tick.wrapping_add(lag.delay) };
+            lag.reached = lag.reached.wrapping_add(1);
+        }
+        for _ in 0..EVENTS {
+            if due == lag.reached {
+                return;
+            }
+            let record = self.record(due);
+            // SAFETY: the same.
+            let (point, from) = unsafe { ((*record).distance, (*record).tick) };
+            if (tick.wrapping_sub(from) as i32) < 0 || distance == point.to_bits() && !settled {
+                return;
+            }
+            // SAFETY: the same.
+            unsafe { (*record).tick = tick };
+            due = due.wrapping_add(1);
+            self.due.store(due, Ordering::Release);
+        }
+    }
+}
+
 impl Outlet<'_> {
     /// The oldest action that is due, with the number of its tick. The caller is the only one that takes.
     pub fn take(&self) -> Option<(Event, u32)> {

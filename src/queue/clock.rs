@@ -13,7 +13,7 @@
 //! | `begun` | the interrupt, first thing in a tick | ticks begun |
 //! | `now` | the interrupt, last thing in a tick that took time of a piece | the instant of the next one |
 //! | `idle` | the interrupt, last thing in any other tick | how many of those there were |
-//! | `rested` | the interrupt, in the same | `begun` in the last of them |
+//! | `rested` | the interrupt, in the same | `begun` in the last of them, one more where set points moved |
 //! | `left` | the interrupt | how often it has left the queue for the reserve |
 //! | `at`, `to` | the planner | the cut: its instant, and the piece that follows then |
 //! | `end`, `first` | the planner | the reserve: its instant and its first piece |
@@ -93,7 +93,13 @@ impl<M: Memory> Clock<M> {
 
     /// A tick ends that did not.
     pub fn rest(&self) {
-        self.rested.store(self.begun.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.rest_while(false);
+    }
+
+    /// The same; `moves`: set points moved in it, though the path did not.
+    pub fn rest_while(&self, moves: bool) {
+        // Counts of ticks are even.
+        self.rested.store(self.begun.load(Ordering::Relaxed) | u32::from(moves), Ordering::Relaxed);
         let idle = self.idle.load(Ordering::Relaxed);
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
     }
@@ -208,11 +214,14 @@ impl<M: Memory> Clock<M> {
 /// For the operator.
 impl<M: Memory> Clock<M> {
     /// Ticks ended, in units of [`TICK`], the instant of the last one that took time of a piece, and whether
-    /// that was the last one of all. For a snapshot: see [`Self::is_at`].
-    pub fn ended(&self) -> (u32, u32, bool) {
+    /// that was the last one of all, or else whether set points moved in that. For a snapshot: see
+    /// [`Self::is_at`].
+    pub fn ended(&self) -> (u32, u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
-        (ended, now.wrapping_sub(TICK), self.rested.load(Ordering::Relaxed) != ended)
+        let rested = self.rested.load(Ordering::Relaxed);
+        let moved = rested & !1 != ended;
+        (ended, now.wrapping_sub(TICK), [moved, !moved && rested & 1 == 1])
     }
 
     /// Whether no tick has begun since so many had ended: then all that was read in between belongs together.

@@ -12,7 +12,7 @@ mod time;
 pub mod word;
 
 pub use crate::technology::Function;
-pub use actions::{Actions, Outlet, Scheduler};
+pub use actions::{Actions, Lag, Outlet, Scheduler};
 pub use clock::Clock;
 pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
@@ -207,6 +207,23 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach(self.distance(), clock.tick());
         clock.rest();
+    }
+
+    /// As [`Self::pass`], with filters behind the path.
+    #[inline(always)]
+    pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
+        let Shared { clock, status, actions } = self.shared;
+        if actions.is_armed() {
+            actions.reach_later(status.distance(clock.own()), clock.tick(), lag, settled);
+        }
+        clock.pass();
+    }
+
+    /// As [`Self::rest`], with filters behind the path; `moves`: set points still do.
+    pub fn rest_later(&mut self, lag: &mut Lag, settled: bool, moves: bool) {
+        let Shared { clock, actions, .. } = self.shared;
+        actions.reach_later(self.distance(), clock.tick(), lag, settled);
+        clock.rest_while(moves);
     }
 
     /// Path distance of the last tick that had a piece, LSB 2^-44 mm.

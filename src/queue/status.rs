@@ -20,6 +20,8 @@ pub struct Snapshot<const AXES: usize> {
     pub ticks: u32,
     /// The last one took time of a piece.
     pub moved: bool,
+    /// Set points moved in it though it did not.
+    pub settles: bool,
     /// Set points after it.
     pub set_points: [Position; AXES],
     /// Path distance.
@@ -38,6 +40,7 @@ impl<const AXES: usize> Snapshot<AXES> {
     const BLANK: Self = Self {
         ticks: 0,
         moved: false,
+        settles: false,
         set_points: [Position::ZERO; AXES],
         distance: Distance::ZERO,
         step: Distance::ZERO,
@@ -156,7 +159,8 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         let Words { distances: [even, odd], n, block, set_points } = self.words;
         let [even, odd] = [even, odd].map(Long::get);
         let (distance, before) = if last & TICK == 0 { (even, odd) } else { (odd, even) };
-        (snapshot.ticks, snapshot.moved) = (ended / TICK, moved);
+        snapshot.ticks = ended / TICK;
+        [snapshot.moved, snapshot.settles] = moved;
         for (point, words) in snapshot.set_points.iter_mut().zip(set_points) {
             *point = Position::from_bits(words.get());
         }

@@ -11,6 +11,7 @@ mod deviation;
 mod diagnose;
 mod events;
 mod files;
+mod filtered;
 mod knee;
 mod machine;
 mod monitor;

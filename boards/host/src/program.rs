@@ -284,6 +284,7 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
         | Error::NotEnabled(at, _)
         | Error::Motion(at, _)
         | Error::SoftwareLimit(at, ..)
+        | Error::Filter(at, ..)
         | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), String::new()),
     }
 }

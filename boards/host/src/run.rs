@@ -4,6 +4,7 @@ use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
+use crate::filtered::Filtered;
 use crate::machine::{Machine, with_axes};
 use crate::monitor::Monitor;
 use crate::output;
@@ -11,7 +12,8 @@ use crate::plot::Picture;
 use crate::program::{self, Program};
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
-use glidepath::channel::{Channel, Handles, Planner, Progress};
+use glidepath::channel::{Channel, FilteredHandles, Planner, Progress};
+use glidepath::fir::Filters;
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
@@ -24,6 +26,9 @@ use std::time::{Duration, Instant};
 
 /// The largest look-ahead this board is compiled for, blocks.
 pub const BLOCKS: usize = 500;
+
+/// Samples of the filter of an axis: the highest order is 200.
+const TAPS: usize = 201;
 
 /// What a run is to show, and what is to happen in it.
 #[derive(Default)]
@@ -64,8 +69,9 @@ fn simulate_axes<const AXES: usize>(
     let late = Cell::new(false);
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
+    let mut filters = Box::new(Filters::<AXES, TAPS>::new());
     let handles = channel
-        .split(&data, start, Delayed { files, late: &late })
+        .split_filtered(&mut filters, &data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
@@ -75,6 +81,7 @@ fn simulate_axes<const AXES: usize>(
     let mut statistics = Statistics::new(&start, events.len());
     statistics.monitor = Monitor::new(machine, program);
     statistics.deviation = (!wanted.quiet).then(|| Deviation::new(machine, program));
+    statistics.filtered = Filtered::new(machine);
     let recorder = Recorder {
         statistics,
         trace,
@@ -163,13 +170,13 @@ struct Rules<'a> {
 /// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set
 /// points stay where they are, tick by tick.
 fn drive<const AXES: usize>(
-    handles: Handles<'_, Delayed<'_>, AXES, BLOCKS>,
+    handles: FilteredHandles<'_, Delayed<'_>, AXES, BLOCKS, TAPS>,
     mut recorder: Recorder,
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
     let Rules { mut schedule, mut automatic, patience, late: text_is_late } = rules;
-    let Handles { mut planner, mut interpolator, operator } = handles;
+    let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
     loop {
@@ -213,6 +220,7 @@ fn drive<const AXES: usize>(
                 }
                 // What is late stands in the list of events.
                 Progress::Starved | Progress::Late => {}
+                Progress::Deviated(axis) => recorder.statistics.filtered.beyond(axis),
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }
@@ -235,6 +243,8 @@ fn drive<const AXES: usize>(
                 put_out(&operator, &mut recorder, &mut automatic, &schedule);
                 continue;
             }
+        }
+        if state != State::Active {
             (telemetry.speed, telemetry.accel) = (Speed::ZERO, Accel::ZERO);
         }
         idle = 0;
@@ -243,7 +253,9 @@ fn drive<const AXES: usize>(
             (false, true) => Pause::Waiting,
             _ => Pause::None,
         };
-        recorder.tick(&telemetry, interpolator.set_points(), pause).map_err(Stop::Unwritable)?;
+        let (path, drives) = (interpolator.path_points(), interpolator.set_points());
+        recorder.statistics.filtered.add(drives, &planner.filter_deviation());
+        recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
             && state == State::Idle
@@ -314,14 +326,21 @@ impl Recorder {
     }
 
     /// A row, and why it may be at rest.
-    fn tick(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) -> io::Result<()> {
+    fn tick(
+        &mut self,
+        telemetry: &Telemetry,
+        set_points: &[Position],
+        drives: &[Position],
+        pause: Pause,
+    ) -> io::Result<()> {
+        self.statistics.digest.add(drives);
         self.statistics.add(telemetry, set_points, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
         }
         match &mut self.trace {
-            Some(trace) => trace.row(statistics.ticks - 1, telemetry, statistics.distance, set_points),
+            Some(trace) => trace.row(statistics.ticks - 1, telemetry, statistics.distance, [set_points, drives]),
             None => Ok(()),
         }
     }
@@ -329,7 +348,7 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points, Pause::None).map_err(Stop::Unwritable)?;
+            self.tick(&Telemetry::default(), set_points, set_points, Pause::None).map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
         if let Some(deviation) = &mut self.statistics.deviation {

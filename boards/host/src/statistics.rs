@@ -3,6 +3,7 @@ use crate::course::Course;
 use crate::deviation::Deviation;
 use crate::events::What;
 use crate::machine::Machine;
+use crate::filtered::Filtered;
 use crate::monitor::Monitor;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
@@ -113,6 +114,8 @@ pub struct Statistics {
     pub monitor: Monitor,
     /// The driven path against the programmed one, where it is asked for.
     pub deviation: Option<Deviation>,
+    /// The axes behind their filters.
+    pub filtered: Filtered,
     /// Rows at rest up to now.
     pub rest: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
@@ -212,6 +215,7 @@ impl Statistics {
             remarks: Vec::new(),
             monitor: Monitor::default(),
             deviation: None,
+            filtered: Filtered::default(),
             transitions: Vec::new(),
             course: Course::default(),
             fastest: Speed::ZERO,
@@ -276,7 +280,6 @@ impl Statistics {
 
     /// Takes in a row, and why it may be at rest.
     pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) {
-        self.digest.add(set_points);
         let moved = telemetry.distance != self.last.distance;
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
         self.distance += i128::from(step);

@@ -1,6 +1,7 @@
 //! What a run comes down to, for people and for programs.
 use crate::deviation;
 use crate::events::{Event, function_name};
+use crate::filtered::{Filtered, FilteredAxis};
 use crate::files::Files;
 use crate::knee::knees;
 use crate::machine::{Machine, slope_name};
@@ -44,6 +45,8 @@ pub struct Summary {
     shape: Option<deviation::Told>,
     /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
     digest: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    filtered: Vec<FilteredAxis>,
     #[serde(serialize_with = "in_order")]
     axes: Vec<(String, Axis)>,
     stops: usize,
@@ -283,6 +286,7 @@ impl Summary {
                 .as_ref()
                 .map(|seen| deviation::Told::new(seen, machine, statistics.blocks())),
             digest: format!("{:016x}", statistics.digest.value()),
+            filtered: statistics.filtered.axes(),
             axes: axes.collect(),
             stops,
             slowest_corners,
@@ -397,6 +401,7 @@ impl Summary {
                 "  {count} {joints} with a step of acceleration, the largest one {largest:.1} {unit} of {axis} at N{n}"
             )?;
         }
+        Filtered::write(&self.filtered, out)?;
         if !self.events.is_empty() {
             writeln!(out)?;
             writeln!(out, "  {dim}    event at{dim:#}")?;

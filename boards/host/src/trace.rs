@@ -1,5 +1,6 @@
 //! The trace: one row per tick, exact decimals of the fixed-point values.
 use crate::decimal::{PLACES, per_second, per_second_squared, push_exact, push_scaled};
+use crate::filtered::Filtered;
 use crate::machine::Machine;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
@@ -11,6 +12,8 @@ pub struct Trace {
     out: BufWriter<Box<dyn Write>>,
     row: String,
     cycle_us: u32,
+    /// Columns of the axes behind their filters too.
+    filtered: bool,
 }
 
 impl Trace {
@@ -21,17 +24,21 @@ impl Trace {
         for axis in &machine.axes {
             write!(out, ",{}", axis.name.as_str())?;
         }
+        let filtered = Filtered::has(machine);
+        for axis in machine.axes.iter().filter(|_| filtered) {
+            write!(out, ",{}_f", axis.name.as_str())?;
+        }
         writeln!(out)?;
-        Ok(Self { out, row: String::new(), cycle_us: machine.channel.cycle_us })
+        Ok(Self { out, row: String::new(), cycle_us: machine.channel.cycle_us, filtered })
     }
 
-    /// One tick; `distance` without its wrap.
+    /// One tick; `distance` without its wrap; set points of the path and those for the drives.
     pub fn row(
         &mut self,
         tick: u64,
         telemetry: &Telemetry,
         distance: i128,
-        set_points: &[Position],
+        [path, drives]: [&[Position]; 2],
     ) -> io::Result<()> {
         let row = &mut self.row;
         row.clear();
@@ -44,7 +51,7 @@ impl Trace {
         push_scaled(row, per_second(telemetry.speed.to_bits(), self.cycle_us), PLACES);
         row.push(',');
         push_scaled(row, per_second_squared(telemetry.accel.to_bits(), self.cycle_us), PLACES);
-        for set_point in set_points {
+        for set_point in path.iter().chain(drives.iter().filter(|_| self.filtered)) {
             row.push(',');
             push_exact(row, i128::from(set_point.to_bits()), 32);
         }

@@ -280,7 +280,7 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             3,
             &["(P-CHAN-00073) = 5: out of range", "0…4"],
         ),
-        ("filter", "[axis.X.filter_fir]\norder = 5\n", 2, &["(P-AXIS-00587) is known, not available"]),
+        ("filter", "[axis.X.filter_fir]\norder = 201\n", 2, &["(P-AXIS-00587) = 201", "0…200"]),
         ("depends", "[axis.X]\nvb_eilgang = 300000\n", 2, &["= 300000", "1…200000 µm/s", "dynamik.vb_max"]),
         (
             "default",

@@ -127,6 +127,7 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
                 | Progress::Replanned
                 | Progress::Starved
                 | Progress::Late
+                | Progress::Deviated(_)
                 | Progress::Warning(_) => {}
             }
         }

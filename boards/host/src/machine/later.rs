@@ -1,15 +1,7 @@
 //! Parameters that the ISG kernel has and this version does not use yet: refused by name, not as unknown.
 
 /// Axis parameters: ISG id and dotted name inside `[axis.X]`.
-pub const AXIS: &[(&str, &str)] = &[
-    ("P-AXIS-00573", "filter_fir.enable"),
-    ("P-AXIS-00585", "filter_fir.fcut"),
-    ("P-AXIS-00586", "filter_fir.type"),
-    ("P-AXIS-00587", "filter_fir.order"),
-    ("P-AXIS-00590", "filter_fir.share"),
-    ("P-AXIS-00591", "filter_fir.order_time"),
-    ("P-AXIS-00593", "filter_fir.quality"),
-];
+pub const AXIS: &[(&str, &str)] = &[];
 
 /// Channel parameters: ISG id and dotted name inside `[channel]`.
 pub const CHANNEL: &[(&str, &str)] = &[

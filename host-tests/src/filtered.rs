@@ -1,0 +1,136 @@
+//! Runs a program with filters behind the path, tick by tick, while an operator gives commands.
+use crate::operate::Act;
+use crate::trace::Trace;
+use glidepath::channel::{Channel, FilteredHandles, Progress};
+use glidepath::fir::Filters;
+use glidepath::machine::{FilterData, FilterType, MachineData};
+use glidepath::quantity::Position;
+use glidepath::technology::Output;
+use glidepath::tick::State;
+
+/// Samples per axis: the highest order is 200.
+pub const TAPS: usize = 201;
+
+/// A filtered run. All traces begin with a row at rest and hold every tick, those of rest included.
+#[derive(Clone, Debug, Default)]
+pub struct Filtered {
+    /// Set points of the path, and those for the drives.
+    pub path: Trace,
+    /// Those for the drives.
+    pub drives: Trace,
+    /// What each tick said.
+    pub states: Vec<State>,
+    /// Functions, with the tick behind which they came out.
+    pub outputs: Vec<(usize, Output)>,
+    /// Ticks before which the planner said that it stands in a hold, from the first one of each hold.
+    pub holds: Vec<usize>,
+    /// Axes that were said to be beyond AX_DEV.
+    pub deviated: Vec<usize>,
+    /// Largest deviation of each axis as the library says, LSB.
+    pub deviation: Vec<i64>,
+    /// Warnings, as text.
+    pub warnings: Vec<String>,
+}
+
+/// All axes filtered with that type and order, from the start on.
+pub fn with_filter<const AXES: usize>(
+    mut machine: MachineData<AXES>,
+    kind: FilterType,
+    order: u8,
+) -> MachineData<AXES> {
+    for axis in &mut machine.axes {
+        axis.filter = FilterData { enable: true, kind, order, ..FilterData::NONE };
+    }
+    machine
+}
+
+const LONGEST: usize = 3_000_000;
+
+/// Runs a text from the origin; `acts` are commands with the tick before which they are given.
+///
+/// # Errors
+/// What the library refused, or a motion that does not end.
+pub fn run<const AXES: usize>(
+    text: &str,
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Filtered, String> {
+    let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
+    let mut filters: Box<Filters<AXES, TAPS>> = Box::new(Filters::new());
+    let start = [Position::ZERO; AXES];
+    let handles = channel.split_filtered(&mut filters, machine, start, text.as_bytes());
+    let FilteredHandles { mut planner, mut interpolator, operator } = handles.map_err(|e| e.to_string())?;
+    let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
+    let mut run =
+        Filtered { path: Trace::empty(cycle, AXES), drives: Trace::empty(cycle, AXES), ..Filtered::default() };
+    run.path.push([0; AXES]);
+    run.drives.push([0; AXES]);
+    run.states.push(State::Idle);
+    let mut acts = acts.iter().peekable();
+    let (mut stalled_until, mut held, mut rests) = (0, false, 0);
+    for tick in 1..LONGEST {
+        while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
+            act.give(&operator);
+            if let Act::Stall(ticks) = act {
+                stalled_until = stalled_until.max(tick + ticks);
+            }
+        }
+        let mut done = false;
+        for _ in 0..if tick < stalled_until { 0 } else { polls } {
+            match planner.poll().map_err(|e| format!("tick {tick}: {e}"))? {
+                Progress::Waiting => break,
+                Progress::Done => {
+                    done = true;
+                    break;
+                }
+                Progress::Deviated(axis) => run.deviated.push(axis),
+                Progress::Warning(warning) => run.warnings.push(warning.to_string()),
+                _ => {}
+            }
+        }
+        if planner.is_holding() && !held {
+            run.holds.push(tick);
+        }
+        held = planner.is_holding();
+        let state = interpolator.tick();
+        run.path.push(interpolator.path_points().iter().map(|p| p.to_bits()));
+        run.drives.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        run.states.push(state);
+        assert_eq!(operator.status().state, state, "tick {tick}");
+        assert_eq!(operator.status().set_points, *interpolator.set_points());
+        while let Some(output) = operator.output() {
+            run.outputs.push((tick, output));
+            if output.waits {
+                let _ = operator.acknowledge(output.function);
+            }
+        }
+        if done && state == State::Idle {
+            run.deviation = planner.filter_deviation().map(Position::to_bits).to_vec();
+            assert!(planner.is_at_rest());
+            assert_eq!(planner.position(), interpolator.set_points());
+            return Ok(run);
+        }
+        rests = if state == State::Idle { rests + 1 } else { 0 };
+        if rests > 3000 && acts.peek().is_none() {
+            return Err(format!("nothing moves at tick {tick}"));
+        }
+    }
+    Err("too long".to_owned())
+}
+
+impl Filtered {
+    /// Twice what each axis deviates from the mean of the path `delay`/2 ticks ago, LSB, tick by tick.
+    pub fn deviations(&self, axis: usize, delay: usize) -> impl Iterator<Item = i64> + '_ {
+        let path = &self.path.columns[axis];
+        let ago = move |tick: usize, ticks: usize| path[tick.saturating_sub(ticks)];
+        self.drives.columns[axis].iter().enumerate().map(move |(tick, y)| {
+            2 * y - ago(tick, delay / 2) - ago(tick, delay.div_ceil(2))
+        })
+    }
+
+    /// The largest of them, LSB.
+    pub fn largest(&self, axis: usize, delay: usize) -> f64 {
+        self.deviations(axis, delay).map(|twice| twice.unsigned_abs()).max().unwrap_or(0) as f64 / 2.0
+    }
+}

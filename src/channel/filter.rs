@@ -1,0 +1,67 @@
+//! #FILTER: at a standstill, when the axes stand too, other kernels are put in force.
+use super::{Error, Planner, Progress};
+use crate::fir::{Fate, FilterPlan};
+use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};
+use crate::quantity::Position;
+
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
+    Planner<'a, T, AXES, BLOCKS, F>
+{
+    /// Takes a #FILTER command: the motion comes to a standstill, and goes on with other kernels.
+    pub(super) fn filter(&mut self, head: &Head, filter: &Filter) -> Result<Progress, Error> {
+        let fate = self.filters.command(filter).map_err(|error| {
+            let names = &self.decoder.setup().names;
+            Error::Filter(head.place, error.axis().and_then(|k| names.get(k).copied()).unwrap_or_default(), error)
+        })?;
+        if fate != Fate::Same {
+            self.planning.rest(1);
+        }
+        if fate == Fate::NoOrder {
+            return Ok(Progress::Warning(NcWarning { place: head.place, kind: NcWarningKind::FilterWithoutOrder }));
+        }
+        Ok(Progress::Working)
+    }
+
+    /// A part of the change to other kernels, once everything taken in is in the queue.
+    #[inline(never)]
+    pub(super) fn change_filters(&mut self) -> Progress {
+        if !self.planning.is_at_rest() || !self.filters.is_settled() || !self.filters.work() {
+            return Progress::Waiting;
+        }
+        if !self.filters.is_pending() {
+            self.watch_filters();
+        }
+        Progress::Working
+    }
+
+    /// What the filters need of the plan, anew.
+    pub(super) fn watch_filters(&mut self) {
+        if !F::EXIST {
+            return;
+        }
+        let dynamics = self.planning.dynamics();
+        dynamics.unwatch();
+        for axis in 0..AXES {
+            if let Some(watch) = self.filters.watch(axis) {
+                dynamics.watch(axis, &watch, |jerk| self.filters.corner(axis, jerk));
+            }
+        }
+    }
+
+    /// Behind an exact stop the axes come to stand too, and behind a dwell they have stood so long.
+    pub(super) fn settling(&self) -> u64 {
+        self.filters.window().into()
+    }
+
+    /// The motion stands for an acknowledgement, and the axes are still to come to rest: it does not go on
+    /// before.
+    pub(super) fn settles_at_gate(&self) -> bool {
+        F::EXIST && !self.filters.is_settled() && self.planning.is_waiting()
+    }
+
+    /// Largest deviation of every axis from its set point delayed by the filters, since #FILTER changed them,
+    /// mm or degrees, up. Counts while AX_DEV is given.
+    pub fn filter_deviation(&self) -> [Position; AXES] {
+        core::array::from_fn(|axis| self.filters.deviation(axis))
+    }
+}

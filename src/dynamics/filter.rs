@@ -1,0 +1,175 @@
+//! What filters behind the path need of it: AX_DEV, ACC_FACT, and the limits of filters with negative taps.
+//!
+//! An axis deviates from its delayed set point by its acceleration and by steps of its speed. Both get a part
+//! of AX_DEV ([`crate::fir::Watch`]): acceleration everywhere, a step that is alone in the window of the
+//! filter what that leaves, steps that are closer a tenth each and together what a curve of the same
+//! acceleration would take.
+use super::{Axis, Dynamics, LSB_40};
+use crate::dynamics::axis::{Set, TransitionLimits};
+use crate::fir::{CLOSE, DENSE, GOING_ON, Watch};
+use crate::math::float::{magnitude, max, min, to_f32};
+use crate::math::root::sqrt_f32;
+use crate::nc::SlopeType;
+use crate::path::End;
+use crate::slope::ramp_shape::RampShape;
+
+/// Part of the acceleration permitted that passes a corner though its law should vanish there: a hold may run
+/// through where its jerk does not show.
+const PASSING_JERK: f32 = 0.1;
+/// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.63/0.7.
+const PASSING: f32 = 0.9;
+/// Longest slope that is looked at, ticks of its ramp.
+const WINDOW_PART: f32 = 0.5;
+
+/// The transitions that AX_DEV restricts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Watched {
+    /// Bit i for axis i.
+    axes: u32,
+    /// Steps of speed that follow each other within so many ticks add up.
+    window: f32,
+    /// Least Σ|G| / |G(0)| of an axis, ticks.
+    ratio: f32,
+}
+
+impl Watched {
+    /// None of them.
+    pub(super) const NONE: Self = Self { axes: 0, window: 0.0, ratio: f32::MAX };
+
+    /// There are some.
+    #[inline(always)]
+    pub(super) const fn is_some(&self) -> bool {
+        self.axes != 0
+    }
+}
+
+impl Set {
+    /// Everything that grows with a motion, times `part`.
+    fn scale(&mut self, part: f32) {
+        for value in [&mut self.v, &mut self.a_up, &mut self.a_down, &mut self.change_over] {
+            *value *= part;
+        }
+        for value in self.upper.iter_mut().chain(&mut self.j) {
+            *value = if *value == f32::MAX { *value } else { *value * part };
+        }
+        let TransitionLimits { budget, knee, bend, left, gained, .. } = &mut self.joint;
+        for value in [budget, knee, left, gained] {
+            *value *= part;
+        }
+        if *bend != f32::MAX {
+            *bend *= part;
+        }
+        for value in
+            [&mut self.ramp_budget, &mut self.geometric_budget, &mut self.a_shared, &mut self.a_resting]
+        {
+            *value *= part;
+        }
+    }
+
+    /// No acceleration above `accel`.
+    fn cap(&mut self, accel: f32) {
+        for value in [&mut self.a_up, &mut self.a_down, &mut self.a_shared, &mut self.a_resting] {
+            *value = min(*value, accel);
+        }
+        for value in &mut self.upper {
+            *value = min(*value, accel);
+        }
+    }
+}
+
+impl<const AXES: usize> Dynamics<AXES> {
+    /// The axes anew: none is filtered, so far.
+    pub fn unwatch(&mut self) {
+        self.watched = Watched::NONE;
+        self.change();
+    }
+
+    /// The axis is filtered like that, in the elements that follow. Only behind what makes the axes anew.
+    /// `corner`: part of AX_DEV for a step of speed where acceleration vanishes with that jerk.
+    pub fn watch(&mut self, axis: usize, watch: &Watch, corner: impl Fn(f32) -> f32) {
+        let slope = self.slope;
+        let Some(limits) = self.axes.get_mut(axis) else { return };
+        let part = 1.0 / watch.gain;
+        let a_max = limits.a_max * part;
+        limits.v_reduced = if limits.v_reduced == f32::MAX { f32::MAX } else { limits.v_reduced * part };
+        for set in [&mut limits.feed, &mut limits.rapid] {
+            if watch.gain > 1.0 {
+                set.scale(part);
+            }
+            let fastest = set.j.into_iter().fold(0.0, max);
+            let jerk = match slope {
+                SlopeType::Trapez => fastest,
+                SlopeType::Sin2 => fastest * RampShape::SineSquare.peak_jerk(),
+                // Acceleration may begin or pass there.
+                SlopeType::Step | SlopeType::Hsc => f32::MAX,
+            };
+            if set.joint.is_weighted && watch.acc_fact > 1.0 {
+                // What the filter spreads over its window stays inside a_max, beside the slope.
+                let beside = min(max(set.a_up, set.a_down), WINDOW_PART * watch.window * jerk);
+                let spread = max(a_max - beside, 0.0) / watch.tap;
+                set.joint.knee = max(set.joint.knee, min(set.joint.knee * watch.acc_fact, spread));
+            }
+            if let Some(accel) = watch.accel {
+                set.cap(accel);
+                let part = if jerk == f32::MAX { corner(1e20) } else { corner(jerk) };
+                set.joint.knee = min(set.joint.knee, watch.knee * max(part, 0.0));
+            }
+        }
+        limits.a_max = a_max;
+        if let Some(accel) = watch.accel {
+            limits.a_max = min(a_max, accel);
+            self.watched.axes |= 1 << axis.min(31);
+            self.watched.window = max(self.watched.window, watch.window);
+            self.watched.ratio = min(self.watched.ratio, watch.ratio);
+        }
+    }
+
+    /// Highest speed at which the steps of speed at a transition stay inside their part of AX_DEV, if that is
+    /// below `fastest`. `shorter` is the length of the shorter neighbour, mm.
+    pub(super) fn watched(
+        &self,
+        (from, to): (&End<AXES>, &End<AXES>),
+        rapid: bool,
+        shorter: f32,
+        fastest: f32,
+    ) -> f32 {
+        let mut v = f32::MAX;
+        for (k, (axis, ends)) in self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).enumerate() {
+            if ends.0 == ends.1 || self.watched.axes >> k.min(31) & 1 == 0 {
+                continue;
+            }
+            let mut knee = axis.set(rapid).joint.knee;
+            if let Some(before) = self.before.as_ref().and_then(|axes| axes.get(k)) {
+                knee = min(knee, before[usize::from(rapid)].knee);
+            }
+            v = min(v, self.watched.speed(axis, (*ends.0, *ends.1), knee, axis.set(rapid).joint.budget, shorter));
+        }
+        if v < fastest { v } else { f32::MAX }
+    }
+}
+
+impl Watched {
+    /// The same of one axis, whose direction (LSB 2^-40) goes from one to the other; `permitted` is the step
+    /// of its speed where it ends there.
+    fn speed(&self, axis: &Axis, (t0, t1): (i64, i64), permitted: f32, budget: f32, shorter: f32) -> f32 {
+        let step = to_f32(t1.wrapping_sub(t0)) * LSB_40;
+        let (step, t0, t1) = (magnitude(step), magnitude(to_f32(t0)), magnitude(to_f32(t1)));
+        let (least, most) = (min(t0, t1), max(t0, t1));
+        let passes = axis.a_max * step <= PASSING_JERK * budget;
+        let alone = if passes { min(permitted, PASSING * axis.a_max * self.ratio) } else { permitted };
+        let alone = alone * (1.0 - (1.0 - GOING_ON) * least / most) / step;
+        // Along the path no faster than the axis permits.
+        let a = axis.a_max / (most * LSB_40);
+        // A block that takes the whole window, should it speed up from its end on.
+        let long = (shorter - 0.5 * a * self.window * self.window) / self.window;
+        if long >= alone {
+            return alone;
+        }
+        // Steps v·step every length/√(v² + 2·a·length) ticks at least: v·√(v² + 2·a·length) ≤ s.
+        let s = DENSE * axis.a_max * shorter / step;
+        let gained = a * shorter;
+        let both = gained + sqrt_f32(gained * gained + s * s);
+        let dense = if both > 0.0 { s / sqrt_f32(both) } else { 0.0 };
+        min(alone, max(long, min(dense, CLOSE * permitted / step)))
+    }
+}

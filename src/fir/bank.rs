@@ -1,0 +1,299 @@
+//! The planner's end: what is asked for, what is in force, and the way from one to the other.
+//!
+//! Kernels change only while the path rests and the filters have settled: then the interrupt reads no kernel,
+//! and nothing but the planner can set the path in motion. The planner writes all words, an axis per call, and
+//! counts on ([`Words::asked`]); the interrupt fills its samples with where the axes stand, some per tick, and
+//! answers ([`Words::done`]). A set point never steps: whatever the kernels, a motion that rests comes out as
+//! it is.
+use super::design::{self, Design, FilterError};
+use super::kernel;
+use super::shape::{Shape, Watch};
+use super::{FilterPlan, Layout, Words};
+use crate::machine::{FilterData, FilterType, MachineData};
+use crate::nc;
+use crate::quantity::Position;
+use core::sync::atomic::Ordering;
+
+/// From LSB 2^-32 mm to that of the words of deviations, 2^-22 mm.
+pub(super) const COARSE: u32 = 10;
+
+/// What a command leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// Nothing changes.
+    Same,
+    /// Other kernels are to be put in force, at a standstill.
+    Changes,
+    /// The same, and there is no axis that they filter: no order is given.
+    NoOrder,
+}
+
+/// What the machine data say about the filters.
+pub(super) struct Settings<const AXES: usize> {
+    axes: [FilterData; AXES],
+    /// Distance of the fastest motion per cycle, mm.
+    reach: [f32; AXES],
+    /// P-AXIS-00013 is given.
+    weighted: [bool; AXES],
+    cycle_us: u32,
+}
+
+impl<const AXES: usize> Settings<AXES> {
+    pub fn new(machine: &MachineData<AXES>) -> Self {
+        let cycle_us = machine.channel.cycle_us;
+        Self {
+            axes: machine.axes.map(|axis| axis.filter),
+            reach: machine.axes.map(|axis| axis.vb_max as f32 * 1e-9 * cycle_us as f32),
+            weighted: machine.axes.map(|axis| axis.a_trans_weight > 0),
+            cycle_us,
+        }
+    }
+
+    fn design(&self, axis: usize, given: &nc::Filter) -> Design {
+        let Some(data) = self.axes.get(axis) else { return Design::NONE };
+        if given.switch.unwrap_or(data.enable) {
+            Design::of(data, given, self.cycle_us)
+        } else {
+            Design::NONE
+        }
+    }
+}
+
+/// How far the change to other kernels is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    /// They are in force.
+    None,
+    /// So many axes have theirs.
+    Writing(usize),
+    /// The interrupt is to take them over.
+    Asked,
+}
+
+/// The planner's end of [`super::Filters`].
+pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
+    words: &'a Words<AXES, TAPS>,
+    settings: Settings<AXES>,
+    /// What the program has given: in force, and asked for.
+    given: [nc::Filter; 2],
+    shapes: [Shape; AXES],
+    change: Change,
+    /// [`FilterPlan::beyond`] has been told.
+    told: bool,
+}
+
+impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
+    /// With the filters of the machine data in force, before both sides run.
+    pub(super) fn new(
+        words: &'a Words<AXES, TAPS>,
+        settings: Settings<AXES>,
+    ) -> Result<Self, FilterError> {
+        let given = [nc::Filter::default(); 2];
+        let mut bank =
+            Self { words, settings, given, shapes: [Shape::NONE; AXES], change: Change::None, told: false };
+        bank.check(&nc::Filter::default())?;
+        for axis in 0..AXES {
+            bank.write(axis);
+        }
+        bank.write_channel();
+        Ok(bank)
+    }
+
+    /// What is in force, or is to be.
+    const fn wanted(&self) -> &nc::Filter {
+        let [_, wanted] = &self.given;
+        wanted
+    }
+
+    /// The delay of the channel, in half cycles.
+    fn delay(&self, given: &nc::Filter) -> u32 {
+        (0..AXES).map(|axis| self.settings.design(axis, given).delay()).fold(0, u32::max)
+    }
+
+    /// Whether there is memory for it, and every axis may have it.
+    fn check(&self, given: &nc::Filter) -> Result<(), FilterError> {
+        let delay = self.delay(given);
+        for axis in 0..AXES {
+            let design = self.settings.design(axis, given);
+            if design.order > design.highest() {
+                return Err(FilterError::Order(axis, design.order, design.highest(), false));
+            }
+            // The oldest sample is that of the channel's delay and half the own window.
+            if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= TAPS {
+                let most = if design.kind == FilterType::Delay { TAPS / 2 } else { TAPS };
+                return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
+            }
+            let weighted = self.settings.weighted.get(axis).copied().unwrap_or(true);
+            if design.order > 0 && design::acc_fact(given) > 1.0 && !weighted {
+                return Err(FilterError::NoTransitionWeight(axis));
+            }
+        }
+        design::tolerance(given).map(|_| ())
+    }
+
+    /// Writes the kernel of an axis.
+    fn write(&mut self, axis: usize) {
+        let given = self.wanted();
+        let (design, delay) = (self.settings.design(axis, given), self.delay(given));
+        let (Some(words), Some(reach)) = (self.words.axes.get(axis), self.settings.reach.get(axis)) else {
+            return;
+        };
+        let layout = kernel::build(&design, delay, *reach, words);
+        words.set_layout(&layout);
+        if let Some(shape) = self.shapes.get_mut(axis) {
+            *shape = if design.order > 0 { Shape::of(&layout, words) } else { Shape::NONE };
+        }
+    }
+
+    /// Writes what all axes share.
+    fn write_channel(&mut self) {
+        let given = *self.wanted();
+        let (delay, words) = (self.delay(&given), self.words);
+        let layouts = words.axes.iter().map(super::AxisWords::layout);
+        let window = layouts.map(|layout| (layout.newest + layout.length).saturating_sub(1));
+        words.window.store(window.fold(0, u32::max), Ordering::Relaxed);
+        words.delay.store(delay, Ordering::Relaxed);
+        let tolerance = design::tolerance(&given).unwrap_or(0) >> COARSE;
+        words.tolerance.store(u32::try_from(tolerance).unwrap_or(u32::MAX), Ordering::Relaxed);
+        words.runs.store(u32::from(delay > 0), Ordering::Relaxed);
+        words.asked.store(words.asked.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
+        self.told = false;
+    }
+
+    /// AX_DEV in force, mm, without what rounding takes; `None` where nothing is monitored.
+    fn tolerance(&self) -> Option<f32> {
+        let [in_force, _] = &self.given;
+        match design::tolerance(in_force) {
+            Ok(bits) if bits > 0 => Some((bits - 8) as f32 * (1.0 / 4_294_967_296.0)),
+            _ => None,
+        }
+    }
+
+    fn ask(&mut self) {
+        self.change = Change::Writing(0);
+    }
+}
+
+impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, TAPS> {
+    const EXIST: bool = true;
+
+    fn command(&mut self, command: &nc::Filter) -> Result<Fate, FilterError> {
+        let mut given = *self.wanted();
+        design::merge(&mut given, command);
+        let on = command.switch == Some(true);
+        if on && self.settings.axes.iter().all(|data| data.kind == FilterType::None) {
+            return Err(FilterError::NoType);
+        }
+        self.check(&given)?;
+        if given == *self.wanted() {
+            return Ok(Fate::Same);
+        }
+        self.given[1] = given;
+        self.ask();
+        Ok(if on && self.delay(&given) == 0 { Fate::NoOrder } else { Fate::Changes })
+    }
+
+    fn restart(&mut self) {
+        if *self.wanted() != nc::Filter::default() {
+            self.given[1] = nc::Filter::default();
+            self.ask();
+        }
+    }
+
+    fn cancel(&mut self) {
+        if self.change != Change::None {
+            self.given[1] = self.given[0];
+            self.ask();
+        }
+    }
+
+    fn suspend(&mut self) {
+        if self.words.runs.load(Ordering::Relaxed) != 0 {
+            self.words.runs.store(0, Ordering::Release);
+            self.ask();
+        }
+    }
+
+    fn is_pending(&self) -> bool {
+        self.change != Change::None
+    }
+
+    fn is_settled(&self) -> bool {
+        self.words.unsettled.load(Ordering::Acquire) == 0
+    }
+
+    fn work(&mut self) -> bool {
+        match self.change {
+            Change::Writing(axis) if axis < AXES => {
+                self.write(axis);
+                self.change = Change::Writing(axis + 1);
+                true
+            }
+            Change::Writing(_) => {
+                self.write_channel();
+                self.given[0] = self.given[1];
+                self.change = Change::Asked;
+                true
+            }
+            Change::Asked => {
+                let [asked, done] =
+                    [&self.words.asked, &self.words.done].map(|word| word.load(Ordering::Acquire));
+                if asked == done {
+                    self.change = Change::None;
+                }
+                asked == done
+            }
+            Change::None => true,
+        }
+    }
+
+    fn window(&self) -> u32 {
+        self.words.window.load(Ordering::Relaxed)
+    }
+
+    fn watch(&self, axis: usize) -> Option<Watch> {
+        let shape = self.shapes.get(axis).filter(|shape| shape.peak > 0.0)?;
+        let [in_force, _] = &self.given;
+        let limits = self.tolerance().map(|tolerance| shape.limits(tolerance));
+        Some(Watch {
+            gain: shape.gain,
+            accel: limits.map(|(accel, _)| accel),
+            knee: limits.map_or(f32::MAX, |(_, knee)| knee),
+            window: shape.window,
+            ratio: shape.area / shape.peak,
+            acc_fact: design::acc_fact(in_force),
+            tap: shape.tap,
+        })
+    }
+
+    fn corner(&self, axis: usize, jerk: f32) -> f32 {
+        let (Some(shape), Some(words), Some(tolerance)) =
+            (self.shapes.get(axis), self.words.axes.get(axis), self.tolerance())
+        else {
+            return 1.0;
+        };
+        shape.corner((&words.layout(), words), (shape.limits(tolerance).0, jerk), tolerance)
+    }
+
+    fn beyond(&mut self) -> Option<usize> {
+        let tolerance = self.words.tolerance.load(Ordering::Relaxed);
+        if tolerance == 0 || self.told {
+            return None;
+        }
+        // Both are rounded.
+        let most = tolerance.saturating_add(1);
+        let beyond = |words: &super::AxisWords<TAPS>| words.deviation.load(Ordering::Relaxed) > most;
+        let axis = self.words.axes.iter().position(beyond);
+        self.told = axis.is_some();
+        axis
+    }
+
+    fn deviation(&self, axis: usize) -> Position {
+        let words = self.words.axes.get(axis);
+        let coarse = words.map_or(0, |words| words.deviation.load(Ordering::Relaxed));
+        Position::from_bits(i64::from(coarse) << COARSE)
+    }
+}
+
+/// The layout of an axis that is not filtered in a channel that is not.
+pub(super) const PLAIN: Layout = Layout { kind: super::Kind::Delay, newest: 0, length: 1 };

@@ -1,0 +1,179 @@
+//! Taps of one axis: from its design and the delay of the channel to integers with the sum one.
+//!
+//! The weight of a tap at the distance d (cycles) from the centre, for the order N:
+//!
+//! | type | weight |
+//! |---|---|
+//! | moving average | 1 |
+//! | Gauss | exp(−d²/2σ²), σ = QUALITY·N/6 |
+//! | windowed sinc | sin(2π·FCUT·T·d)/(π·d) times Blackman's window over N + 2 cycles |
+//!
+//! SHARE p: p times the filter, and 1 − p times the set point delayed as long. What rounding leaves of the
+//! sum goes to the centre. Where another axis has an order of the other parity, both differ by half a cycle:
+//! then the taps are averaged with themselves a cycle later.
+use super::design::Design;
+use super::{AxisWords, Kind, Layout, ONE};
+use crate::machine::FilterType;
+use crate::math::float::to_f32;
+use crate::math::trig::sin_cos;
+use core::sync::atomic::Ordering;
+
+/// Most taps of one side, and the one in the centre; one more for half a cycle.
+const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
+
+/// A tap that still fits its word.
+const LARGEST: i32 = 32_766;
+
+/// Distance of the window over which a mean is a running sum, LSB 2^-32 mm: 4096 mm or degrees.
+pub(super) const LONGEST_SUM: f32 = 4096.0;
+
+/// Lays out the samples of an axis, for a channel that delays by half of `delay` cycles; `reach` is the
+/// distance of its fastest motion per cycle, mm. Writes its taps.
+pub(super) fn build<const TAPS: usize>(
+    design: &Design,
+    delay: u32,
+    reach: f32,
+    words: &AxisWords<TAPS>,
+) -> Layout {
+    let own = design.delay();
+    let odd = (delay ^ own) & 1;
+    let is_delay = design.order == 0 || design.kind == FilterType::Delay;
+    if is_delay && odd == 0 {
+        return Layout { kind: Kind::Delay, newest: delay / 2, length: 1 };
+    }
+    let order = if is_delay { 0 } else { design.order };
+    let length = order + 1 + odd;
+    // A time delay has no taps of its own: they are half a cycle wide.
+    let newest = (delay - order - odd) / 2;
+    let mean = design.kind == FilterType::Average && design.share >= 1.0;
+    if mean && odd == 0 && order > 1 && reach * (length as f32) < LONGEST_SUM {
+        return Layout { kind: Kind::Mean, newest, length };
+    }
+    let mut weights = [0.0; SIDE];
+    let sum = weigh(design, order, odd, &mut weights);
+    quantise(&weights, length, sum, if is_delay { 1.0 } else { design.share }, words);
+    Layout { kind: Kind::Taps, newest, length }
+}
+
+/// Weights of the outer taps and the centre; the sum of all.
+fn weigh(design: &Design, order: u32, odd: u32, weights: &mut [f32; SIDE]) -> f32 {
+    let side = order / 2 + 1;
+    match design.kind {
+        FilterType::Gauss => gauss(design.quality, order, weights),
+        FilterType::Sinc => {
+            for (k, weight) in (0..side).zip(weights.iter_mut()) {
+                *weight = sinc(design.cut_off, order, order - 2 * k);
+            }
+        }
+        _ => weights.iter_mut().take(side as usize).for_each(|weight| *weight = 1.0),
+    }
+    if odd == 1 {
+        average(order, weights);
+    }
+    let length = order + 1 + odd;
+    let pairs = length / 2;
+    let mut sum = 0.0;
+    for (k, weight) in (0..length - pairs).zip(weights.iter()) {
+        sum += if k < pairs { 2.0 * *weight } else { *weight };
+    }
+    sum
+}
+
+/// From the taps w to (w(k) + w(k − 1))/2, one more.
+fn average(order: u32, weights: &mut [f32; SIDE]) {
+    // Behind the centre they come again.
+    let side = (order / 2) as usize;
+    let mut before = 0.0;
+    for weight in weights.iter_mut().take(side + 1) {
+        let own = *weight;
+        *weight = 0.5 * (own + before);
+        before = own;
+    }
+    // An odd order had two in the centre: what was the second is the centre now.
+    if order & 1 == 1
+        && let Some(centre) = weights.get_mut(side + 1)
+    {
+        *centre = before;
+    }
+}
+
+/// From the outside to the centre.
+fn gauss(quality: f32, order: u32, weights: &mut [f32; SIDE]) {
+    let sigma = quality * (order as f32) * (1.0 / 6.0);
+    let half = 0.5 / (sigma * sigma);
+    let factor = exponential(2.0 * half);
+    // From one distance to the next the ratio shrinks by the same factor.
+    let mut ratio = if order & 1 == 0 { exponential(half) } else { factor };
+    let mut weight = 1.0;
+    for slot in weights.iter_mut().take((order / 2 + 1) as usize).rev() {
+        *slot = weight;
+        weight *= ratio;
+        ratio *= factor;
+        if weight < 1e-12 {
+            (weight, ratio) = (0.0, 0.0);
+        }
+    }
+}
+
+/// exp(−x), x ≥ 0; relative error below 10^-5.
+fn exponential(x: f32) -> f32 {
+    if x > 40.0 {
+        return 0.0;
+    }
+    let z = x * (1.0 / 128.0);
+    let mut e = 1.0 - z * (1.0 - z * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0))));
+    for _ in 0..7 {
+        e *= e;
+    }
+    e
+}
+
+/// At `twice`/2 cycles from the centre.
+fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
+    const UNIT: f32 = 1.0 / (1u64 << 62) as f32;
+    // Revolutions per half a cycle, LSB 2^-64.
+    let turn = u64::from((cut_off * 2_147_483_648.0) as u32) << 32;
+    let window = (u64::MAX / u64::from(order + 2) / 2).wrapping_mul(u64::from(twice));
+    let cosine = to_f32(sin_cos(window).1) * UNIT;
+    let shape = 0.42 + 0.5 * cosine + 0.08 * (2.0 * cosine * cosine - 1.0);
+    if twice == 0 {
+        return 2.0 * cut_off * shape;
+    }
+    let sine = to_f32(sin_cos(turn.wrapping_mul(u64::from(twice))).0) * UNIT;
+    shape * sine / (core::f32::consts::PI * 0.5 * twice as f32)
+}
+
+/// Integers with the sum [`ONE`].
+fn quantise<const TAPS: usize>(
+    weights: &[f32; SIDE],
+    length: u32,
+    sum: f32,
+    share: f32,
+    words: &AxisWords<TAPS>,
+) {
+    let pairs = (length / 2) as usize;
+    let two = length.is_multiple_of(2);
+    // What goes to the two taps in the centre, or to the one.
+    let last = if two { pairs - 1 } else { pairs };
+    let scale = share * ONE as f32 / sum;
+    let mut rest = ONE;
+    for (weight, tap) in weights.iter().zip(&words.taps).take(last) {
+        let scaled = weight * scale;
+        let rounded = if scaled < 0.0 { -((0.5 - scaled) as i32) } else { (scaled + 0.5) as i32 };
+        tap.store(rounded as u16, Ordering::Relaxed);
+        rest -= 2 * rounded;
+    }
+    if two {
+        rest /= 2;
+    } else if rest > LARGEST
+        && let Some(next) = last.checked_sub(1).and_then(|next| words.taps.get(next))
+    {
+        // One is more than a word holds: the neighbours take a little.
+        let more = (rest - LARGEST + 1) / 2;
+        next.store((next.load(Ordering::Relaxed) as i16 as i32 + more) as u16, Ordering::Relaxed);
+        rest -= 2 * more;
+    }
+    if let Some(centre) = words.taps.get(last) {
+        centre.store(rest as u16, Ordering::Relaxed);
+    }
+}

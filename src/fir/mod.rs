@@ -1,0 +1,305 @@
+//! FIR filters of the axes, behind the tick: what the path gives goes in, what the drives get comes out.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `design` | from machine data and #FILTER to kind, order and shape of each axis |
+//! | `kernel` | taps: integers, symmetric, with the sum one |
+//! | `shape` | what a kernel does to a motion: how far it deviates, what it makes of the limits |
+//! | `bank` | the planner's end: commands, and the change from one set of kernels to another at a standstill |
+//! | `step` | the interrupt's end: one set point per axis and tick |
+//!
+//! A filter of the order N has N + 1 symmetric taps and delays by N/2 cycles, a time delay by N. Every axis is
+//! delayed as long as the slowest one, so that the contour stays together. Its window are the cycles that one
+//! set point acts in: so long after the last motion the axes stand where the path stands, to the last bit.
+//!
+//! A channel without filters has [`Unfiltered`] in their place: it has no memory, and takes no instruction.
+//! Filters need [`Filters`], static memory of `TAPS` samples per axis: the highest order is `TAPS` − 1.
+//! Each sample takes 8 bytes, each tap of a symmetric pair 2: 10 bytes per tap.
+mod bank;
+mod design;
+mod kernel;
+mod shape;
+mod step;
+
+pub use bank::{Bank, Fate};
+pub use design::FilterError;
+pub use shape::Watch;
+pub(crate) use shape::{CLOSE, DENSE, GOING_ON};
+pub use step::Filtered;
+
+use crate::machine::MachineData;
+use crate::nc;
+use crate::quantity::Position;
+use crate::queue::Lag;
+use bank::Settings;
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use step::State;
+
+/// Sum of the taps of a kernel: one.
+pub const ONE: i32 = 1 << 15;
+
+/// Highest order (P-AXIS-00587), and that of a time delay.
+pub const MAX_ORDER: u32 = 200;
+/// The same of type 4.
+pub const MAX_DELAY: u32 = 100;
+
+/// The interrupt's end of the filters.
+pub trait FilterTick<const AXES: usize> {
+    /// A tick of the path: its set points and its path distance, LSB 2^-44 mm.
+    fn step(&mut self, path: &[Position; AXES], distance: i64);
+
+    /// A tick in which the path has nothing to do. Whether set points may still move.
+    fn rest(&mut self, path: &[Position; AXES]) -> bool;
+
+    /// What goes to the drives.
+    fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES];
+
+    /// By how much actions come later than on the path, and whether the filters have settled; `None` without
+    /// filters.
+    fn lag(&mut self) -> Option<(&mut Lag, bool)>;
+}
+
+/// The planner's end of the filters. All of it does nothing without filters.
+pub trait FilterPlan<const AXES: usize> {
+    /// There are filters.
+    const EXIST: bool;
+
+    /// Takes a #FILTER command. It counts after [`Self::work`].
+    ///
+    /// # Errors
+    /// It cannot be carried out: nothing has changed.
+    fn command(&mut self, command: &nc::Filter) -> Result<Fate, FilterError>;
+
+    /// The machine data count again, as at program start.
+    fn restart(&mut self);
+
+    /// What was asked for last is not wanted: an abort.
+    fn cancel(&mut self);
+
+    /// The position of an axis changes without motion: until [`Self::work`] is done nothing is filtered. Only
+    /// while settled.
+    fn suspend(&mut self);
+
+    /// Other kernels are to be put in force.
+    fn is_pending(&self) -> bool;
+
+    /// The axes stand where the path stands. Only where the path rests.
+    fn is_settled(&self) -> bool;
+
+    /// A bounded piece of the change to other kernels, only while settled; `false`: a tick has to pass.
+    fn work(&mut self) -> bool;
+
+    /// Cycles after the last motion of the path until the axes stand.
+    fn window(&self) -> u32;
+
+    /// What the kernel of an axis needs of the plan; `None`: the axis is planned as without it.
+    fn watch(&self, axis: usize) -> Option<Watch>;
+
+    /// Part of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk`
+    /// (mm/tick³).
+    fn corner(&self, axis: usize, jerk: f32) -> f32;
+
+    /// The first axis found beyond AX_DEV since the filters were changed, once.
+    fn beyond(&mut self) -> Option<usize>;
+
+    /// Largest deviation of an axis from its delayed set point since the filters were changed, while AX_DEV
+    /// is given.
+    fn deviation(&self, axis: usize) -> Position;
+}
+
+/// No filters.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unfiltered;
+
+impl<const AXES: usize> FilterTick<AXES> for Unfiltered {
+    #[inline(always)]
+    fn step(&mut self, _: &[Position; AXES], _: i64) {}
+
+    #[inline(always)]
+    fn rest(&mut self, _: &[Position; AXES]) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES] {
+        path
+    }
+
+    #[inline(always)]
+    fn lag(&mut self) -> Option<(&mut Lag, bool)> {
+        None
+    }
+}
+
+impl<const AXES: usize> FilterPlan<AXES> for Unfiltered {
+    const EXIST: bool = false;
+
+    fn command(&mut self, _: &nc::Filter) -> Result<Fate, FilterError> {
+        Err(FilterError::NoMemory)
+    }
+
+    fn restart(&mut self) {}
+
+    fn cancel(&mut self) {}
+
+    fn suspend(&mut self) {}
+
+    fn is_pending(&self) -> bool {
+        false
+    }
+
+    fn is_settled(&self) -> bool {
+        true
+    }
+
+    fn work(&mut self) -> bool {
+        true
+    }
+
+    fn window(&self) -> u32 {
+        0
+    }
+
+    fn watch(&self, _: usize) -> Option<Watch> {
+        None
+    }
+
+    fn corner(&self, _: usize, _: f32) -> f32 {
+        1.0
+    }
+
+    fn beyond(&mut self) -> Option<usize> {
+        None
+    }
+
+    fn deviation(&self, _: usize) -> Position {
+        Position::ZERO
+    }
+}
+
+/// Memory of the filters of a channel with `AXES` axes, of the order `TAPS` − 1 at most. All bits zero when
+/// new, so that a static one lies in `.bss`.
+pub struct Filters<const AXES: usize, const TAPS: usize> {
+    words: Words<AXES, TAPS>,
+    state: State<AXES, TAPS>,
+}
+
+impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
+    /// No filter is on.
+    pub const fn new() -> Self {
+        Self { words: Words::new(), state: State::new() }
+    }
+
+    /// The ends of planner and interrupt, with the filters that machine data switch on. The axes stand at
+    /// `start`.
+    ///
+    /// # Errors
+    /// Machine data that the memory is too small for.
+    pub fn split(
+        &mut self,
+        machine: &MachineData<AXES>,
+        start: &[Position; AXES],
+    ) -> Result<(Bank<'_, AXES, TAPS>, Filtered<'_, AXES, TAPS>), FilterError> {
+        *self = Self::new();
+        let Self { words, state } = self;
+        let words = &*words;
+        let bank = Bank::new(words, Settings::new(machine))?;
+        Ok((bank, Filtered::new(words, state, start)))
+    }
+}
+
+impl<const AXES: usize, const TAPS: usize> Default for Filters<AXES, TAPS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// How an axis is filtered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Not: it is delayed by [`Layout::newest`].
+    #[default]
+    Delay,
+    /// By the mean of its window.
+    Mean,
+    /// By symmetric taps.
+    Taps,
+}
+
+/// Which samples of an axis count, as ages in ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layout {
+    pub kind: Kind,
+    /// Age of the newest one.
+    pub newest: u32,
+    /// How many.
+    pub length: u32,
+}
+
+/// What the planner writes while the interrupt stands still and has settled, word by word, and what the
+/// interrupt writes.
+struct Words<const AXES: usize, const TAPS: usize> {
+    axes: [AxisWords<TAPS>; AXES],
+    /// Number of the last change of the planner. The next words are the planner's too.
+    asked: AtomicU32,
+    /// Something is filtered or delayed.
+    runs: AtomicU32,
+    /// Cycles of the longest delay, twice; window.
+    delay: AtomicU32,
+    window: AtomicU32,
+    /// AX_DEV, LSB 2^-32 mm; 0: not monitored.
+    tolerance: AtomicU32,
+    /// The interrupt's: number of the change in force, and how long the path has rested.
+    done: AtomicU32,
+    unsettled: AtomicU32,
+}
+
+struct AxisWords<const TAPS: usize> {
+    kind: AtomicU32,
+    newest: AtomicU32,
+    length: AtomicU32,
+    /// The outermost first, up to the one in the centre.
+    taps: [AtomicU16; TAPS],
+    /// The interrupt's: largest deviation, LSB 2^-32 mm.
+    deviation: AtomicU32,
+}
+
+impl<const AXES: usize, const TAPS: usize> Words<AXES, TAPS> {
+    const fn new() -> Self {
+        let [asked, runs, delay, window, tolerance, done, unsettled] = [const { AtomicU32::new(0) }; 7];
+        Self {
+            axes: [const { AxisWords::new() }; AXES],
+            asked,
+            runs,
+            delay,
+            window,
+            tolerance,
+            done,
+            unsettled,
+        }
+    }
+}
+
+impl<const TAPS: usize> AxisWords<TAPS> {
+    const fn new() -> Self {
+        let [kind, newest, length, deviation] = [const { AtomicU32::new(0) }; 4];
+        Self { kind, newest, length, taps: [const { AtomicU16::new(0) }; TAPS], deviation }
+    }
+
+    fn set_layout(&self, layout: &Layout) {
+        self.kind.store(layout.kind as u32, Ordering::Relaxed);
+        self.newest.store(layout.newest, Ordering::Relaxed);
+        self.length.store(layout.length, Ordering::Relaxed);
+    }
+
+    fn layout(&self) -> Layout {
+        let [kind, newest, length] =
+            [&self.kind, &self.newest, &self.length].map(|word| word.load(Ordering::Relaxed));
+        let kind = match kind {
+            0 => Kind::Delay,
+            1 => Kind::Mean,
+            _ => Kind::Taps,
+        };
+        Layout { kind, newest, length }
+    }
+}

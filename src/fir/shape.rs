@@ -1,0 +1,205 @@
+//! What a kernel does to a motion.
+//!
+//! With the taps h, and δ the delay alone, G is the second sum of h − δ. What an axis deviates from its
+//! delayed set point is exactly Σ G·x'', x'' its second differences: at most Σ|G| times its largest
+//! acceleration, and at most |G(0)| times a step of speed. With SHARE p all of it is p times as much.
+//!
+//! AX_DEV is shared so that the sum of all never exceeds it:
+//!
+//! | where | what | part |
+//! |---|---|---|
+//! | everywhere | acceleration of the axis, times Σ\|G\| | 0.7 |
+//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration left and right of it | what that leaves: 0.3…1 |
+//! | steps that are closer | each of them | 0.1 |
+//! | | all of them, as the acceleration of a curve: steps per time | 0.2 |
+use super::{AxisWords, Kind, Layout, ONE};
+use crate::math::float::{max, min};
+use core::sync::atomic::Ordering;
+
+/// Part of AX_DEV for acceleration.
+pub(super) const ACCELERATION: f32 = 0.7;
+/// For a step of speed that another one is close to.
+pub(crate) const CLOSE: f32 = 0.1;
+/// For the steps of a curve of short blocks, by that for acceleration.
+pub(crate) const DENSE: f32 = 0.2 / ACCELERATION;
+/// What the deviation permits an axis that goes on as fast on the other side of a step, of what it permits
+/// an axis that ends there: (1 − 0.7)/(1 − 0.35), rounded down.
+pub(crate) const GOING_ON: f32 = 0.46;
+/// Roundings of f32, and of set points.
+const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
+
+/// Distances from the centre, 0…100 cycles.
+const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
+
+/// What a kernel, AX_DEV and ACC_FACT need of the plan of an axis. Per tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Watch {
+    /// Σ|h|: the filter makes at most so much of speed, acceleration and jerk. 1 without negative taps.
+    pub gain: f32,
+    /// Largest acceleration, mm/tick²; none where AX_DEV is not given.
+    pub accel: Option<f32>,
+    /// Largest step of speed by AX_DEV alone, mm/tick.
+    pub knee: f32,
+    /// Longest time between two such steps that act together, ticks.
+    pub window: f32,
+    /// Σ|G| / |G(0)|, ticks.
+    pub ratio: f32,
+    /// ACC_FACT.
+    pub acc_fact: f32,
+    /// The largest tap: a step of speed shows as so much of itself, per tick.
+    pub tap: f32,
+}
+
+/// The sums of a kernel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shape {
+    /// Σ|h|.
+    pub gain: f32,
+    /// Σ|G|, ticks².
+    pub area: f32,
+    /// Largest |G|, ticks.
+    pub peak: f32,
+    /// Ticks from the first tap to the last one.
+    pub window: f32,
+    /// The largest tap.
+    pub tap: f32,
+}
+
+impl Shape {
+    /// It changes nothing.
+    pub const NONE: Self = Self { gain: 1.0, area: 0.0, peak: 0.0, window: 0.0, tap: 1.0 };
+
+    /// Of the taps in force.
+    pub fn of<const TAPS: usize>(layout: &Layout, words: &AxisWords<TAPS>) -> Self {
+        let total = one(layout);
+        let window = layout.length.saturating_sub(1) as f32;
+        let mut shape = Self { window, tap: 1.0 / total, ..Self::NONE };
+        if layout.kind == Kind::Taps {
+            let (mut gain, mut largest, pairs) = (0, 0, layout.length / 2);
+            for (k, tap) in (0..layout.length - pairs).zip(&words.taps) {
+                let size = (tap.load(Ordering::Relaxed) as i16 as i32).abs();
+                gain += if k < pairs { 2 * size } else { size };
+                largest = largest.max(size);
+            }
+            shape.tap = largest as f32 / ONE as f32;
+            shape.gain = if gain > ONE { gain as f32 / ONE as f32 * (2.0 - MARGIN) } else { 1.0 };
+        }
+        let (two, scale) = (layout.length.is_multiple_of(2), (2.0 - MARGIN) / total);
+        second_sums(layout, words, |distance, sum| {
+            let size = sum.unsigned_abs() as f32 * scale;
+            shape.area += if distance == 0 && !two { size } else { 2.0 * size };
+            shape.peak = max(shape.peak, size);
+        });
+        shape
+    }
+
+    /// Part of AX_DEV for a step of speed, where on both sides the axis accelerates from it and to it with
+    /// the jerk `jerk` at most, up to `accel`; `tolerance` is AX_DEV, mm.
+    #[inline(never)]
+    pub fn corner<const TAPS: usize>(
+        &self,
+        (layout, words): (&Layout, &AxisWords<TAPS>),
+        (accel, jerk): (f32, f32),
+        tolerance: f32,
+    ) -> f32 {
+        let sums = Sums::of(layout, words);
+        // Acceleration k ticks from the step is at most jerk·(k + 1).
+        let ramp = if jerk * 256.0 < accel { 256 } else { (accel / jerk) as i32 };
+        let [mut ends, mut goes_on] = [1.0; 2];
+        let reach = (layout.length / 2 + 1) as i32;
+        for shift in 0..reach {
+            // Seen so many ticks before the step: acceleration before it, and as much behind it.
+            let [before, behind] = [-shift, shift].map(|from| {
+                let rises = jerk * (sums.first(from, from + ramp - 1) + (1 - from) as f32 * sums.zeroth(from, from + ramp - 1));
+                (rises + accel * sums.zeroth(from + ramp, 2 * SIDE as i32)) / tolerance
+            });
+            let size = max(sums.at(shift) / self.peak, 1e-6);
+            ends = min(ends, (1.0 - before) / size);
+            goes_on = min(goes_on, (1.0 - before - behind) / size);
+        }
+        min(ends, goes_on * (1.0 / GOING_ON)) * MARGIN
+    }
+
+    /// Largest acceleration and step of speed for AX_DEV, mm.
+    pub fn limits(&self, tolerance: f32) -> (f32, f32) {
+        (ACCELERATION * MARGIN * tolerance / self.area, MARGIN * tolerance / self.peak)
+    }
+}
+
+/// What the taps add up to.
+fn one(layout: &Layout) -> f32 {
+    if layout.kind == Kind::Mean { layout.length as f32 } else { ONE as f32 }
+}
+
+/// Calls `each` with G for every distance from the centre, from the outside to the inside, in units of
+/// [`one`]. Of an even number of taps the distances are half a cycle less, and begin with 1.
+fn second_sums<const TAPS: usize>(
+    layout: &Layout,
+    words: &AxisWords<TAPS>,
+    mut each: impl FnMut(usize, i32),
+) {
+    let pairs = (layout.length / 2) as usize;
+    let outer = if layout.length.is_multiple_of(2) { pairs.saturating_sub(1) } else { pairs };
+    let mean = layout.kind == Kind::Mean;
+    let (mut first, mut second) = (0, 0);
+    for (k, tap) in words.taps.iter().enumerate().take(outer) {
+        first += if mean { 1 } else { tap.load(Ordering::Relaxed) as i16 as i32 };
+        second += first;
+        each(pairs - 1 - k, second);
+    }
+}
+
+/// |G| over the distance from the centre, and its sums from there on.
+struct Sums {
+    at: [f32; SIDE],
+    zeroth: [f32; SIDE],
+    first: [f32; SIDE],
+}
+
+impl Sums {
+    fn of<const TAPS: usize>(layout: &Layout, words: &AxisWords<TAPS>) -> Self {
+        let mut sums = Self { at: [0.0; SIDE], zeroth: [0.0; SIDE], first: [0.0; SIDE] };
+        let scale = 1.0 / one(layout);
+        let at = &mut sums.at;
+        second_sums(layout, words, |distance, sum| {
+            if let Some(slot) = at.get_mut(distance) {
+                *slot = sum.unsigned_abs() as f32 * scale;
+            }
+        });
+        if layout.length.is_multiple_of(2) {
+            // Half a cycle closer than they are: no less.
+            at[0] = at[1];
+        }
+        let (mut zeroth, mut first) = (0.0, 0.0);
+        for (k, ((at, to_zeroth), to_first)) in
+            sums.at.iter().zip(&mut sums.zeroth).zip(&mut sums.first).enumerate().skip(1)
+        {
+            zeroth += at;
+            first += k as f32 * at;
+            (*to_zeroth, *to_first) = (zeroth, first);
+        }
+        sums
+    }
+
+    fn at(&self, distance: i32) -> f32 {
+        self.at.get(distance.unsigned_abs() as usize).copied().unwrap_or(0.0)
+    }
+
+    fn up_to(sums: &[f32; SIDE], distance: i32) -> f32 {
+        sums.get((distance.max(0) as usize).min(SIDE - 1)).copied().unwrap_or(0.0)
+    }
+
+    /// Σ |G(i)| for `from` ≤ i ≤ `to`.
+    fn zeroth(&self, from: i32, to: i32) -> f32 {
+        let below = |x: i32| {
+            if x < 0 { -Self::up_to(&self.zeroth, -x - 1) } else { self.at[0] + Self::up_to(&self.zeroth, x) }
+        };
+        if to < from { 0.0 } else { below(to) - below(from - 1) }
+    }
+
+    /// Σ i·|G(i)| for `from` ≤ i ≤ `to`.
+    fn first(&self, from: i32, to: i32) -> f32 {
+        let below = |x: i32| Self::up_to(&self.first, if x < 0 { -x - 1 } else { x });
+        if to < from { 0.0 } else { below(to) - below(from - 1) }
+    }
+}
