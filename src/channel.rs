@@ -326,31 +326,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
                 return Ok(self.output(Held::new(head, Function::Spindle(*speed))));
             }
             Command::Tool(head, tool) => return Ok(self.output(Held::new(head, Function::Tool(*tool)))),
-            Command::Slope(_, slope) if slope.default => {
-                self.planning.set_slope(None, false);
-                self.watch_filters();
-            }
-            Command::Slope(_, slope) => {
-                let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
-                self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
-                self.watch_filters();
-            }
-            Command::Weight(head, weight) => {
-                self.look_ahead(head)?;
-                self.planning.dynamics().weigh(weight);
-                self.watch_filters();
-            }
-            Command::VectorLimit(head, limit) => {
-                let others = [
-                    (limit.radial_acc, "#VECTOR LIMIT RADIAL_ACC"),
-                    (limit.radial_jerk, "#VECTOR LIMIT RADIAL_JERK"),
-                    (limit.jerk, "#VECTOR LIMIT JERK"),
-                    (limit.trans_acc, "#VECTOR LIMIT TRANS_ACC"),
-                ];
-                if let Some((_, name)) = others.into_iter().find(|(given, _)| limit.on && given.is_some()) {
-                    return refuse(name);
-                }
-                self.planning.dynamics().limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
+            Command::Slope(..) | Command::Weight(..) | Command::VectorLimit(..) => {
+                self.restrict(command)?;
             }
             Command::PutAxes(_, axes) => {
                 self.released |= axes;
@@ -403,6 +380,40 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
+    }
+
+    /// Slope, weights and limits along the path, for the blocks that follow.
+    fn restrict(&mut self, command: &Command<AXES>) -> Result<(), Error> {
+        match command {
+            Command::Slope(_, slope) if slope.default => {
+                self.planning.set_slope(None, false);
+                self.watch_filters();
+            }
+            Command::Slope(_, slope) => {
+                let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
+                self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
+                self.watch_filters();
+            }
+            Command::Weight(head, weight) => {
+                self.look_ahead(head)?;
+                self.planning.dynamics().weigh(weight);
+                self.watch_filters();
+            }
+            Command::VectorLimit(head, limit) => {
+                let others = [
+                    (limit.radial_acc, "#VECTOR LIMIT RADIAL_ACC"),
+                    (limit.radial_jerk, "#VECTOR LIMIT RADIAL_JERK"),
+                    (limit.jerk, "#VECTOR LIMIT JERK"),
+                    (limit.trans_acc, "#VECTOR LIMIT TRANS_ACC"),
+                ];
+                if let Some((_, name)) = others.into_iter().find(|(given, _)| limit.on && given.is_some()) {
+                    return Err(Error::NotAvailable(command.place(), name));
+                }
+                self.planning.dynamics().limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     fn error_of(&self, motion: &Motion<AXES>, error: MotionError) -> Error {

@@ -62,8 +62,11 @@ pub fn run<const AXES: usize>(
     let handles = channel.split_filtered(&mut filters, machine, start, text.as_bytes());
     let FilteredHandles { mut planner, mut interpolator, operator } = handles.map_err(|e| e.to_string())?;
     let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
-    let mut run =
-        Filtered { path: Trace::empty(cycle, AXES), drives: Trace::empty(cycle, AXES), ..Filtered::default() };
+    let mut run = Filtered {
+        path: Trace::empty(cycle, AXES),
+        drives: Trace::empty(cycle, AXES),
+        ..Filtered::default()
+    };
     run.path.push([0; AXES]);
     run.drives.push([0; AXES]);
     run.states.push(State::Idle);
@@ -124,9 +127,10 @@ impl Filtered {
     pub fn deviations(&self, axis: usize, delay: usize) -> impl Iterator<Item = i64> + '_ {
         let path = &self.path.columns[axis];
         let ago = move |tick: usize, ticks: usize| path[tick.saturating_sub(ticks)];
-        self.drives.columns[axis].iter().enumerate().map(move |(tick, y)| {
-            2 * y - ago(tick, delay / 2) - ago(tick, delay.div_ceil(2))
-        })
+        self.drives.columns[axis]
+            .iter()
+            .enumerate()
+            .map(move |(tick, y)| 2 * y - ago(tick, delay / 2) - ago(tick, delay.div_ceil(2)))
     }
 
     /// The largest of them, LSB.

@@ -1,13 +1,12 @@
 //! FIR filters behind the path (D3-004, D3-223…D3-234).
-use glidepath::machine::FilterType;
+use glidepath::machine::{FilterType, MachineData};
 use glidepath::tick::State;
 use host_tests::cases::machines;
 use host_tests::filtered::{Filtered, run, with_filter};
 
 const ONE: f64 = 4_294_967_296.0;
 
-const TYPES: [FilterType; 4] =
-    [FilterType::Average, FilterType::Gauss, FilterType::Sinc, FilterType::Delay];
+const TYPES: [FilterType; 4] = [FilterType::Average, FilterType::Gauss, FilterType::Sinc, FilterType::Delay];
 
 /// A square of 20 mm with corners of 90°, there and back.
 const SQUARE: &str = "#SLOPE [TYPE=TRAPEZ]\nN10 G01 X20 F4000\nN20 Y20\nN30 X0\nN40 Y0\nN50 M30\n";
@@ -58,7 +57,8 @@ fn taps(kind: FilterType, order: usize, quality: f64, cut_off: f64, share: f64) 
             FilterType::Average => 1.0,
             FilterType::Gauss => (-d * d / 2.0 / (quality * n / 6.0).powi(2)).exp(),
             FilterType::Sinc => {
-                let window = 0.42 + 0.5 * (2.0 * PI * d / (n + 2.0)).cos() + 0.08 * (4.0 * PI * d / (n + 2.0)).cos();
+                let window =
+                    0.42 + 0.5 * (2.0 * PI * d / (n + 2.0)).cos() + 0.08 * (4.0 * PI * d / (n + 2.0)).cos();
                 let sinc = if d == 0.0 { 2.0 * cut_off } else { (2.0 * PI * cut_off * d).sin() / (PI * d) };
                 sinc * window
             }
@@ -101,13 +101,99 @@ fn kernels_are_those_of_their_types() {
         let taps = taps(kind, order, quality, cut_off, share);
         for axis in 0..2 {
             let expected = filtered(&run.path.columns[axis], &taps);
-            let off = run.drives.columns[axis].iter().zip(&expected).map(|(y, x)| (*y as f64 / ONE - x).abs());
+            let off =
+                run.drives.columns[axis].iter().zip(&expected).map(|(y, x)| (*y as f64 / ONE - x).abs());
             let off = off.fold(0.0, f64::max);
             let from_path = run.largest(axis, order) / ONE;
             // Taps are rounded to 2^-15 of their sum; a mean is not.
-            let allowed = if kind == FilterType::Average && share == 1.0 && order > 1 { 3e-10 } else { 6e-3 * from_path + 3e-7 * order as f64 };
+            let allowed = if kind == FilterType::Average && share == 1.0 && order > 1 {
+                3e-10
+            } else {
+                6e-3 * from_path + 3e-7 * order as f64
+            };
             assert!(off <= allowed, "{kind:?} {order} {options}: {off} of {from_path}");
             assert!(from_path > 1e-3 || order == 1 || kind == FilterType::Sinc);
+        }
+    }
+}
+
+/// A machine that passes corners of 90° at full feed: 100 m/s² within a cycle of 1 ms.
+fn stiff(cycle_us: u32) -> MachineData<3> {
+    let mut machine = machines::even::<3>(cycle_us);
+    for axis in &mut machine.axes {
+        (axis.a_max, axis.a_beschl, axis.a_brems, axis.a_grenz) =
+            (1_000_000, 1_000_000, 1_000_000, 1_000_000);
+        axis.a_trans_weight = 1000;
+    }
+    machine
+}
+
+fn of_types(orders: &[u8]) -> impl Iterator<Item = (FilterType, u8)> + '_ {
+    TYPES[..3].iter().flat_map(move |kind| orders.iter().map(move |order| (*kind, *order)))
+}
+
+#[test]
+fn ax_dev_is_kept_and_used_at_corners() {
+    // D3-227, D3-234: every axis, at every tick, with each type.
+    for (kind, order) in of_types(&[8, 9, 16, 33, 40, 64, 101, 150, 200]) {
+        for machine in [machines::even::<3>(1000), stiff(1000)] {
+            let machine = with_filter(machine, kind, order);
+            let run = run(&format!("#FILTER ON [AX_DEV=0.001]\n{SQUARE}"), &machine, &[], 1000).unwrap();
+            let name = format!("{kind:?} {order} {}", machine.axes[0].a_max);
+            assert!(run.deviated.is_empty(), "{name}");
+            for axis in 0..2 {
+                let largest = run.largest(axis, order.into()) / ONE;
+                println!("{name} axis {axis}: {largest}");
+                assert!(largest <= 0.001, "{name} axis {axis}: {largest}");
+                let least = if kind == FilterType::Sinc { 0.0005 } else { 0.0009 };
+                assert!(largest >= least, "{name} axis {axis}: {largest}");
+                // The library says the same.
+                let said = run.deviation[axis] as f64 / ONE;
+                assert!((said - largest).abs() < 3e-7, "{said} {largest}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_ax_dev_the_deviation_doubles_with_order_cycle_and_feed() {
+    // D3-224: where the corner is passed at the feed, N·T·v/8 of a mean.
+    let corner = |order: u8, cycle_us: u32, feed: u32| {
+        let machine = with_filter(stiff(cycle_us), FilterType::Average, order);
+        let text = format!("#SLOPE [TYPE=TRAPEZ]\nN10 G01 X20 F{feed}\nN20 Y20\nN30 X0\nN40 Y0\nN50 M30\n");
+        run(&text, &machine, &[], 1000).unwrap().largest(0, order.into()) / ONE
+    };
+    let one = corner(40, 1000, 2000);
+    let exact = 40.0 * 42.0 / 41.0 * 1e-3 * 2000.0 / 60.0 / 8.0;
+    assert!((one / exact - 1.0).abs() < 0.03, "{one} {exact}");
+    for (what, two) in [
+        ("order", corner(80, 1000, 2000)),
+        ("cycle", corner(40, 2000, 2000)),
+        ("feed", corner(40, 1000, 4000)),
+    ] {
+        assert!((two / one - 2.0).abs() < 0.06, "{what}: {one} {two}");
+    }
+}
+
+#[test]
+fn opposite_passes_have_mirrored_shapes() {
+    for (kind, order) in of_types(&[8, 21, 64, 200]) {
+        let machine = with_filter(machines::even::<3>(1000), kind, order);
+        let pass = |there: &str, back: &str| {
+            let text = format!(
+                "#SLOPE [TYPE=TRAPEZ]\nN10 G01 G60 {there} F4000\nG04 1\nN20 {back}\nN30 G60 X0 Y0\nM30\n"
+            );
+            run(&text, &machine, &[], 1000).unwrap()
+        };
+        let plus = pass("X10 Y5", "X20 Y-5");
+        let minus = pass("X-10 Y-5", "X-20 Y5");
+        for axis in 0..2 {
+            let both = plus.drives.columns[axis].iter().zip(&minus.drives.columns[axis]);
+            let off = both.map(|(a, b)| (a + b).abs()).max().unwrap();
+            assert!(off <= 1, "{kind:?} {order}: {off} LSB");
+            // So is what the path gives.
+            let both = plus.path.columns[axis].iter().zip(&minus.path.columns[axis]);
+            assert!(both.map(|(a, b)| (a + b).abs()).max().unwrap() <= 1);
         }
     }
 }

@@ -11,13 +11,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
     pub(super) fn filter(&mut self, head: &Head, filter: &Filter) -> Result<Progress, Error> {
         let fate = self.filters.command(filter).map_err(|error| {
             let names = &self.decoder.setup().names;
-            Error::Filter(head.place, error.axis().and_then(|k| names.get(k).copied()).unwrap_or_default(), error)
+            Error::Filter(
+                head.place,
+                error.axis().and_then(|k| names.get(k).copied()).unwrap_or_default(),
+                error,
+            )
         })?;
         if fate != Fate::Same {
             self.planning.rest(1);
         }
         if fate == Fate::NoOrder {
-            return Ok(Progress::Warning(NcWarning { place: head.place, kind: NcWarningKind::FilterWithoutOrder }));
+            return Ok(Progress::Warning(NcWarning {
+                place: head.place,
+                kind: NcWarningKind::FilterWithoutOrder,
+            }));
         }
         Ok(Progress::Working)
     }

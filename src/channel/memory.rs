@@ -1,7 +1,7 @@
 //! The memory of a channel, and what is made in it.
 use super::check::check;
 use super::{MachineError, Planner, Source};
-use crate::fir::{Bank, FilterError, Filtered, Filters, FilterPlan, FilterTick, Unfiltered};
+use crate::fir::{Bank, FilterError, FilterPlan, FilterTick, Filtered, Filters, Unfiltered};
 use crate::machine::MachineData;
 use crate::nc::{Decoder, DecoderMemory, Setup, Text};
 use crate::operator::Operator;

@@ -4,9 +4,9 @@
 //! of AX_DEV ([`crate::fir::Watch`]): acceleration everywhere, a step that is alone in the window of the
 //! filter what that leaves, steps that are closer a tenth each and together what a curve of the same
 //! acceleration would take.
-use super::{Axis, Dynamics, LSB_40};
+use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
-use crate::fir::{CLOSE, DENSE, GOING_ON, Watch};
+use crate::fir::{CLOSE, GOING_ON, SHORT, Watch};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
@@ -16,8 +16,10 @@ use crate::slope::ramp_shape::RampShape;
 /// Part of the acceleration permitted that passes a corner though its law should vanish there: a hold may run
 /// through where its jerk does not show.
 const PASSING_JERK: f32 = 0.1;
-/// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.63/0.7.
-const PASSING: f32 = 0.9;
+/// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.46/0.91.
+const PASSING: f32 = 0.5;
+/// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
+const SHORT_SPEED: f32 = 0.707;
 /// Longest slope that is looked at, ticks of its ramp.
 const WINDOW_PART: f32 = 0.5;
 
@@ -124,6 +126,24 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
+    /// AX_DEV restricts an axis.
+    #[inline(always)]
+    pub const fn is_watched(&self) -> bool {
+        self.watched.is_some()
+    }
+
+    /// The limits of an element of this length, mm, if it may pass within the window of the filters.
+    pub fn shorten(&self, limits: &Permitted, length: f32, bends: bool) -> Option<Permitted> {
+        let is_short = length < limits.0.v * self.watched.window;
+        let mut limits = if is_short { *limits } else { return None };
+        limits.0.scale_accelerations(SHORT);
+        if bends {
+            // So is the acceleration across the path.
+            limits.0.v *= SHORT_SPEED;
+        }
+        Some(limits)
+    }
+
     /// Highest speed at which the steps of speed at a transition stay inside their part of AX_DEV, if that is
     /// below `fastest`. `shorter` is the length of the shorter neighbour, mm.
     pub(super) fn watched(
@@ -142,7 +162,10 @@ impl<const AXES: usize> Dynamics<AXES> {
             if let Some(before) = self.before.as_ref().and_then(|axes| axes.get(k)) {
                 knee = min(knee, before[usize::from(rapid)].knee);
             }
-            v = min(v, self.watched.speed(axis, (*ends.0, *ends.1), knee, axis.set(rapid).joint.budget, shorter));
+            v = min(
+                v,
+                self.watched.speed(axis, (*ends.0, *ends.1), knee, axis.set(rapid).joint.budget, shorter),
+            );
         }
         if v < fastest { v } else { f32::MAX }
     }
@@ -166,7 +189,7 @@ impl Watched {
             return alone;
         }
         // Steps v·step every length/√(v² + 2·a·length) ticks at least: v·√(v² + 2·a·length) ≤ s.
-        let s = DENSE * axis.a_max * shorter / step;
+        let s = SHORT * axis.a_max * shorter / step;
         let gained = a * shorter;
         let both = gained + sqrt_f32(gained * gained + s * s);
         let dense = if both > 0.0 { s / sqrt_f32(both) } else { 0.0 };

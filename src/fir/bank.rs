@@ -84,10 +84,7 @@ pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
 
 impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
     /// With the filters of the machine data in force, before both sides run.
-    pub(super) fn new(
-        words: &'a Words<AXES, TAPS>,
-        settings: Settings<AXES>,
-    ) -> Result<Self, FilterError> {
+    pub(super) fn new(words: &'a Words<AXES, TAPS>, settings: Settings<AXES>) -> Result<Self, FilterError> {
         let given = [nc::Filter::default(); 2];
         let mut bank =
             Self { words, settings, given, shapes: [Shape::NONE; AXES], change: Change::None, told: false };

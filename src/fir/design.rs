@@ -68,8 +68,7 @@ pub(super) struct Design {
 }
 
 impl Design {
-    pub const NONE: Self =
-        Self { kind: FilterType::None, order: 0, share: 1.0, cut_off: 0.5, quality: 1.0 };
+    pub const NONE: Self = Self { kind: FilterType::None, order: 0, share: 1.0, cut_off: 0.5, quality: 1.0 };
 
     /// Of an axis with the filters on, and what the program has given.
     pub fn of(data: &FilterData, given: &nc::Filter, cycle_us: u32) -> Self {
@@ -124,7 +123,7 @@ pub(super) fn tolerance(given: &nc::Filter) -> Result<i64, FilterError> {
     const LEAST: i64 = (1i64 << 32) / 100_000;
     match given.ax_dev.map_or(0, Position::to_bits) {
         0 => Ok(0),
-        bits if bits < LEAST || bits > 1000 << 32 => Err(FilterError::Tolerance),
+        bits if !(LEAST..=1000 << 32).contains(&bits) => Err(FilterError::Tolerance),
         bits => Ok(bits),
     }
 }

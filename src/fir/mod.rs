@@ -24,7 +24,7 @@ mod step;
 pub use bank::{Bank, Fate};
 pub use design::FilterError;
 pub use shape::Watch;
-pub(crate) use shape::{CLOSE, DENSE, GOING_ON};
+pub(crate) use shape::{CLOSE, GOING_ON, SHORT};
 pub use step::Filtered;
 
 use crate::machine::MachineData;

@@ -8,23 +8,25 @@
 //!
 //! | where | what | part |
 //! |---|---|---|
-//! | everywhere | acceleration of the axis, times Σ\|G\| | 0.7 |
-//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration left and right of it | what that leaves: 0.3…1 |
-//! | steps that are closer | each of them | 0.1 |
-//! | | all of them, as the acceleration of a curve: steps per time | 0.2 |
+//! | in blocks longer than the window | acceleration of the axis, times Σ\|G\| | 0.91 |
+//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration left and right of it | what that leaves: 0.09…1 |
+//! | steps that are closer, blocks between them | each step | 0.09 |
+//! | | acceleration of the axis | 0.455 |
+//! | | all steps, as the acceleration of a curve: steps per time | 0.455 |
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::math::float::{max, min};
 use core::sync::atomic::Ordering;
 
 /// Part of AX_DEV for acceleration.
-pub(super) const ACCELERATION: f32 = 0.7;
+pub(super) const ACCELERATION: f32 = 0.91;
 /// For a step of speed that another one is close to.
-pub(crate) const CLOSE: f32 = 0.1;
-/// For the steps of a curve of short blocks, by that for acceleration.
-pub(crate) const DENSE: f32 = 0.2 / ACCELERATION;
+pub(crate) const CLOSE: f32 = 0.09;
+/// For acceleration in blocks that may pass within the window, and for the steps between them, which add up as
+/// in a curve: of the part for acceleration.
+pub(crate) const SHORT: f32 = 0.5;
 /// What the deviation permits an axis that goes on as fast on the other side of a step, of what it permits
-/// an axis that ends there: (1 − 0.7)/(1 − 0.35), rounded down.
-pub(crate) const GOING_ON: f32 = 0.46;
+/// an axis that ends there: (1 − 0.91)/(1 − 0.455), rounded down.
+pub(crate) const GOING_ON: f32 = 0.16;
 /// Roundings of f32, and of set points.
 const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
 
@@ -110,7 +112,9 @@ impl Shape {
         for shift in 0..reach {
             // Seen so many ticks before the step: acceleration before it, and as much behind it.
             let [before, behind] = [-shift, shift].map(|from| {
-                let rises = jerk * (sums.first(from, from + ramp - 1) + (1 - from) as f32 * sums.zeroth(from, from + ramp - 1));
+                let rises = jerk
+                    * (sums.first(from, from + ramp - 1)
+                        + (1 - from) as f32 * sums.zeroth(from, from + ramp - 1));
                 (rises + accel * sums.zeroth(from + ramp, 2 * SIDE as i32)) / tolerance
             });
             let size = max(sums.at(shift) / self.peak, 1e-6);

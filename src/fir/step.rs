@@ -225,13 +225,7 @@ impl<const TAPS: usize> Axis<TAPS> {
     }
 
     #[inline(always)]
-    fn step(
-        &mut self,
-        at: usize,
-        taps: &[AtomicU16; TAPS],
-        x: i64,
-        y: &mut Position,
-    ) {
+    fn step(&mut self, at: usize, taps: &[AtomicU16; TAPS], x: i64, y: &mut Position) {
         let Layout { kind, newest, length } = self.layout;
         match kind {
             Kind::Mean => {
@@ -312,10 +306,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         // Modulo 2^64; about the centre it fits.
         let about = run.get(half).or(newer.last()).copied().unwrap_or(0);
         let [rest, _] = self.rest;
-        let left = sum
-            .total()
-            .wrapping_sub(about.wrapping_mul(i64::from(ONE)))
-            .wrapping_add(i64::from(rest));
+        let left = sum.total().wrapping_sub(about.wrapping_mul(i64::from(ONE))).wrapping_add(i64::from(rest));
         self.rest[0] = left as i32 & (ONE - 1);
         about.wrapping_add(left >> ONE.trailing_zeros())
     }

@@ -133,6 +133,9 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     },
 );
 
+/// Highest order of a time delay.
+const LONGEST_DELAY: u8 = 100;
+
 const FILTER_TYPES: &str = "0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay";
 
 /// A value of the filter that nothing reads or writes yet.
@@ -382,6 +385,16 @@ pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
             min: -i64::from(NO_LIMIT),
             max: i64::from(axis.swe_pos) - 1,
             because: "kenngr.swe_pos",
+        });
+    }
+    if axis.filter.kind == FilterType::Delay && axis.filter.order > LONGEST_DELAY {
+        return Err(RangeError {
+            id: "P-AXIS-00587",
+            name: "filter_fir.order",
+            value: i64::from(axis.filter.order),
+            min: 0,
+            max: i64::from(LONGEST_DELAY),
+            because: "filter_fir.type 4",
         });
     }
     let ramps = [axis.tr_beschl_ab, axis.tr_beschl_zu, axis.tr_brems_ab, axis.tr_brems_zu];

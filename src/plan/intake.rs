@@ -72,6 +72,14 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         travel.curve(from, |axis| element.bent_range(axis, from, travel.of(axis, from)))
     }
 
+    /// Limits of an element that may pass within the window of filters.
+    #[cold]
+    #[inline(never)]
+    fn shorten(&self, element: &Piece<'_, AXES>, limits: &Permitted) -> Option<Permitted> {
+        let length = to_f32(element.shape.length.to_bits()) * (1.0 / (1u64 << 44) as f32);
+        self.dynamics.shorten(limits, length, !element.shape.is_line())
+    }
+
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
@@ -107,6 +115,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         (due, long): (u32, bool),
         end: Option<&[Position; AXES]>,
     ) {
+        let short = if self.dynamics.is_watched() { self.shorten(element, limits) } else { None };
+        let limits = short.as_ref().unwrap_or(limits);
         let gate = self.functions.before(due, self.segments.end(), self.actions);
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.

@@ -247,6 +247,16 @@ impl Limits {
         }
     }
 
+    /// Accelerations times `part`.
+    pub(crate) fn scale_accelerations(&mut self, part: f32) {
+        self.a_up *= part;
+        self.a_down *= part;
+        if let SlopeLaw::Stepped { a_up, a_down, .. } = &mut self.law {
+            *a_up *= part;
+            *a_down *= part;
+        }
+    }
+
     /// No acceleration above `a`.
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);

@@ -340,7 +340,9 @@ impl Recorder {
             picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
         }
         match &mut self.trace {
-            Some(trace) => trace.row(statistics.ticks - 1, telemetry, statistics.distance, [set_points, drives]),
+            Some(trace) => {
+                trace.row(statistics.ticks - 1, telemetry, statistics.distance, [set_points, drives])
+            }
             None => Ok(()),
         }
     }
@@ -348,7 +350,8 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points, set_points, Pause::None).map_err(Stop::Unwritable)?;
+            self.tick(&Telemetry::default(), set_points, set_points, Pause::None)
+                .map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
         if let Some(deviation) = &mut self.statistics.deviation {

@@ -2,8 +2,8 @@
 use crate::course::Course;
 use crate::deviation::Deviation;
 use crate::events::What;
-use crate::machine::Machine;
 use crate::filtered::Filtered;
+use crate::machine::Machine;
 use crate::monitor::Monitor;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;

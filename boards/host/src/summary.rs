@@ -1,8 +1,8 @@
 //! What a run comes down to, for people and for programs.
 use crate::deviation;
 use crate::events::{Event, function_name};
-use crate::filtered::{Filtered, FilteredAxis};
 use crate::files::Files;
+use crate::filtered::{Filtered, FilteredAxis};
 use crate::knee::knees;
 use crate::machine::{Machine, slope_name};
 use crate::monitor::Step;
