@@ -16,7 +16,7 @@ use crate::machine::Synch;
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, HscMethod, Kinematics, Motion, NcError, NcWarning,
+    Command, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Kinematics, Motion, NcError, NcWarning,
     NcWarningKind, Place, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
@@ -350,34 +350,38 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
                 self.look_ahead(head)?;
                 self.planning.contour(contour, head.in_motion);
             }
-            Command::Hsc(head, hsc) => {
-                let other = match hsc.method {
-                    None | Some(HscMethod::Surface) => None,
-                    Some(HscMethod::Bspline) => Some("#HSC [BSPLINE]"),
-                    Some(HscMethod::Op(_)) => Some("#HSC [OPMODE]"),
-                };
-                if let Some(other) = other {
-                    return refuse(other);
-                }
-                // To switch it off, or to prepare it, needs nothing.
-                if hsc.switch == Some(true) && !self.surface {
-                    return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
-                }
-                if hsc.switch == Some(true) && !self.planning.measures_space() {
-                    return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
-                }
-                self.look_ahead(head)?;
-                if !self.planning.hsc(hsc) {
-                    let kind = NcWarningKind::HscIsOn;
-                    return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
-                }
-            }
+            Command::Hsc(head, hsc) => return self.hsc(head, hsc),
             Command::Filter(head, filter) if F::EXIST || !command.switches_off() => {
                 return self.filter(head, filter);
             }
             Command::Filter(..) => {}
             Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
+        }
+        Ok(Progress::Working)
+    }
+
+    /// #HSC.
+    fn hsc(&mut self, head: &Head, hsc: &Hsc) -> Result<Progress, Error> {
+        let other = match hsc.method {
+            None | Some(HscMethod::Surface) => None,
+            Some(HscMethod::Bspline) => Some("#HSC [BSPLINE]"),
+            Some(HscMethod::Op(_)) => Some("#HSC [OPMODE]"),
+        };
+        if let Some(other) = other {
+            return Err(Error::NotAvailable(head.place, other));
+        }
+        // To switch it off, or to prepare it, needs nothing.
+        if hsc.switch == Some(true) && !self.surface {
+            return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
+        }
+        if hsc.switch == Some(true) && !self.planning.measures_space() {
+            return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
+        }
+        self.look_ahead(head)?;
+        if !self.planning.hsc(hsc) {
+            let kind = NcWarningKind::HscIsOn;
+            return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
         }
         Ok(Progress::Working)
     }

@@ -145,7 +145,8 @@ fn ax_dev_is_kept_and_used_at_corners() {
                 let largest = run.largest(axis, order.into()) / ONE;
                 println!("{name} axis {axis}: {largest}");
                 assert!(largest <= 0.001, "{name} axis {axis}: {largest}");
-                let least = if kind == FilterType::Sinc { 0.0005 } else { 0.0009 };
+                // Where G has both signs no one motion takes all of its size.
+                let least = if kind == FilterType::Sinc && order > 40 { 0.00008 } else { 0.0009 };
                 assert!(largest >= least, "{name} axis {axis}: {largest}");
                 // The library says the same.
                 let said = run.deviation[axis] as f64 / ONE;

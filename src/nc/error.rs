@@ -333,12 +333,15 @@ impl NcWarningKind {
     /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the
     /// decoder.
     pub const fn is_of_curve(&self) -> bool {
-        matches!(self, Self::PtpArc
+        matches!(
+            self,
+            Self::PtpArc
                 | Self::SoftArc
                 | Self::MasterRests
                 | Self::DwellAtCorner
                 | Self::HscIsOn
-                | Self::FilterWithoutOrder)
+                | Self::FilterWithoutOrder
+        )
     }
 }
 

@@ -13,7 +13,7 @@ use crate::program::{self, Program};
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use glidepath::channel::{Channel, FilteredHandles, Planner, Progress};
-use glidepath::fir::Filters;
+use glidepath::fir::{Bank, Filters};
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
@@ -307,7 +307,10 @@ struct Recorder {
 
 impl Recorder {
     /// The curves handed on since the last call. Some may have been taken back.
-    fn curves<const AXES: usize>(&mut self, planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS>) {
+    fn curves<const AXES: usize>(
+        &mut self,
+        planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS, Bank<'_, AXES, TAPS>>,
+    ) {
         let Some(deviation) = &mut self.statistics.deviation else { return };
         let all = planner.curves();
         self.seen = if (all.wrapping_sub(self.seen) as i32) < 0 { all } else { self.seen };
