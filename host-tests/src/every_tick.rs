@@ -88,7 +88,7 @@ pub struct Case {
     pub name: &'static str,
     /// The path.
     pub path: Path,
-    /// What `#CONTOUR MODE` is given; empty: it is off.
+    /// What `#CONTOUR MODE` is given, or `#HSC`; empty: it is off.
     pub contour: &'static str,
 }
 
@@ -97,7 +97,7 @@ const fn case(name: &'static str, path: Path, contour: &'static str) -> Case {
 }
 
 /// Paths with contour mode off and on, with curves over length and over time.
-pub const CASES: [Case; 14] = [
+pub const CASES: [Case; 17] = [
     case("chords", Path::Chords(280), ""),
     case("chords-dev", Path::Chords(280), "DEV PATH_DEV=0.02"),
     case("chords-ptp", Path::Chords(280), "PTP PATH_DEV=0.02"),
@@ -112,6 +112,9 @@ pub const CASES: [Case; 14] = [
     case("rotary-soft", Path::Rotary, "DIST_SOFT PATH_DIST=1"),
     case("mm-dev", Path::Chords(1000), "DEV PATH_DEV=0.02"),
     case("mm-soft", Path::Chords(1000), "DIST_SOFT PATH_DIST=0.5"),
+    case("chords-surface", Path::Chords(280), "SURFACE PATH_DEV=0.02"),
+    case("corners-surface", Path::Corners, "SURFACE PATH_DEV=0.1"),
+    case("rotary-surface", Path::Rotary, "SURFACE PATH_DEV=0.1 TRACK_DEV=0.5"),
 ];
 
 impl Case {
@@ -128,11 +131,16 @@ impl Case {
     /// Its program with a slope, of so many blocks.
     pub fn text(&self, slope: Slope, blocks: usize) -> String {
         let mut text = format!("%{}\n#SLOPE [TYPE={}]\nG90\n", self.name, slope.word);
-        if !self.contour.is_empty() {
+        let hsc = self.contour.starts_with("SURFACE");
+        if hsc {
+            let _ = writeln!(text, "#HSC ON [{}]", self.contour);
+        } else if !self.contour.is_empty() {
             let _ = writeln!(text, "#CONTOUR MODE [{}]\nG261", self.contour);
         }
         self.path.write(&mut text, blocks);
-        if !self.contour.is_empty() {
+        if hsc {
+            text.push_str("#HSC OFF\n");
+        } else if !self.contour.is_empty() {
             text.push_str("G260\n");
         }
         text + "M30\n"
@@ -235,6 +243,7 @@ pub fn machine<const AXES: usize>(case: Case, slope: Slope) -> MachineData<AXES>
         // A step of acceleration at a joint is not permitted: the jerk is limited everywhere.
         corr_v_trans_jerk: true,
         ptp: true,
+        surface: true,
         ..ChannelData::new()
     };
     MachineData { axes, channel }

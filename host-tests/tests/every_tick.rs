@@ -56,6 +56,18 @@ fn a_stall_before_every_tick_with_trapez() {
     stalls("arcs-dev", "TRAPEZ");
 }
 
+/// D3-159: on the smoothed path too.
+#[test]
+fn a_stall_before_every_tick_of_a_surface() {
+    stalls("chords-surface", "HSC");
+}
+
+#[test]
+fn a_hold_before_every_tick_of_a_surface() {
+    let report = all_ticks("chords-surface", "HSC", Disturbance::Hold);
+    assert!(report.used[1] > 0.3, "{:?}", report.used);
+}
+
 #[test]
 fn a_stall_before_every_tick_with_sin2() {
     stalls("corners-ptp", "SIN2");
@@ -164,5 +176,5 @@ fn the_judge_refuses_a_motion_that_breaks_off() {
     assert!(track.judge(&short).is_err());
     // Twelve programs, and two more for holds.
     let paths: Vec<_> = CASES.iter().map(|case| case.path).collect();
-    assert_eq!((CASES.len(), paths.iter().filter(|path| **path == paths[0]).count()), (14, 3));
+    assert_eq!((CASES.len(), paths.iter().filter(|path| **path == paths[0]).count()), (17, 4));
 }

@@ -52,7 +52,9 @@ const STEP: f64 = 1e-6;
 /// Lines and arcs with turns of any size, lengths of 1 µm to 100 mm, reversals, other feeds and functions.
 fn walk(seed: u64, axes: usize, blocks: usize, [dev, track]: [f64; 2]) -> Walk {
     let mut r = Random::new(seed);
-    let mut text = format!("#HSC ON [SURFACE PATH_DEV={dev} TRACK_DEV={track}]\nG01 F6000\n");
+    let words = ["", " MERGE=1", " CIR_MODE=0", " CIR_MODE=2 LENGTH_LONG_CIR=0.1", " CIR_MIN_RADIUS=5"];
+    let words = words[seed as usize % 5];
+    let mut text = format!("#HSC ON [SURFACE PATH_DEV={dev} TRACK_DEV={track}{words}]\nG01 F6000\n");
     let mut at = vec![0.0; axes];
     let (mut points, mut exact) = (vec![at.clone()], vec![]);
     let mut heading = r.between(-180.0, 180.0);
@@ -230,6 +232,50 @@ fn it_is_enabled_by_machine_data_d3_180() {
     let text = chords(6000, "", "#HSC ON [SURFACE]");
     let refused = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1).expect_err("not enabled");
     assert!(refused.contains("FCT_SURFACE"), "{refused}");
+}
+
+/// D3-172: lines that are nearly straight become one, inside the tolerance.
+#[test]
+fn merge_makes_fewer_of_them_d3_172() {
+    let path = |on: &str| {
+        let mut text = format!("G01 F6000\n{on}\n");
+        for k in 1..=200 {
+            let x = 0.1 * f64::from(k);
+            text += &format!("X{x:.6} Y{:.6}\n", 0.001 * f64::from(k % 2) + 0.002 * x * x);
+        }
+        text + "#HSC OFF\nM30\n"
+    };
+    let with = |merge: u32| path(&format!("#HSC ON [SURFACE PATH_DEV=0.05 MERGE={merge}]"));
+    assert_ne!(go::<3>(&with(1), &machine(50_000, 3)).digest, go::<3>(&with(0), &machine(50_000, 3)).digest);
+}
+
+/// D3-168, D3-163: G00 is passed as it is with AUTO_OFF_G00, and has its own tolerance.
+#[test]
+fn rapid_blocks_have_their_own_tolerance_d3_163() {
+    let off = |words: &str| {
+        let text =
+            format!("#HSC ON [SURFACE PATH_DEV=0.01 {words}]\nG00 X50\nX100 Y30\nX150\n#HSC OFF\nM30\n");
+        let run = go::<3>(&text, &machine(50_000, 3));
+        let rows = (0..run.trace.len()).map(|row| run.trace.mm(row));
+        rows.map(|q| (q[0] - 50.0).hypot(q[1])).fold(f64::INFINITY, f64::min)
+    };
+    let [plain, wide, exact] = ["", "PATH_DEV_G00=1", "AUTO_OFF_G00=1"].map(off);
+    assert!(plain > 0.003 && plain <= 0.01 + 1e-9, "{plain}");
+    assert!(wide > 0.3 && wide <= 1.0, "{wide}");
+    assert!(exact < 1e-6, "{exact}");
+}
+
+/// D3-166: beyond MAX_ANGLE the corner stays.
+#[test]
+fn sharp_turns_stay_d3_166() {
+    let off = |angle: u32| {
+        let text =
+            format!("#HSC ON [SURFACE PATH_DEV=0.1 MAX_ANGLE={angle}]\nG01 F6000 X50\nY50\n#HSC OFF\nM30\n");
+        let run = go::<3>(&text, &machine(50_000, 3));
+        let rows = (0..run.trace.len()).map(|row| run.trace.mm(row));
+        rows.map(|q| (q[0] - 50.0).hypot(q[1])).fold(f64::INFINITY, f64::min)
+    };
+    assert!(off(80) < 1e-6 && off(100) > 0.05, "{} {}", off(80), off(100));
 }
 
 /// D3-160 and the memory: what Surface holds.

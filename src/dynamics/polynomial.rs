@@ -14,6 +14,8 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
 /// For rounding.
+const ROUNDED: f32 = 1.0 - 1.0 / 1_048_576.0;
+/// For rounding.
 const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
@@ -147,7 +149,6 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.law = self.law(change_over);
         let [normal_part, curve_part, slope_part] = parts(bounds.passage, stepped);
         let trades = bounds.trades() && !stepped;
-        let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *first > 0.0 {
@@ -170,29 +171,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
             }
         }
-        if bounds.flows() && !stepped {
-            self.flow(bounds, &mut limits, |axis| budget_of(axis.set(rapid)));
-        } else if trades {
-            let whole = |axis: &Axis| {
-                let set = axis.set(rapid);
-                max(set.curving_budget(curving.jerk), set.joint.budget)
-            };
-            self.trade(bounds, &mut limits, whole);
-        } else {
-            limits.choose(length, speeds, curving.constant, |v: f32, mut a: f32| {
-                for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
-                    if *first > 0.0 {
-                        a = min(a, max(a_max(axis) - second * v * v, 0.0) / first);
-                    }
-                    let budget = budget_of(axis.set(rapid));
-                    if *second > 0.0 && budget < f32::MAX {
-                        let left = (1.0 - slope_part) * budget - third * v * v * v;
-                        a = min(a, left / (3.0 * v * second));
-                    }
-                }
-                a
-            });
-        }
+        self.share_out(bounds, length, &mut limits, (rapid, curving));
         self.path.lower(&mut limits, rapid, true);
         let override_range = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, override_range)
@@ -219,7 +198,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.lower_accelerations(a);
     }
 
-    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most.
+    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most. What it does not use of its
+    /// half is left to the jerk.
     fn left(
         &self,
         bounds: &Bounds<AXES>,
@@ -227,24 +207,62 @@ impl<const AXES: usize> Dynamics<AXES> {
         mut most: f32,
         budget_of: &impl Fn(&Axis) -> f32,
     ) -> [f32; 2] {
-        let mut jerk = NO_LIMIT;
-        let derivatives = bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
-        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives) {
+        let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
+        let left = |axis: &Axis, third: f32| max(budget_of(axis) - third * v * v * v, 0.0);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             if *first > 0.0 {
                 most = min(most, max(axis.a_max - second * v * v, 0.0) / first);
             }
-            let budget = budget_of(axis);
-            if budget < f32::MAX {
-                let left = max(budget - third * v * v * v, 0.0);
-                if *second > 0.0 {
-                    most = min(most, 0.5 * left / (3.0 * second * v));
-                }
-                if *first > 0.0 {
-                    jerk = min(jerk, 0.5 * left / first);
-                }
+            if *second > 0.0 && budget_of(axis) < f32::MAX {
+                most = min(most, 0.5 * left(axis, *third) / (3.0 * second * v));
+            }
+        }
+        let mut jerk = NO_LIMIT;
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+            if *first > 0.0 && budget_of(axis) < f32::MAX {
+                jerk = min(jerk, ROUNDED * max(left(axis, *third) - 3.0 * second * v * most, 0.0) / first);
             }
         }
         [max(most, TINY), max(jerk, TINY)]
+    }
+
+    /// What an element of a curve leaves to the slope: all of it is shared out by its passage.
+    fn share_out(
+        &self,
+        bounds: &Bounds<AXES>,
+        length: f32,
+        limits: &mut Limits,
+        (rapid, curving): (bool, Curving),
+    ) {
+        let stepped = self.slope == SlopeType::Step;
+        let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
+        let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
+        let [.., slope_part] = parts(bounds.passage, stepped);
+        let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
+        if bounds.flows() && !stepped {
+            self.flow(bounds, limits, |axis| budget_of(axis.set(rapid)));
+        } else if bounds.trades() && !stepped {
+            let whole = |axis: &Axis| {
+                let set = axis.set(rapid);
+                max(set.curving_budget(curving.jerk), set.joint.budget)
+            };
+            self.trade(bounds, limits, whole);
+        } else {
+            let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
+            limits.choose(length, speeds, curving.constant, |v: f32, mut a: f32| {
+                for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+                    if *first > 0.0 {
+                        a = min(a, max(a_max(axis) - second * v * v, 0.0) / first);
+                    }
+                    let budget = budget_of(axis.set(rapid));
+                    if *second > 0.0 && budget < f32::MAX {
+                        let left = (1.0 - slope_part) * budget - third * v * v * v;
+                        a = min(a, left / (3.0 * v * second));
+                    }
+                }
+                a
+            });
+        }
     }
 
     /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as

@@ -187,7 +187,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             override_range,
-            joint: AnchorMarks::new(!anchor && slope == SlopeType::Hsc),
+            joint: AnchorMarks::new(
+                !anchor && slope == SlopeType::Hsc,
+                piece.flows && slope == SlopeType::Hsc,
+            ),
             marks,
             continued: false,
             trades,

@@ -45,10 +45,15 @@ pub(super) struct AnchorMarks(u8);
 impl AnchorMarks {
     const OPEN: u8 = 1;
     const LENT: u8 = 2;
+    const FLOWS: u8 = 4;
 
-    /// Not lent.
-    pub(super) fn new(open: bool) -> Self {
-        Self(if open { Self::OPEN } else { 0 })
+    /// Not lent. `flows`: it is between two parts of one curve of many elements.
+    pub(super) fn new(open: bool, flows: bool) -> Self {
+        Self(if open { Self::OPEN } else { 0 } | if flows { Self::FLOWS } else { 0 })
+    }
+
+    pub(super) const fn flows(self) -> bool {
+        self.0 & Self::FLOWS != 0
     }
 
     pub(super) const fn is_open(self) -> bool {

@@ -12,11 +12,12 @@
 //! where its slowing down would begin, or behind the first quarter.
 use super::block::{Marks, UNPLANNED};
 use super::ease::Trial;
-use super::law::{LSB_44, Law, Span};
+use super::law::{LSB_44, Law, RISE, Span};
 use super::plan::{Pass, Plan, spend};
 use super::ring::Ring;
 use crate::math::float::to_f32;
 use crate::quantity::{Speed, speed_bits};
+use crate::slope::limits::Limits;
 
 /// From the end to the front.
 pub(super) struct Backward {
@@ -60,6 +61,44 @@ pub(super) struct Inside {
     worst: Option<Worst>,
     /// Where to cut the span.
     cut: usize,
+    calm: Calm,
+}
+
+/// Where a law neither gains nor loses speed between parts of one curve: cut there, what limits the one end
+/// of a span does not slow down the other.
+#[derive(Clone, Copy)]
+struct Calm {
+    /// Where its speeding up ends.
+    from: f32,
+    /// The first such block, and the last.
+    blocks: Option<[usize; 2]>,
+    /// What the blocks before the first and those from the last on permit.
+    sides: [Limits; 2],
+}
+
+impl Calm {
+    const NONE: Self = Self { from: f32::MAX, blocks: None, sides: [Limits::WIDEST; 2] };
+
+    /// Takes in a block; `calm`: it begins where the speed stays.
+    fn take(&mut self, k: usize, calm: bool, limits: &Limits) {
+        if calm {
+            self.blocks = Some([self.blocks.map_or(k, |[first, _]| first), k]);
+            self.sides[1] = *limits;
+        } else if self.blocks.is_some() {
+            self.sides[1].join(limits);
+        } else {
+            self.sides[0].join(limits);
+        }
+    }
+
+    /// The blocks at which a cut gains something, for a span with these limits and this law.
+    fn cuts(&self, law: &Law, limits: &Limits) -> [Option<usize>; 2] {
+        let Some([first, last]) = self.blocks else { return [None; 2] };
+        let [v_in, v_out] = law.ends();
+        let gains = |side: &Limits, v: f32| law.peak() > v * RISE && side.is_stronger(limits);
+        let [before, behind] = &self.sides;
+        [gains(before, v_in).then_some(first), gains(behind, v_out).then_some(last)]
+    }
 }
 
 /// Blocks in a row with one limit that a law exceeds.
@@ -109,7 +148,8 @@ impl Forward {
 }
 
 impl Inside {
-    pub const NONE: Self = Self { law: Law::NONE, brakes_at: 0.0, block: 0, at: 0, worst: None, cut: 0 };
+    pub const NONE: Self =
+        Self { law: Law::NONE, brakes_at: 0.0, block: 0, at: 0, worst: None, cut: 0, calm: Calm::NONE };
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
@@ -258,6 +298,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm[1] || flat);
         let brakes_at = law.brakes_at();
         plan.inside = Inside { law, brakes_at, block: pass.from, ..Inside::NONE };
+        if self.blocks.get(pass.next.saturating_sub(1)).is_some_and(|last| last.joint.flows()) {
+            plan.inside.calm.from = plan.inside.law.reaches_at();
+        }
         plan.pass = Pass::Inside;
         true
     }
@@ -355,6 +398,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     pass.cut = pass.block;
                 }
             }
+            if pass.calm.from < f32::MAX {
+                let calm = pass.block > from
+                    && block.joint.flows()
+                    && start >= pass.calm.from
+                    && start <= pass.brakes_at;
+                pass.calm.take(pass.block, calm, &block.limits);
+            }
             let v = block.speed();
             match &mut pass.worst {
                 // The limit goes on.
@@ -398,6 +448,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             return self.plan_again(plan, from, to);
         }
+        if !flat && self.cut_where_calm(plan) {
+            return self.plan_again(plan, from, to);
+        }
         let batch = self.batch();
         if !firm && !flat && from < batch && cut > from {
             let mut cut = cut;
@@ -413,6 +466,25 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         self.span_done(&mut plan.forward);
         plan.pass = Pass::Forward;
+    }
+
+    /// Cuts a span of one curve where its speed stays, if that gains something.
+    fn cut_where_calm(&mut self, plan: &Plan) -> bool {
+        let Forward { from, next: to, span, .. } = &plan.forward;
+        let mut found = false;
+        for cut in plan.inside.calm.cuts(&plan.inside.law, &span.limits).into_iter().flatten() {
+            if let Some(block) = self.blocks.get_mut(cut)
+                && *from < cut
+                && cut < *to
+                && !block.is(Marks::ANCHOR)
+            {
+                // Acceleration vanishes there anyway.
+                block.joint.close();
+                self.set_anchor(cut);
+                found = true;
+            }
+        }
+        found
     }
 
     /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both

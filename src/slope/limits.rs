@@ -14,6 +14,8 @@ const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
 const WEAK: f32 = 1.0 / 64.0;
 /// The same between parts of one curve.
 const WEAK_PART: f32 = 1.0 / 5.0;
+/// Clearly more.
+const STRONGER: f32 = 1.125;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
 pub type Ramps = [f32; 4];
 
@@ -203,6 +205,12 @@ impl Limits {
         let weak = if flows { WEAK_PART } else { WEAK };
         let near = |a: f32, b: f32| min(a, b) >= weak * max(a, b);
         near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
+    }
+
+    /// Whether it has clearly more acceleration or jerk.
+    pub(crate) fn is_stronger(&self, other: &Self) -> bool {
+        let jerks = (0..4).any(|ramp| self.jerk(ramp) > STRONGER * other.jerk(ramp));
+        jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
     }
 
     /// Its ramps become linear; the law they had.

@@ -1,4 +1,4 @@
-//! A cell of the path: the quintic between two knots, its length, and the proof in integers that it stays
+//! A cell of the path: the quintic between two knots, and the proof in integers that it stays
 //! inside the tolerance.
 //!
 //! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell beside each chord of
@@ -17,53 +17,12 @@ pub struct Hull<const AXES: usize> {
 }
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
-const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_26: f32 = (1u32 << 26) as f32;
 /// From the LSB of a position.
 const COARSER: u32 = 6;
 
 /// Of a tolerance, for rounding: 2^-17 mm.
 const ROUNDING: i64 = 1 << 9;
-
-/// Steps of the search for the length.
-const STEPS: usize = 3;
-
-/// From one knot to another, mm.
-fn travel<const AXES: usize>(from: &Knot<AXES>, to: &Knot<AXES>) -> [f32; AXES] {
-    let mut d = [0.0; AXES];
-    for (d, (from, to)) in d.iter_mut().zip(from.position.iter().zip(&to.position)) {
-        *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32;
-    }
-    d
-}
-
-/// Length (mm) with which the cell between two knots has the same speed in its middle as at its ends: its arc
-/// length, but for a part of some ten millionth. `space`: length of a vector.
-pub fn length<const AXES: usize>(
-    from: &Knot<AXES>,
-    to: &Knot<AXES>,
-    space: impl Fn(&[f32; AXES]) -> f32,
-) -> f32 {
-    let d = travel(from, to);
-    let mut length = space(&d);
-    let (mut tangents, mut bends) = ([0.0; AXES], [0.0; AXES]);
-    for (k, (tangent, bend)) in tangents.iter_mut().zip(&mut bends).enumerate() {
-        if let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) {
-            *tangent = (to_f32(*t0) + to_f32(*t1)) * (LSB_40 * 7.0 / 16.0);
-        }
-        if let (Some(k0), Some(k1)) = (from.end.curvature.get(k), to.end.curvature.get(k)) {
-            *bend = (k1 - k0) * (1.0 / 32.0);
-        }
-    }
-    for _ in 0..STEPS {
-        let mut middle = d.map(|d| d * 1.875);
-        for (middle, (tangent, bend)) in middle.iter_mut().zip(tangents.iter().zip(&bends)) {
-            *middle += length * (length * bend - tangent);
-        }
-        length += (space(&middle) - length) * (8.0 / 15.0);
-    }
-    length
-}
 
 /// An offset in the LSB of a hull; beyond its range the largest one.
 fn coarse(x: Position, from: Position) -> i32 {

@@ -4,7 +4,7 @@ use super::parameters::{Parameters, Tolerance};
 use super::window::{Programmed, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Distance, Position};
-use crate::smooth::{Data, ProgrammedBlock};
+use crate::smooth::{Data, Form, ProgrammedBlock};
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_30: f32 = (1u32 << 30) as f32;
@@ -19,6 +19,10 @@ pub struct Chord<const AXES: usize> {
     /// mm.
     pub length: f32,
     pub programmed: Programmed,
+    /// A part of an arc.
+    pub arc: bool,
+    /// What lines that it stands for are beside it.
+    pub stray: Tolerance,
 }
 
 /// The block that chords are made of.
@@ -39,6 +43,8 @@ pub struct Source<const AXES: usize> {
 
 /// Vertices between two others, at most.
 pub const BETWEEN: usize = 11;
+/// Lines that turn more do not become one.
+const GENTLE: f32 = 0.2;
 /// Of the kernels' width, between two vertices.
 const STEP: f32 = 0.25;
 /// A chord of so many widths is straight but for its ends.
@@ -74,7 +80,9 @@ impl<const AXES: usize> Source<AXES> {
             let shape = &self.block.element.shape;
             shape.at(end, &shape.base(&self.block.from), &mut to);
         }
-        Chord::new(&self.from, &to, programmed, window)
+        let mut chord = Chord::new(&self.from, &to, programmed, window)?;
+        chord.arc = self.block.form != Form::Line;
+        Some(chord)
     }
 
     /// The chord has been taken.
@@ -104,7 +112,26 @@ impl<const AXES: usize> Chord<AXES> {
         }
         let per = 1.0 / length;
         let direction = direction.map(|d| d * per);
-        Some(Self { from: *from, to: *to, direction, length, programmed })
+        let stray = Tolerance { path: 0.0, track: 0.0 };
+        Some(Self { from: *from, to: *to, direction, length, programmed, arc: false, stray })
+    }
+
+    /// One chord in place of this line and the next one, if what is between is inside `most` of it.
+    pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
+        if self.arc || next.arc || window.length(&self.turn(next)) > GENTLE {
+            return None;
+        }
+        let mut both = Self::new(&self.from, &next.to, next.programmed, window)?;
+        let mut off = self.direction;
+        for (off, both) in off.iter_mut().zip(&both.direction) {
+            *off = (*off - both) * self.length;
+        }
+        both.stray = Tolerance { path: self.stray.path + window.length(&off), track: self.stray.track };
+        for (_, off) in off.iter().enumerate().filter(|(k, _)| !window.is_main(*k)) {
+            both.stray.track = max(both.stray.track, self.stray.track + max(*off, -*off));
+        }
+        let tracks = most.track <= 0.0 || both.stray.track <= most.track;
+        (tracks && both.stray.path <= most.path).then_some(both)
     }
 
     /// The step of direction to the next chord.
@@ -220,6 +247,7 @@ impl<const AXES: usize> Window<AXES> {
             }
         }
         let mut from = (chord.from, [0.0; AXES]);
+        let arc = if chord.arc { Vertex::<AXES>::ARC } else { 0 };
         let mut edge = edge;
         let parts = 1.0 / (count + 1) as f32;
         for k in 1..=count.min(BETWEEN) {
@@ -236,9 +264,9 @@ impl<const AXES: usize> Window<AXES> {
                 *at = Position::from_bits(at.to_bits().wrapping_add(d));
             }
             let offset = bulge.at(w, chord.length);
-            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, 0));
+            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, arc));
         }
-        let marks = between.marks | Vertex::<AXES>::PROGRAMMED;
+        let marks = between.marks | Vertex::<AXES>::PROGRAMMED | arc;
         self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks));
     }
 

@@ -7,7 +7,9 @@
 //! Q = P + Σ d_i·c_i·u³/6      Q' = P' ± Σ d_i·u²/2      Q'' = Σ d_i·u/c_i
 //! ```
 //!
-//! over all vertices nearer than c_i. Q is twice continuously differentiable whatever the widths are.
+//! over all vertices nearer than c_i. Q is twice continuously differentiable whatever the widths are. The path
+//! distance of an element is s: |Q'| is 1 but for what the path is shorter than the polygon, so the feed is not
+//! exceeded, and a sharp turn is as gentle as its kernel makes it.
 use super::window::{SLOWEST, Vertex, WIDEST_EVER, Window, step};
 use crate::math::float::{max, min};
 use crate::math::wide::mul_shift;
@@ -80,6 +82,11 @@ impl<const AXES: usize> Window<AXES> {
             way += self.get(k).map_or(0.0, |vertex| vertex.moved_length);
         }
         way
+    }
+
+    /// Distance along the control polygon from one place to a later one.
+    pub fn way(&self, from: &Spot, to: &Spot) -> f32 {
+        if from.vertex == to.vertex { to.x - from.x } else { self.to_vertex(from, to.vertex) + to.x }
     }
 
     /// The place so far behind another one.
@@ -248,29 +255,18 @@ impl<const AXES: usize> Window<AXES> {
         self.knot_of(position, &direction, &bend)
     }
 
-    /// With directions and curvatures over the path instead of the polygon.
+    /// Of the path over the length of the polygon, of which no more goes by than of the path.
     fn knot_of(
         &self,
         position: [Position; AXES],
         direction: &[f32; AXES],
         bend: &[f32; AXES],
     ) -> Option<Knot<AXES>> {
-        let speed = self.length(direction);
-        if speed < SLOWEST * 0.8 {
+        if self.length(direction) < SLOWEST * 0.8 {
             return None;
         }
-        let per = 1.0 / speed;
-        let unit = direction.map(|x| x * per);
-        let mut along = 0.0;
-        for (k, (unit, bend)) in unit.iter().zip(bend).enumerate() {
-            along += if self.is_main(k) { unit * bend } else { 0.0 };
-        }
-        let mut curvature = *bend;
-        for (curvature, unit) in curvature.iter_mut().zip(&unit) {
-            *curvature = (*curvature - unit * along) * (per * per);
-        }
-        let tangent = unit.map(|x| (x * ONE_40) as i64);
-        Some(Knot { position, end: End { tangent, curvature } })
+        let tangent = direction.map(|x| (x * ONE_40) as i64);
+        Some(Knot { position, end: End { tangent, curvature: *bend } })
     }
 
     /// The last vertex.

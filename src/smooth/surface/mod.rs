@@ -157,6 +157,18 @@ impl<const AXES: usize> Surface<AXES> {
             return self.finish_source();
         };
         let mut marks = 0;
+        if let Some(pending) = &self.pending
+            && !source.parted
+            && pending.programmed.feed == next.programmed.feed
+            && let Some(most) = self.parameters.merged()
+            && let Some(both) = pending.merged(&next, &most, &self.window)
+        {
+            self.pending = Some(both);
+            if let Some(source) = &mut self.source {
+                source.go_on(&next.to);
+            }
+            return self.finish_source();
+        }
         if let Some(pending) = &self.pending {
             let turn = pending.turn(&next);
             let is_arc = source.block.form != Form::Line;
@@ -285,7 +297,7 @@ impl<const AXES: usize> Surface<AXES> {
     fn cell(&self, front: &Front<AXES>, spot: &Spot) -> Option<(Knot<AXES>, Element<AXES>, Draft<AXES>)> {
         let knot = self.window.knot(spot, &self.measure)?;
         let space = |d: &[f32; AXES]| self.window.length(d);
-        let length = cell::length(&front.knot, &knot, space);
+        let length = self.window.way(&front.spot, spot);
         let mut hull = Hull::new(&front.knot, &knot, length)?;
         let fastest = max(hull.fastest(length, space), 1.0);
         if !(fastest < FASTEST && length > 0.0) || !self.is_inside(front, spot, &mut hull) {
@@ -302,10 +314,7 @@ impl<const AXES: usize> Surface<AXES> {
     fn is_inside(&self, front: &Front<AXES>, to: &Spot, hull: &mut Hull<AXES>) -> bool {
         let from = front.spot;
         let origin = &front.knot.position;
-        let mut left = to.x - from.x;
-        for k in from.vertex + 1..=to.vertex {
-            left += self.window.get(k).map_or(0.0, |vertex| vertex.moved_length);
-        }
+        let mut left = self.window.way(&from, to);
         let mut x = from.x;
         let mut at = self.on_contour(&from);
         for k in from.vertex..=to.vertex {
@@ -328,8 +337,14 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// The tolerance beside the chord to a vertex.
+    /// What is left of the tolerance beside the chord to a vertex.
     fn tolerance(&self, k: usize) -> parameters::Tolerance {
+        let arc = self.window.get(k).is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
+        self.parameters.left(self.programmed(k), arc)
+    }
+
+    /// The programmed tolerance beside the chord to a vertex.
+    fn programmed(&self, k: usize) -> parameters::Tolerance {
         let rapid = |k: usize| self.window.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
         if !rapid(k) {
             return self.parameters.tolerance(false);

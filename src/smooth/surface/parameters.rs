@@ -47,6 +47,9 @@ const WIDEST: f32 = 16.0;
 /// Sagitta of a chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
+/// What lines that become one may be beside each other, as a part of the tolerance.
+const MERGED: f32 = 1.0 / 10.0;
+
 /// An arc of so many tolerances or less is of their order.
 const SMALL_RADIUS: f32 = 4.0;
 
@@ -119,9 +122,17 @@ impl Parameters {
         self.auto_off_g00
     }
 
-    /// MERGE.
-    pub const fn merges(&self) -> bool {
-        self.merge
+    /// MERGE: what the chords of lines that become one may be beside them.
+    pub fn merged(&self) -> Option<Tolerance> {
+        let Tolerance { path, track } = self.tolerance(false);
+        self.merge.then_some(Tolerance { path: MERGED * path, track: MERGED * track })
+    }
+
+    /// What is left of a tolerance beside a chord: of an arc, and of several lines.
+    pub fn left(&self, tolerance: Tolerance, arc: bool) -> Tolerance {
+        let arc = if arc { SAGITTA } else { 0.0 };
+        let merged = if self.merge { MERGED } else { 0.0 };
+        Tolerance { path: tolerance.path * (1.0 - arc - merged), track: tolerance.track * (1.0 - merged) }
     }
 
     /// Whether a turn between two lines is too large: `chord` is the length of the step of direction, twice

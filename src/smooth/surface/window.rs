@@ -56,6 +56,8 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const PROGRAMMED: u8 = 1;
     /// An element ends here: a feed or a function begins.
     pub const FORCED: u8 = 2;
+    /// The chord up to it is a part of an arc.
+    pub const ARC: u8 = 4;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
