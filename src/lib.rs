@@ -57,6 +57,7 @@
 //! | how fast a corner may be taken | `dynamics/transition.rs`; as a curve: `dynamics/polynomial.rs` |
 //! | whether a corner without a curve is passed or a standstill | `lookahead/worth.rs` |
 //! | which curve a corner gets | `smooth/contour/choice.rs` |
+//! | which curve a row of short blocks gets | `smooth/surface/mod.rs` |
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs` |
