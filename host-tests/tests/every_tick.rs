@@ -39,6 +39,11 @@ fn stalls(case: &str, slope: &str) {
 /// A hold until it stands: within 1.5 times the closed form for 95 % of the ticks, and within `most` times
 /// for all. Nothing is asked of very slow motion, where a tick counts.
 fn holds(case: &str, slope: &str, most: f64) {
+    holds_mostly(case, slope, [1.5, most]);
+}
+
+/// The same within the first number for 95 % of the ticks, and within the second one for all.
+fn holds_mostly(case: &str, slope: &str, [mostly, most]: [f64; 2]) {
     let report = all_ticks(case, slope, Disturbance::Hold);
     let worst = |which: usize| report.worst(which).copied().unwrap_or_default();
     let [time, way] = [0, 1].map(worst);
@@ -46,7 +51,7 @@ fn holds(case: &str, slope: &str, most: f64) {
     println!("{case}, {slope}: way {:.2} times the closed form, {way:?}", way.ratios()[1]);
     assert!(report.holds.len() > report.tried * 9 / 10, "{} of {}", report.holds.len(), report.tried);
     for which in [0, 1] {
-        assert!(report.quantile(which, 0.95) <= 1.5, "{case}, {slope}: {}", report.quantile(which, 0.95));
+        assert!(report.quantile(which, 0.95) <= mostly, "{case}, {slope}: {}", report.quantile(which, 0.95));
     }
     assert!(time.ratios()[0] <= most && way.ratios()[1] <= most, "{case}, {slope}: {time:?} {way:?}");
 }
@@ -107,7 +112,14 @@ fn a_hold_before_every_tick_in_corners_with_curves() {
 /// acceleration to knees: there 1.5 times the closed form is the aim, and not reached everywhere.
 #[test]
 fn a_hold_before_every_tick_with_a_rotary_axis() {
-    holds("rotary-dev", "STEP", 2.9);
+    holds("rotary-dev", "STEP", 2.1);
+}
+
+/// With STEP the closed form knows nothing of what an arc or a curve takes of the acceleration.
+#[test]
+fn a_hold_before_every_tick_in_arcs_and_curves_with_step() {
+    holds_mostly("arcs", "STEP", [1.7, 1.85]);
+    holds_mostly("corners-dev", "STEP", [1.6, 2.2]);
 }
 
 #[test]

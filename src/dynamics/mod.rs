@@ -161,7 +161,10 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// The law of the slope before any axis restricts it.
     fn law(&self, change_over: f32) -> SlopeLaw {
         match self.slope {
-            SlopeType::Step => SlopeLaw::Stepped { change_over, a_up: f32::MAX, a_down: f32::MAX },
+            SlopeType::Step => {
+                let (a_up, a_down, still) = (f32::MAX, f32::MAX, f32::MAX);
+                SlopeLaw::Stepped { change_over, a_up, a_down, still, across: false }
+            }
             SlopeType::Sin2 => {
                 SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] }
             }

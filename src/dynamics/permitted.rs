@@ -115,12 +115,13 @@ impl Limits {
                 lower(j, set.j.map(|j| j * scale));
                 peak = 1.0 / shape.peak_jerk();
             }
-            SlopeLaw::Stepped { change_over, a_up, a_down } => {
+            SlopeLaw::Stepped { change_over, a_up, a_down, still, .. } => {
                 // The axis may be below its own change-over speed while the path is above its.
                 let both = turns || set.change_over * scale > *change_over * SAME;
                 let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
                 *a_up = min(*a_up, above(set.a_up, set.upper[0]));
                 *a_down = min(*a_down, above(set.a_down, set.upper[1]));
+                *still = min(*still, set.a_down * scale);
             }
         }
         share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
@@ -175,6 +176,6 @@ impl Limits {
             v *= ARC_SPEED_STEP;
         }
         self.v = best.1;
-        self.lower_accelerations(best.2);
+        self.curve(best.2, min(most, SURELY * a_max / share), true);
     }
 }

@@ -90,6 +90,7 @@ impl Limits {
     ) {
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = self.v;
+        let still = left_at(0.0, min(self.a_up, self.a_down));
         for _ in 0..speeds {
             let a = left_at(v, min(self.a_up, self.a_down));
             let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
@@ -105,7 +106,7 @@ impl Limits {
             // Over its length the square of the speed changes by 2·a·length.
             best.2 = min(best.2, CONSTANT * self.v * self.v / length);
         }
-        self.lower_accelerations(best.2);
+        self.curve(best.2, still, false);
     }
 }
 

@@ -127,9 +127,10 @@ impl PathLimits {
                     *j *= part;
                 }
             }
-            SlopeLaw::Stepped { a_up: upper_up, a_down: upper_down, .. } => {
+            SlopeLaw::Stepped { a_up: upper_up, a_down: upper_down, still, .. } => {
                 lower(upper_up, a_up);
                 lower(upper_down, path.a_down);
+                lower(still, path.a_down);
             }
         }
     }

@@ -7,6 +7,10 @@
 //! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
 //! at the planned speed or below, and the next law goes on from there.
 //!
+//! STEP may change its deceleration at any place: spans whose decelerations differ have a law each. What a
+//! curve leaves to it grows while the motion slows down in it, since the curve takes its part with the square
+//! of the speed ([`Fall`]): there the way has several laws of two stages.
+//!
 //! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking
 //! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
 //! deceleration of the law may go on in it.
@@ -14,8 +18,9 @@ use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
-use crate::quantity::speed_f32;
-use crate::slope::limits::{Limits, SlopeLaw};
+use crate::quantity::{speed_bits, speed_f32};
+use crate::slope::brake::SHORT;
+use crate::slope::limits::{Fall, Limits, SlopeLaw};
 
 /// Most spans of one law. A longer way has several.
 const SPANS: usize = 32;
@@ -68,6 +73,8 @@ impl Ahead {
 struct Cursor {
     k: usize,
     ahead: Ahead,
+    /// With STEP, what the limits of all of them are known for.
+    fall: Option<Fall>,
 }
 
 /// What a law has to know of a span.
@@ -87,9 +94,13 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn new(span: &ReleasedSpan, end: i64) -> Self {
+    fn new(span: &ReleasedSpan, end: i64, fall: Option<&Fall>) -> Self {
+        let mut limits = Limits { a_down: span.a_down, ..span.limits };
+        if let Some(fall) = fall {
+            limits.fall_from(fall);
+        }
         Self {
-            limits: Limits { a_down: span.a_down, ..span.limits },
+            limits,
             v_in: span.v_in,
             v_slow: span.slow.shared,
             v_least: min(span.slow.least, span.limits.v),
@@ -126,29 +137,40 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
         };
-        let descent = self.descend_to(Cursor { k, ahead }, motion)?;
+        let descent = self.descend_to(Cursor { k, ahead, fall: None }, motion)?;
         // A hold goes on only behind spans that are committed.
         let commits = self.reserve.is_made() || descent.brake.v_out == 0;
         if commits || k + descent.spans <= self.committed.len() {
             return Some(descent);
         }
-        self.descend_to(Cursor { k, ahead: Ahead::NONE }, motion)
+        self.descend_to(Cursor { k, ahead: Ahead::NONE, fall: None }, motion)
     }
 
     fn descend_to(&mut self, start: Cursor, motion: &Instant) -> Option<Descent> {
-        let mut cursor = start;
-        let first = self.ahead(&mut cursor)?;
+        let (mut start, mut cursor) = (start, start);
+        let mut first = self.ahead(&mut cursor)?;
+        if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
+            start.fall = Some(fall);
+            if let Some(descent) = self.fall_inside(start, motion, &fall) {
+                return Some(descent);
+            }
+            cursor = start;
+            first = self.ahead(&mut cursor)?;
+        }
         let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
             // A deceleration that a span does not permit ends before it.
-            let goes_on = |next: &Stretch| next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
+            let goes_on = |next: &Stretch| {
+                let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
+                passes && limits.slows_alike(&next.limits)
+            };
             let Some(next) = self.ahead(&mut cursor).filter(goes_on) else { break };
             limits.go_on_braking(&next.limits);
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
         }
-        if fits && let Some(brake) = Brake::stop(&mut self.profile, motion, end, (&limits, limits.a_down)) {
+        if fits && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0) {
             match self.verify(start, motion, &brake, &limits) {
                 Ok(descent) => return Some(descent),
                 Err(whole) => spans = whole,
@@ -176,11 +198,32 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
+    /// With STEP, whether a way down that begins in the span `k` ends where another law takes it further: it
+    /// needs nothing of the look-ahead.
+    pub(super) fn is_stage(&self, k: usize, descent: &Descent) -> bool {
+        let steps = |limits: &Limits| matches!(limits.law, SlopeLaw::Stepped { .. });
+        k + descent.spans < self.committed.len()
+            && self.committed.get(k).is_some_and(|committed| steps(&committed.span.limits))
+    }
+
+    /// With STEP, in a curve: only to a speed at which it leaves more, and the rest has a law of its own. It
+    /// slows down at least as hard as the law planned, so that what was possible behind it still is.
+    fn fall_inside(&mut self, start: Cursor, motion: &Instant, fall: &Fall) -> Option<Descent> {
+        if fall.to <= 0.0 {
+            return None;
+        }
+        let mut cursor = start;
+        let Stretch { limits, end, .. } = self.ahead(&mut cursor)?;
+        let (braking, to) = ((&limits, limits.a_down), speed_bits(fall.to));
+        let brake = Brake::down_to(&mut self.profile, motion, end, braking, to)?;
+        (brake.v_out == to && end.wrapping_sub(brake.end) > SHORT).then(|| Descent::inside(brake))
+    }
+
     /// The next span, if there is one whose path the interrupt knows.
     fn ahead(&self, cursor: &mut Cursor) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             cursor.k += 1;
-            return Some(Stretch::new(&committed.span, committed.end()));
+            return Some(Stretch::new(&committed.span, committed.end(), cursor.fall.as_ref()));
         }
         let mut span = ReleasedSpan::BLANK;
         if cursor.ahead.next == usize::MAX || !self.lookahead.ring.planned(cursor.ahead.next, &mut span) {
@@ -191,7 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         cursor.ahead = Ahead { next: cursor.ahead.next + span.blocks, distance: end };
-        Some(Stretch::new(&span, end))
+        Some(Stretch::new(&span, end, cursor.fall.as_ref()))
     }
 
     /// What so many spans permit to a slowing down, the end of the last of them, and the speed planned there.

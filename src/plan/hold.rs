@@ -226,8 +226,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             } else if let Some(motion) = self.motion_at(at)
                 && let Some(descent) = self.descend(k, &motion)
             {
-                let is_known = self.task.stage != RingStage::Passing || self.orders.failed;
-                if !is_known && descent.brake.v_out > 0 {
+                let waits = self.task.stage == RingStage::Passing && !self.orders.failed;
+                if waits && descent.brake.v_out > 0 && !self.is_stage(k, &descent) {
                     // The way through the look-ahead is known when its plan is complete.
                     return None;
                 }

@@ -133,19 +133,20 @@ impl Brake {
         (brake.v_out <= v_out && tail >> 4 <= down).then_some(Self { tail, end, ..brake })
     }
 
-    /// From `motion` to a standstill before `end`, if that is possible. No search: a few evaluations.
-    pub fn stop(
+    /// From `motion` down to the speed `to` before `end`, if that is possible. No search: a few evaluations.
+    pub fn down_to(
         profile: &mut Profile,
         motion: &Motion,
         end: i64,
         (limits, a_down): (&Limits, f32),
+        to: i64,
     ) -> Option<Self> {
         let room = end.wrapping_sub(motion.distance);
         if motion.speed <= 0 || room <= 0 {
             return None;
         }
         let firm = Limits { a_down, ..*limits };
-        Self::reach(profile, motion, room, &firm, Aim { v: 0, or_near: false })
+        Self::reach(profile, motion, room, &firm, Aim { v: to, or_near: false })
     }
 
     /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little

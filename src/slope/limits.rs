@@ -3,6 +3,7 @@
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
 use crate::math::float::{magnitude, max, min};
+use crate::math::root::sqrt_f32;
 use crate::quantity::{Speed, speed_f32};
 
 /// A speed that was lowered by this stays below its limit, whatever rounding.
@@ -16,6 +17,16 @@ const WEAK: f32 = 1.0 / 64.0;
 const WEAK_PART: f32 = 1.0 / 5.0;
 /// Clearly more.
 const STRONGER: f32 = 1.125;
+/// A stage of a way down has so many times the deceleration of the one before; the last one begins at that
+/// part of the speed at most.
+const STAGE: f32 = 1.25;
+const LAST: f32 = 0.7;
+/// Each stage takes that part of the speed in any case: a curve may leave next to nothing at its highest.
+const LEAST: [f32; 2] = [0.9975, 0.995];
+/// Two decelerations of STEP above that part of each other are one.
+const NEAR: f32 = 0.85;
+/// For rounding.
+const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
 pub type Ramps = [f32; 4];
 
@@ -50,6 +61,10 @@ pub enum SlopeLaw {
         a_up: f32,
         /// Deceleration above it.
         a_down: f32,
+        /// Deceleration at standstill: what a curve takes of it falls with the square of the speed.
+        still: f32,
+        /// That is at a right angle to the path.
+        across: bool,
     },
 }
 
@@ -64,6 +79,17 @@ pub struct Limits {
     pub a_down: f32,
     /// What the slope adds to that.
     pub law: SlopeLaw,
+}
+
+/// A way down with STEP in two stages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fall {
+    /// Speed at its start.
+    pub from: f32,
+    /// Speed at which the second stage begins.
+    pub change_over: f32,
+    /// Speed at its end.
+    pub to: f32,
 }
 
 impl Limits {
@@ -105,8 +131,13 @@ impl Limits {
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
-            (SlopeLaw::Stepped { change_over, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
+            (
+                SlopeLaw::Stepped { change_over, still, across, .. },
+                SlopeLaw::Stepped { change_over: other, still: other_still, across: other_across, .. },
+            ) => {
                 *change_over = min(*change_over, *other);
+                *still = min(*still, *other_still);
+                *across &= *other_across;
             }
             _ => {}
         }
@@ -135,6 +166,18 @@ impl Limits {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Whether one slowing down through both is about as fast as one after the other. With STEP, whose
+    /// deceleration may change at any place; with another law it is.
+    pub fn slows_alike(&self, other: &Self) -> bool {
+        let near = |a: f32, b: f32| min(a, b) >= NEAR * max(a, b);
+        match (&self.law, &other.law) {
+            (SlopeLaw::Stepped { a_down, .. }, SlopeLaw::Stepped { a_down: other_a_down, .. }) => {
+                near(self.a_down, other.a_down) && near(*a_down, *other_a_down)
+            }
+            _ => true,
         }
     }
 
@@ -269,9 +312,72 @@ impl Limits {
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);
         self.a_down = min(a, self.a_down);
-        if let SlopeLaw::Stepped { a_up, a_down, .. } = &mut self.law {
+        if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut self.law {
             *a_up = min(*a_up, a);
             *a_down = min(*a_down, a);
+            *still = min(*still, a);
+        }
+    }
+
+    /// No acceleration above `a` at their speed, where a curve takes the rest of it, at a right angle to the
+    /// path or not; at standstill up to `rest`.
+    pub(crate) fn curve(&mut self, a: f32, rest: f32, right_angle: bool) {
+        self.lower_accelerations(a);
+        if let SlopeLaw::Stepped { still, across, .. } = &mut self.law {
+            (*still, *across) = (rest, right_angle);
+        }
+    }
+
+    /// Deceleration of STEP at the speed `v`, at most the lower change-over speed. With V, the speed of these
+    /// limits, and V·q = v a curve leaves at least
+    ///
+    /// - a(0) − (a(0) − a(V))·q², as an axis has a_max − |x''|·v² left for |x'|·a;
+    /// - √(a(0)² − (a(0)² − a(V)²)·q⁴) of an arc, which has √(a_max² − v⁴·κ²).
+    fn left_at(&self, v: f32, still: f32, across: bool) -> f32 {
+        let q = min(v / max(self.v, f32::MIN_POSITIVE), 1.0);
+        let (part, low) = (q * q, self.a_down);
+        let left = if across {
+            sqrt_f32(max(still * still - (still * still - low * low) * (part * part), 0.0))
+        } else {
+            still - (still - low) * part
+        };
+        max(low, left * LEAVES)
+    }
+
+    /// The way down of STEP from the speed `v`: what a curve leaves grows while it slows down. `None` with
+    /// another law, or above the change-over speed.
+    pub fn fall(&self, v: f32) -> Option<Fall> {
+        let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
+        if v > change_over {
+            return None;
+        }
+        let a = self.left_at(v, still, across);
+        if a * (STAGE * STAGE) >= still {
+            return Some(Fall { from: v, change_over: LAST * v, to: 0.0 });
+        }
+        // The speed at which it leaves so many times more; a little lower in any case.
+        let at = |times: f32, part: f32| {
+            let (a, low) = (times * a, self.a_down);
+            let q = if across {
+                sqrt_f32(sqrt_f32(max(still * still - a * a, 0.0) / (still * still - low * low)))
+            } else {
+                sqrt_f32(max(still - a, 0.0) / (still - low))
+            };
+            min(self.v * q, part * v)
+        };
+        Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
+    }
+
+    /// Of STEP: becomes what they permit on that way.
+    pub fn fall_from(&mut self, fall: &Fall) {
+        let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
+        if fall.from > change_over {
+            return;
+        }
+        let [above, below] = [fall.from, fall.change_over].map(|v| self.left_at(v, still, across));
+        self.a_down = below;
+        if let SlopeLaw::Stepped { change_over, a_down, .. } = &mut self.law {
+            (*change_over, *a_down) = (fall.change_over, above);
         }
     }
 }
