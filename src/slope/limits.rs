@@ -131,13 +131,10 @@ impl Limits {
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
-            (
-                SlopeLaw::Stepped { change_over, still, across, .. },
-                SlopeLaw::Stepped { change_over: other, still: other_still, across: other_across, .. },
-            ) => {
+            (SlopeLaw::Stepped { change_over, still, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
                 *change_over = min(*change_over, *other);
-                *still = min(*still, *other_still);
-                *across &= *other_across;
+                // What both leave below their speeds is not known of the higher one.
+                *still = self.a_down;
             }
             _ => {}
         }
