@@ -16,8 +16,8 @@ use crate::machine::Synch;
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Kinematics, Motion, NcError, NcWarning,
-    NcWarningKind, Place, Spline, Step, Text,
+    Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Kinematics, Motion, NcError,
+    NcWarning, NcWarningKind, Place, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
@@ -340,50 +340,54 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
             Command::FlushWait(_) => self.planning.rest(0),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
-            Command::Contour(head, contour) => {
-                if contour.method == Some(ContourMethod::Ptp) && !self.ptp {
-                    return Err(Error::NotEnabled(command.place(), PTP_NEEDS));
-                }
-                if contour.method == Some(ContourMethod::DistMaster) && !self.planning.has_master() {
-                    return Err(Error::NotEnabled(command.place(), MASTER_NEEDS));
-                }
-                self.look_ahead(head)?;
-                self.planning.contour(contour, head.in_motion);
-            }
+            Command::Contour(head, contour) => self.contour(head, contour)?,
+            Command::Spline(head, spline) => return self.spline(head, spline),
             Command::Hsc(head, hsc) => return self.hsc(head, hsc),
             Command::Filter(head, filter) if F::EXIST || !command.switches_off() => {
                 return self.filter(head, filter);
             }
             Command::Filter(..) => {}
-            Command::Spline(_, Spline::Off) | Command::Kinematics(_, Kinematics::Off) => {}
+            Command::Kinematics(_, Kinematics::Off) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
     }
 
-    /// #HSC.
-    fn hsc(&mut self, head: &Head, hsc: &Hsc) -> Result<Progress, Error> {
-        let other = match hsc.method {
-            None | Some(HscMethod::Surface) => None,
-            Some(HscMethod::Bspline) => Some("#HSC [BSPLINE]"),
-            Some(HscMethod::Op(_)) => Some("#HSC [OPMODE]"),
-        };
-        if let Some(other) = other {
-            return Err(Error::NotAvailable(head.place, other));
+    fn contour(&mut self, head: &Head, contour: &Contour) -> Result<(), Error> {
+        if contour.method == Some(ContourMethod::Ptp) && !self.ptp {
+            return Err(Error::NotEnabled(head.place, PTP_NEEDS));
         }
-        // To switch it off, or to prepare it, needs nothing.
-        if hsc.switch == Some(true) && !self.surface {
-            return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
-        }
-        if hsc.switch == Some(true) && !self.planning.measures_space() {
-            return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
+        if contour.method == Some(ContourMethod::DistMaster) && !self.planning.has_master() {
+            return Err(Error::NotEnabled(head.place, MASTER_NEEDS));
         }
         self.look_ahead(head)?;
-        if !self.planning.hsc(hsc) {
-            let kind = NcWarningKind::HscIsOn;
-            return Ok(Progress::Warning(NcWarning { place: head.place, kind }));
+        let taken = self.planning.contour(contour, head.in_motion);
+        taken.map_err(|error| Error::Spline(head.place, error))
+    }
+
+    fn spline(&mut self, head: &Head, spline: &Spline<AXES>) -> Result<Progress, Error> {
+        self.look_ahead(head)?;
+        let remark = self.planning.spline(spline).map_err(|error| Error::Spline(head.place, error))?;
+        let place = head.place;
+        Ok(remark.map_or(Progress::Working, |kind| Progress::Warning(NcWarning { place, kind })))
+    }
+
+    fn hsc(&mut self, head: &Head, hsc: &Hsc) -> Result<Progress, Error> {
+        // To switch it off, or to prepare it, needs nothing.
+        if hsc.switch == Some(true) && self.planning.hsc_method(hsc) == HscMethod::Surface {
+            if !self.surface {
+                return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
+            }
+            if !self.planning.measures_space() {
+                return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
+            }
         }
-        Ok(Progress::Working)
+        self.look_ahead(head)?;
+        if self.planning.hsc(hsc).map_err(|error| Error::Spline(head.place, error))? {
+            return Ok(Progress::Working);
+        }
+        let kind = NcWarningKind::HscIsOn;
+        Ok(Progress::Warning(NcWarning { place: head.place, kind }))
     }
 
     /// Slope, weights and limits along the path, for the blocks that follow.

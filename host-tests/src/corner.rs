@@ -227,9 +227,19 @@ pub fn round<const AXES: usize>(
     machine: &MachineData<AXES>,
     contour: &Contour,
 ) -> Vec<Piece<AXES>> {
+    let on = Contour { switch: Some(ContourSwitch::On), ..*contour };
+    smooth(blocks, machine, |stage| stage.contour(&on, false).expect("no spline is on"))
+}
+
+/// Runs blocks through the stage, with what is switched on before them.
+pub fn smooth<const AXES: usize>(
+    blocks: &[ProgrammedBlock<AXES>],
+    machine: &MachineData<AXES>,
+    switch: impl FnOnce(&mut Smoothing<AXES>),
+) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Smoothing::new(Measure::of(machine), 1);
-    stage.contour(&Contour { switch: Some(ContourSwitch::On), ..*contour }, false);
+    let mut stage = Smoothing::new(Measure::of(machine), 1, false);
+    switch(&mut stage);
     let mut out = Vec::new();
     let mut at = blocks[0].from;
     let mut drain = |stage: &mut Smoothing<AXES>| {

@@ -14,6 +14,7 @@
 //! | [`corner`] | is what becomes of a single corner smooth and inside its tolerance |
 //! | [`filtered`] | what becomes of it behind filters |
 //! | [`rounded`] | what becomes of a text with rounded corners |
+//! | [`splines`] | random runs with splines |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
@@ -53,3 +54,5 @@ pub mod rounded;
 pub mod soak;
 
 pub mod refusal;
+
+pub mod splines;

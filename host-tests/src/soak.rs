@@ -390,6 +390,9 @@ impl<const AXES: usize> Setup<AXES> {
             Ok(ticks) => Outcome::Good(ticks),
             Err(fault) if fault.ends_with(TOO_LONG) => Outcome::TooLong,
             Err(fault) if fault.ends_with("ReducedTooSlow") && self.reduces() => Outcome::Refused(fault),
+            Err(fault) if fault.contains("TooFewPoints") || fault.contains("FeedAxes") => {
+                Outcome::Refused(fault)
+            }
             Err(fault) if fault.ends_with("TooSlow)") => Outcome::Refused(fault),
             Err(fault) => Outcome::Fault(fault),
         }
@@ -422,7 +425,9 @@ impl<const AXES: usize> Setup<AXES> {
         });
         // 2 of them make one difference of a jump: see the sums below.
         let cut = if self.contour.is_empty() { 0.0 } else { 0.5 * CUT };
-        let most = travels.map(|times| times.max(1.0) * PATH + cut);
+        // A curve through the points is steeper than its chords in places.
+        let steeper = if self.contour.contains("CONTOUR") || self.contour.is_empty() { 1.0 } else { 8.0 };
+        let most = travels.map(|times| (steeper * times).max(1.0) * PATH + cut);
         most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) })
             .collect()
     }

@@ -150,16 +150,11 @@ fn hsc_methods_take_their_keywords_and_no_others() {
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
-        "#HSC ON [SURFACE]",
-        "#HSC [BSPLINE PATH_DEV=0.1]",
         "#FILTER ON [ORDER=20]",
         "#VECTOR LIMIT ON [RADIAL_ACC=1000]",
         "#VECTOR LIMIT ON [VEL=1000 RADIAL_JERK]",
         "#VECTOR LIMIT ON [JERK=1000]",
         "#VECTOR LIMIT ON [TRANS_ACC]",
-        "G151",
-        "#SPLINE ON",
-        "#AKIMA TRANS [START=TANGENTIAL]",
         "G93",
         "G95",
         "G194",

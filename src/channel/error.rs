@@ -3,7 +3,7 @@ use crate::fir::FilterError;
 use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
 use crate::nc::{NcError, Place};
-use crate::plan::MotionError;
+use crate::plan::{MotionError, SplineError};
 use crate::quantity::Position;
 
 /// Machine data that cannot be worked with.
@@ -69,6 +69,8 @@ pub enum Error {
     SoftwareLimit(Place, AxisName, Beyond),
     /// #FILTER cannot be carried out; the name of the axis it fails for.
     Filter(Place, AxisName, FilterError),
+    /// A command about splines that does not go here.
+    Spline(Place, SplineError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
     PathAcceleration(Place),
     /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
@@ -87,8 +89,22 @@ impl Error {
             | Self::Motion(place, _)
             | Self::SoftwareLimit(place, ..)
             | Self::Filter(place, ..)
+            | Self::Spline(place, _)
             | Self::PathAcceleration(place) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
+        }
+    }
+}
+
+impl Error {
+    /// ISG's number of this message, 0 where none is known.
+    pub const fn id(&self) -> u32 {
+        match self {
+            Self::Nc(error) => error.kind.id(),
+            Self::Motion(_, MotionError::ArcInSpline) => 120_254,
+            Self::Spline(_, SplineError::InSpline) => 120_255,
+            Self::Spline(_, SplineError::InHsc) => 120_370,
+            _ => 0,
         }
     }
 }
@@ -104,6 +120,10 @@ impl core::fmt::Display for Error {
             Self::Motion(_, MotionError::Released) => {
                 f.write_str("an axis that moves here was released by #PUT AX; fetch it with #CALL AX")
             }
+            Self::Motion(_, MotionError::ArcInSpline) => {
+                f.write_str("an arc while a B-spline is on; expected G00, G01, or G150 before it")
+            }
+            Self::Spline(_, error) => spline(f, error),
             Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
             Self::SoftwareLimit(_, axis, beyond) => {
                 f.write_str("axis ")?;
@@ -127,6 +147,22 @@ impl core::fmt::Display for Error {
             Self::Unplannable => {
                 f.write_str("internal: the plan of a block broke a limit and is not executed")
             }
+        }
+    }
+}
+
+/// Why a command about splines does not go.
+fn spline(f: &mut core::fmt::Formatter<'_>, error: &SplineError) -> core::fmt::Result {
+    match error {
+        SplineError::TooFewPoints { points, needed } => {
+            write!(f, "the spline has {points} points; expected at least {needed} before it is switched off")
+        }
+        SplineError::InSpline => {
+            f.write_str("contour mode or #HSC together with a spline; expected G150, or G260, before it")
+        }
+        SplineError::InHsc => f.write_str("G150 or G151 while #HSC is on; expected #HSC OFF before it"),
+        SplineError::FeedAxes => {
+            f.write_str("a spline needs at most three feed axes (P-CHAN-00011, default_feed_axis)")
         }
     }
 }

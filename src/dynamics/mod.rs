@@ -284,6 +284,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
+    /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope that knows jerk).
+    pub fn limits_bends(&self) -> bool {
+        self.machine.channel.corr_v_trans_jerk && self.slope != SlopeType::Step
+    }
+
     /// The slope of the elements that follow.
     pub fn slope(&self) -> SlopeType {
         self.slope

@@ -5,6 +5,7 @@ use super::brief::Row;
 use super::pace::Slowest;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
+use crate::path::End;
 use crate::quantity::{Speed, speed_bits};
 use crate::slope::limits::ROUNDED;
 use heapless::Deque;
@@ -28,6 +29,8 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
 pub(super) struct Tail<const AXES: usize> {
     /// The last block.
     pub last: Option<Last<AXES>>,
+    /// Where the last block ended that is gone.
+    pub left: Option<End<AXES>>,
     /// The next transition is a standstill.
     pub stop: bool,
     /// The next block is a gate.
@@ -69,8 +72,24 @@ pub(super) struct Counts {
 }
 
 impl<const AXES: usize> Tail<AXES> {
-    const NONE: Self =
-        Self { last: None, stop: false, gate: false, span: 0, row: Row::NONE, slowest: Slowest::NONE };
+    const NONE: Self = Self {
+        last: None,
+        left: None,
+        stop: false,
+        gate: false,
+        span: 0,
+        row: Row::NONE,
+        slowest: Slowest::NONE,
+    };
+}
+
+impl<const AXES: usize> Tail<AXES> {
+    /// The last block is gone; where it ended stays.
+    fn leave(&mut self) {
+        if let Some(last) = self.last.take() {
+            self.left = Some(last.exit);
+        }
+    }
 }
 
 impl Scope {
@@ -100,6 +119,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
         Self { blocks, depth, level: 1.0, tail, scope, counts }
+    }
+
+    /// Where the block taken in last ends, if its direction is known.
+    pub fn exit(&self) -> Option<&End<AXES>> {
+        self.tail.last.as_ref().map(|last| &last.exit).or(self.tail.left.as_ref())
+    }
+
+    /// What follows is another program: it does not know how the one before ended.
+    pub fn forget_exit(&mut self) {
+        (self.tail.last, self.tail.left) = (None, None);
     }
 
     /// The level of all speeds, see [`super::Pace`].
@@ -192,7 +221,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// Throws away what it holds.
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
-        self.tail.last = None;
+        self.tail.leave();
         self.tail.gate = false;
         (self.scope.until, self.scope.free) = (usize::MAX, None);
         self.counts.through = 0;
@@ -319,7 +348,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
         if self.blocks.is_empty() {
             // What follows starts from rest.
-            self.tail.last = None;
+            self.tail.leave();
         }
     }
 }

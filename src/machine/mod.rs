@@ -333,6 +333,9 @@ pub struct ChannelData {
     /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the
     /// geometric ramp time, 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
+    /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: where the HSC B-spline deselects itself, 0 the motion
+    /// keeps the corner, 1 it is rounded, 2 it is rounded where an arc takes part.
+    pub auto_contour_mode: u8,
     /// P-CHAN-00041 `m_synch[n]`: synchronisation of M functions.
     pub m_synch: SynchTable,
     /// P-CHAN-00027 `h_synch[n]`: the same of H functions.
@@ -366,6 +369,7 @@ impl ChannelData {
             check_jerk_on_poly_path: 1,
             m_synch: SynchTable::NONE,
             h_synch: SynchTable::NONE,
+            auto_contour_mode: 0,
             ptp: false,
             surface: false,
             default_index: 0,

@@ -284,6 +284,17 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         )
     },
     Parameter {
+        set: |t, milli| t.auto_contour_mode = (milli / 1000) as u8,
+        get: |t| t.auto_contour_mode as i64 * 1000,
+        ..channel(
+            "P-CHAN-00239",
+            "hsc.bspline.auto_contour_mode",
+            "0 off, 1 every deselection, 2 those beside arcs",
+            0,
+            2_000,
+        )
+    },
+    Parameter {
         words: &[
             "FCT_DEFAULT",
             "FCT_DEFAULT|FCT_PTP",

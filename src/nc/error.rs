@@ -327,6 +327,8 @@ pub enum NcWarningKind {
     /// #FILTER ON, and no axis has an order (ORDER, ORDER_TIME, P-AXIS-00587, P-AXIS-00591): nothing is
     /// filtered.
     FilterWithoutOrder,
+    /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
+    NoTangent,
 }
 
 impl NcWarningKind {
@@ -341,6 +343,7 @@ impl NcWarningKind {
                 | Self::DwellAtCorner
                 | Self::HscIsOn
                 | Self::FilterWithoutOrder
+                | Self::NoTangent
         )
     }
 }
@@ -375,6 +378,9 @@ impl fmt::Display for NcWarning {
             NcWarningKind::HscIsOn => "#HSC is on: its parameters stay as they are; switch it off first",
             NcWarningKind::FilterWithoutOrder => {
                 "#FILTER ON and no axis has an order (ORDER, ORDER_TIME or filter_fir.order, P-AXIS-00587): nothing is filtered"
+            }
+            NcWarningKind::NoTangent => {
+                "no motion block since the type of the spline was chosen: it begins with an automatic direction"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

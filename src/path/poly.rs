@@ -158,6 +158,11 @@ impl<const AXES: usize> Draft<AXES> {
         &self.ends[0]
     }
 
+    /// Where it ends.
+    pub fn to(&self) -> &[Position; AXES] {
+        &self.ends[1]
+    }
+
     /// Whether all axes are made.
     pub fn is_done(&self) -> bool {
         self.made >= AXES

@@ -7,11 +7,13 @@ use crate::dynamics::{Dynamics, Permitted};
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
-use crate::nc::{ArcBy, Contour, Hsc, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType};
+use crate::nc::{
+    ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType, Spline,
+};
 use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
-use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+use crate::smooth::{Before, Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, SplineError};
 
 /// A motion block that has no path or no speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub enum MotionError {
     TooSlow,
     /// It moves an axis that was given away.
     Released,
+    /// 120254: an arc in a direct B-spline.
+    ArcInSpline,
     /// It leads beyond a software limit.
     Beyond(Beyond),
 }
@@ -194,6 +198,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         feed: Option<f32>,
         (plane, clockwise, by): (Plane, bool, ArcBy),
     ) -> Result<(), MotionError> {
+        if self.intake.smoothing.refuses_arcs() {
+            return Err(MotionError::ArcInSpline);
+        }
         let centre = self.centre(motion, (plane, clockwise, by))?;
         // By reference: an element is large.
         let arc = path::arc(&self.intake.programmed, &motion.target, centre, plane, clockwise, &self.measure);
@@ -283,18 +290,39 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion
     /// block.
-    pub fn contour(&mut self, contour: &Contour, in_motion: bool) {
+    ///
+    /// # Errors
+    /// A spline is on.
+    pub fn contour(&mut self, contour: &Contour, in_motion: bool) -> Result<(), SplineError> {
         self.let_go();
-        self.intake.smoothing.contour(contour, in_motion);
+        self.intake.smoothing.contour(contour, in_motion)
+    }
+
+    /// A command of direct splines, and what is doubtful about it. Only after [`super::Work::Hungry`].
+    ///
+    /// # Errors
+    /// It is refused, and nothing has changed.
+    pub fn spline(&mut self, command: &Spline<AXES>) -> Result<Option<NcWarningKind>, SplineError> {
+        self.let_go();
+        let before = Before { taken: self.intake.taken, exit: self.lookahead.ring.exit() };
+        self.intake.smoothing.spline(command, &before)
     }
 
     /// #HSC changes. Only after [`super::Work::Hungry`]. `false`: it is on, and its parameters stay.
-    pub fn hsc(&mut self, hsc: &Hsc) -> bool {
+    ///
+    /// # Errors
+    /// It is refused, and nothing has changed.
+    pub fn hsc(&mut self, hsc: &Hsc) -> Result<bool, SplineError> {
         self.let_go();
         self.intake.smoothing.hsc(hsc)
     }
 
-    /// Whether the main axes are the feed axes, as HSC takes for granted.
+    /// The method that #HSC ON takes with this command.
+    pub fn hsc_method(&self, hsc: &Hsc) -> HscMethod {
+        self.intake.smoothing.method(hsc)
+    }
+
+    /// Whether the main axes are the feed axes, as Surface takes for granted.
     pub fn measures_space(&self) -> bool {
         self.measure.is_space()
     }

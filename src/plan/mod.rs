@@ -23,6 +23,7 @@ use crate::queue::{Function, Phase, Sender, Slot, clock};
 use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
+pub use crate::smooth::SplineError;
 use crate::smooth::{Smoother, Smoothing};
 use committed::CommittedSpans;
 use core::mem::MaybeUninit;
@@ -279,7 +280,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
-        let smoothing = smoothing.write(Smoothing::new(measure, machine.channel.check_jerk_on_poly_path));
+        let (check_jerk, auto_contour) =
+            (machine.channel.check_jerk_on_poly_path, machine.channel.auto_contour_mode);
+        let smoothing = smoothing.write(Smoothing::new(measure, check_jerk, auto_contour == 1));
         let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {

@@ -45,6 +45,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub fn restart(&mut self) {
         self.dynamics.restart();
         self.intake.smoothing.restart();
+        self.lookahead.ring.forget_exit();
     }
 
     /// Behind a plan that failed: what was taken in is forgotten.

@@ -3,13 +3,18 @@
 //! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
 //! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
 pub mod contour;
+pub mod spline;
 pub mod surface;
 
 use crate::dynamics::{Curving, Dynamics};
-use crate::nc::{Contour, Hsc, HscMethod, NcWarningKind, Place, Plane};
-use crate::path::{Element, Measure};
+use crate::nc::{
+    Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
+    Tangent,
+};
+use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 use contour::Contouring;
+use spline::{DirectParameters, HscParameters, Mode, Splining, Start};
 use surface::Surface;
 
 /// How a block was programmed, to make its rest anew.
@@ -133,10 +138,64 @@ pub trait Smoother<const AXES: usize> {
 /// The kinds, in one memory.
 #[derive(Debug)]
 enum Kind<const AXES: usize> {
-    /// #CONTOUR MODE, G61, G261.
+    /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
     Contour(Contouring<AXES>),
+    /// G151, #HSC \[BSPLINE\], #HSC \[OPMODE=2\].
+    Spline(Splining<AXES>),
     /// #HSC \[SURFACE\].
     Surface(Surface<AXES>),
+}
+
+/// A kind that is to be at work as soon as nothing is held back.
+#[derive(Debug)]
+enum Wanted<const AXES: usize> {
+    /// Contour mode as it is in force.
+    Contour,
+    /// #HSC \[OPMODE=1\].
+    Rounding,
+    /// A spline.
+    Spline(Start<AXES>),
+    /// #HSC \[SURFACE\].
+    Surface,
+}
+
+/// What the program has switched on beside contour mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Selected {
+    /// Nothing.
+    None,
+    /// G151.
+    Spline,
+    /// #HSC.
+    Hsc(HscMethod),
+}
+
+/// Why a command about splines is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SplineError {
+    /// Less points than the curve needs: those that there are, and those it needs.
+    TooFewPoints {
+        /// Since it was switched on.
+        points: u32,
+        /// At least.
+        needed: u32,
+    },
+    /// 120255: contour mode or #HSC while a spline is on, or the other way round.
+    InSpline,
+    /// 120370: G150 or G151 while #HSC is on.
+    InHsc,
+    /// Path length counts along more than three axes.
+    FeedAxes,
+}
+
+/// Where a program stands when it switches a spline on.
+#[derive(Clone, Copy, Debug)]
+pub struct Before<'a, const AXES: usize> {
+    /// Motion blocks taken in.
+    pub taken: u32,
+    /// End of the last one.
+    pub exit: Option<&'a End<AXES>>,
 }
 
 /// The smoother at work, and what each of the others is to begin with.
@@ -146,70 +205,245 @@ pub struct Smoothing<const AXES: usize> {
     kind: Kind<AXES>,
     /// Contour mode while another kind is at work.
     contour: contour::Settings,
+    spline: DirectParameters<AXES>,
+    hsc: HscParameters,
     surface: surface::Parameters,
-    /// The kind of HSC that ON selects.
-    method: HscMethod,
-    /// What is to be at work as soon as nothing is held back: HSC, or contour mode.
-    wanted: Option<bool>,
+    selected: Selected,
+    wanted: Option<Wanted<AXES>>,
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, off; `check_jerk` is P-CHAN-00110.
-    pub fn new(measure: Measure, check_jerk: u8) -> Self {
+    /// Contour mode, off; `check_jerk` is P-CHAN-00110, `rounds` whether P-CHAN-00239 asks for curves where
+    /// the HSC B-spline deselects itself.
+    pub fn new(measure: Measure, check_jerk: u8, rounds: bool) -> Self {
         let contouring = Contouring::new(measure, check_jerk);
         Self {
             measure,
             contour: contouring.settings(),
             kind: Kind::Contour(contouring),
+            spline: DirectParameters::new(),
+            hsc: HscParameters::new(rounds),
             surface: surface::Parameters::new(check_jerk),
-            method: HscMethod::Surface,
+            selected: Selected::None,
             wanted: None,
         }
     }
 
     /// Takes in a command of contour mode. `in_motion`: it stands in a block with a motion.
-    pub fn contour(&mut self, command: &Contour, in_motion: bool) {
+    ///
+    /// # Errors
+    /// It would round corners of a spline.
+    pub fn contour(&mut self, command: &Contour, in_motion: bool) -> Result<(), SplineError> {
+        let rounds = matches!(command.switch, Some(ContourSwitch::Block | ContourSwitch::On));
+        if rounds && self.selected == Selected::Spline {
+            return Err(SplineError::InSpline);
+        }
         match &mut self.kind {
-            Kind::Contour(contouring) => contouring.command(command, in_motion),
-            Kind::Surface(_) => self.contour.command(command),
+            Kind::Contour(contouring) if self.selected == Selected::None && self.wanted.is_none() => {
+                contouring.command(command, in_motion);
+            }
+            _ => {
+                self.contour.command(command);
+                if self.selected == Selected::None && self.contour.is_on() {
+                    self.want(Wanted::Contour);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes in a command of direct splines. What is doubtful about it.
+    ///
+    /// # Errors
+    /// It is refused, and nothing has changed.
+    pub fn spline(
+        &mut self,
+        command: &Spline<AXES>,
+        before: &Before<'_, AXES>,
+    ) -> Result<Option<NcWarningKind>, SplineError> {
+        match command {
+            Spline::On | Spline::Off if matches!(self.selected, Selected::Hsc(_)) => Err(SplineError::InHsc),
+            Spline::On if self.selected == Selected::Spline => Ok(None),
+            Spline::On => self.begin_spline(before),
+            Spline::Off if self.selected == Selected::None => Ok(None),
+            Spline::Off => self.end_spline().map(|()| None),
+            _ => {
+                self.spline.update(command, before.taken);
+                Ok(None)
+            }
         }
     }
 
-    /// Whether HSC is on, or will be behind the blocks held back.
-    pub fn is_hsc(&self) -> bool {
-        self.wanted.unwrap_or(matches!(self.kind, Kind::Surface(_)))
+    /// G151.
+    fn begin_spline(&mut self, before: &Before<'_, AXES>) -> Result<Option<NcWarningKind>, SplineError> {
+        self.check_axes()?;
+        if self.rounds_corners() {
+            return Err(SplineError::InSpline);
+        }
+        let mode = match self.spline.kind {
+            SplineType::Akima => Mode::Akima,
+            SplineType::Bspline => Mode::Direct,
+        };
+        let mut start = Start { mode, slope: None, entry: None };
+        let mut remark = None;
+        match self.spline.ends[0] {
+            Tangent::Auto => {}
+            Tangent::User => start.slope = self.vector(0),
+            Tangent::Tangential if mode == Mode::Akima => {
+                let exit = before.exit.filter(|_| !self.spline.is_fresh(before.taken));
+                start.entry = exit.copied();
+                remark = start.entry.is_none().then_some(NcWarningKind::NoTangent);
+            }
+            Tangent::Tangential => {}
+        }
+        self.keep_contour();
+        self.selected = Selected::Spline;
+        self.want(Wanted::Spline(start));
+        Ok(remark)
+    }
+
+    /// G150.
+    fn end_spline(&mut self) -> Result<(), SplineError> {
+        let (points, needed) = (self.points(), self.spline.points());
+        if points < needed {
+            return Err(SplineError::TooFewPoints { points, needed });
+        }
+        let end = if self.spline.ends[1] == Tangent::User { self.vector(1) } else { None };
+        if let Kind::Spline(splining) = &mut self.kind {
+            splining.switch_off(end, self.spline.ends[1] == Tangent::Tangential);
+        }
+        self.selected = Selected::None;
+        Ok(())
+    }
+
+    /// Points of the spline that is on.
+    fn points(&self) -> u32 {
+        match &self.kind {
+            Kind::Spline(splining) if self.wanted.is_none() => splining.points().max(1),
+            _ => 1,
+        }
+    }
+
+    /// The slope that the program gives for an end of the curve.
+    fn vector(&self, end: usize) -> Option<[f32; AXES]> {
+        spline::slope(&self.measure, &self.spline.vector(end)?)
+    }
+
+    /// Path length counts along three axes at most.
+    fn check_axes(&self) -> Result<(), SplineError> {
+        let fed = (0..AXES).filter(|k| self.measure.feeds(*k)).count();
+        if fed > 3 { Err(SplineError::FeedAxes) } else { Ok(()) }
+    }
+
+    /// Whether contour mode is in force.
+    fn rounds_corners(&self) -> bool {
+        match &self.kind {
+            Kind::Contour(contouring) if self.wanted.is_none() => contouring.settings().is_on(),
+            _ => self.contour.is_on(),
+        }
     }
 
     /// Takes in parameters of #HSC, and its switch. What is held back ends where it was programmed to.
     ///
     /// While HSC is on, its parameters stay: `false` if the command gives some.
-    pub fn hsc(&mut self, command: &Hsc) -> bool {
-        let (on, gives) = (self.is_hsc(), command.gives_parameters());
+    ///
+    /// # Errors
+    /// It is refused, and nothing has changed.
+    pub fn hsc(&mut self, command: &Hsc) -> Result<bool, SplineError> {
+        let on = matches!(self.selected, Selected::Hsc(_));
+        if self.selected == Selected::Spline {
+            return if command.switch == Some(false) { Ok(true) } else { Err(SplineError::InSpline) };
+        }
+        let gives = command.gives_parameters();
         if on && gives && command.switch != Some(false) {
-            return false;
+            return Ok(false);
+        }
+        let method = self.method(command);
+        if command.switch == Some(true) && method != HscMethod::Surface {
+            self.check_axes()?;
         }
         if gives {
-            self.method = command.method.unwrap_or(self.method);
-            self.surface.update(command);
+            self.hsc.update(command);
+            if method == HscMethod::Surface {
+                self.surface.update(command);
+            }
         }
-        if let Some(switch) = command.switch.filter(|switch| *switch != on) {
-            self.cancel();
-            self.wanted = Some(switch);
+        match command.switch {
+            Some(true) if !on => self.begin_hsc(method),
+            Some(false) if on => {
+                self.selected = Selected::None;
+                self.want(Wanted::Contour);
+            }
+            _ => {}
         }
-        true
+        Ok(true)
+    }
+
+    fn begin_hsc(&mut self, method: HscMethod) {
+        let spline = |mode: Mode| Wanted::Spline(Start { mode, slope: None, entry: None });
+        let wanted = match method {
+            HscMethod::Surface => Wanted::Surface,
+            HscMethod::Bspline => spline(Mode::Control(self.hsc.rules)),
+            HscMethod::Op(2) => spline(Mode::Interpolating(self.hsc.conterror_mm())),
+            HscMethod::Op(_) => Wanted::Rounding,
+        };
+        self.keep_contour();
+        self.selected = Selected::Hsc(method);
+        self.want(wanted);
+    }
+
+    /// The method that #HSC ON takes with this command.
+    pub fn method(&self, command: &Hsc) -> HscMethod {
+        command.method.unwrap_or(self.hsc.method)
+    }
+
+    /// Whether a direct B-spline is on, which has no arcs.
+    pub fn refuses_arcs(&self) -> bool {
+        self.selected == Selected::Spline && self.spline_mode() == Some(Mode::Direct)
+    }
+
+    fn spline_mode(&self) -> Option<Mode> {
+        match (&self.wanted, &self.kind) {
+            (Some(Wanted::Spline(start)), _) => Some(start.mode),
+            (None, Kind::Spline(splining)) => Some(splining.mode()),
+            _ => None,
+        }
+    }
+
+    /// Another kind is to be at work. What is held back ends where it was programmed to.
+    fn want(&mut self, wanted: Wanted<AXES>) {
+        self.cancel();
+        self.wanted = Some(wanted);
+    }
+
+    /// What is in force of contour mode stays for later. Only where nothing is selected beside it.
+    fn keep_contour(&mut self) {
+        if let (Kind::Contour(contouring), None) = (&self.kind, &self.wanted) {
+            self.contour = contouring.settings();
+        }
     }
 
     /// Another kind gets to work. Only when nothing is held back.
     #[cold]
     #[inline(never)]
-    fn change(&mut self, hsc: bool) {
-        if let Kind::Contour(contouring) = &self.kind {
-            self.contour = contouring.settings();
-        }
-        self.kind = if hsc {
-            Kind::Surface(Surface::new(self.measure, &self.surface))
-        } else {
-            Kind::Contour(Contouring::with(self.measure, &self.contour))
+    fn change(&mut self, wanted: &Wanted<AXES>) {
+        self.kind = match wanted {
+            Wanted::Contour => {
+                let contouring = Contouring::with(self.measure, &self.contour);
+                Kind::Contour(contouring)
+            }
+            Wanted::Rounding => {
+                let dev = Contour {
+                    method: Some(ContourMethod::Dev),
+                    path_dev: Some(self.hsc.conterror),
+                    ..Contour::default()
+                };
+                Kind::Contour(Contouring::with(self.measure, &self.contour.on_with(&dev)))
+            }
+            Wanted::Spline(start) => {
+                Kind::Spline(Splining::new(self.measure, self.contour.check_jerk(), start))
+            }
+            Wanted::Surface => Kind::Surface(Surface::new(self.measure, &self.surface)),
         };
     }
 }
@@ -219,12 +453,14 @@ macro_rules! at_work {
     ($smoothing:ident, $kind:ident => $what:expr) => {
         match &mut $smoothing.kind {
             Kind::Contour($kind) => $what,
+            Kind::Spline($kind) => $what,
             Kind::Surface($kind) => $what,
         }
     };
     (ref $smoothing:ident, $kind:ident => $what:expr) => {
         match &$smoothing.kind {
             Kind::Contour($kind) => $what,
+            Kind::Spline($kind) => $what,
             Kind::Surface($kind) => $what,
         }
     };
@@ -232,8 +468,8 @@ macro_rules! at_work {
 
 impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
-        if let Some(hsc) = self.wanted.take() {
-            self.change(hsc);
+        if let Some(wanted) = self.wanted.take() {
+            self.change(&wanted);
         }
         at_work!(self, kind => kind.take(block, dynamics, parting));
     }
@@ -259,13 +495,13 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     }
 
     fn restart(&mut self) {
-        if matches!(self.kind, Kind::Surface(_)) {
-            self.change(false);
-        }
         self.wanted = None;
+        self.selected = Selected::None;
+        self.spline = DirectParameters::new();
+        self.hsc = self.hsc.restarted();
         self.surface.restart();
-        self.method = HscMethod::Surface;
-        at_work!(self, kind => kind.restart());
+        self.contour = self.contour.restarted();
+        self.change(&Wanted::Contour);
     }
 
     fn place(&self) -> Option<Place> {

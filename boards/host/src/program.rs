@@ -285,7 +285,8 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
         | Error::Motion(at, _)
         | Error::SoftwareLimit(at, ..)
         | Error::Filter(at, ..)
-        | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), String::new()),
+        | Error::Spline(at, _)
+        | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), id(error.id())),
     }
 }
 

@@ -23,7 +23,7 @@ pub const EVEN: f32 = 9e-4;
 pub const CONSTANT: f32 = 3e-4;
 
 /// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
-const HEAVIEST: f32 = 4096.0;
+pub const HEAVIEST: f32 = 4096.0;
 
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
@@ -334,16 +334,11 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let ([a, b], length) = self.part(i);
         let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
         let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
-        let (mut element, mut draft) = Draft::new(&from, &to, length, Self::fastest(above))?;
+        let (mut element, mut draft) = Draft::new(&from, &to, length, fastest(above))?;
         while !draft.is_done() {
             draft.go_on(&mut element)?;
         }
         Some((self.is_first(i), element))
-    }
-
-    /// Speed along an element per path speed at most, from what is seen of it at some places.
-    fn fastest(above: f32) -> f32 {
-        1.0 + 1.25 * above + 1e-6
     }
 
     /// The next element, with its axes to be made.
@@ -362,7 +357,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
         let from = core::mem::replace(&mut self.at, to);
-        let made = Draft::new(&from, &to, length, Self::fastest(above));
+        let made = Draft::new(&from, &to, length, fastest(above));
         if made.is_none() {
             self.at = from;
         }
@@ -427,7 +422,13 @@ fn through<const AXES: usize>(
     curves
 }
 
-fn site_of<const AXES: usize>(knot: &Knot<AXES>, origin: &[Position; AXES]) -> Site<AXES> {
+/// Speed along an element per path speed at most, from what is seen of it at some places.
+pub fn fastest(above: f32) -> f32 {
+    1.0 + 1.25 * above + 1e-6
+}
+
+/// A knot as a site; offsets are from `origin`.
+pub fn site_of<const AXES: usize>(knot: &Knot<AXES>, origin: &[Position; AXES]) -> Site<AXES> {
     let mut offset = [0.0; AXES];
     for (offset, (x, origin)) in offset.iter_mut().zip(knot.position.iter().zip(origin)) {
         *offset = to_f32(x.to_bits().wrapping_sub(origin.to_bits())) * LSB_32;
@@ -435,7 +436,8 @@ fn site_of<const AXES: usize>(knot: &Knot<AXES>, origin: &[Position; AXES]) -> S
     Site { offset, tangent: knot.end.tangent.map(|t| to_f32(t) / ONE_40), curvature: knot.end.curvature }
 }
 
-fn knot_of<const AXES: usize>(site: &Site<AXES>, origin: &[Position; AXES]) -> Knot<AXES> {
+/// A site as a knot.
+pub fn knot_of<const AXES: usize>(site: &Site<AXES>, origin: &[Position; AXES]) -> Knot<AXES> {
     let mut position = *origin;
     for (x, offset) in position.iter_mut().zip(site.offset) {
         *x = Position::from_bits(x.to_bits().saturating_add((offset * ONE_32) as i64));

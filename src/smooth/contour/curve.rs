@@ -212,6 +212,17 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power }
     }
 
+    /// The cubic with these points of Bézier.
+    pub fn cubic(points: &[[f32; AXES]; 4]) -> Self {
+        let [b0, b1, b2, b3] = points;
+        let first = plus(b1, -1.0, b0).map(|x| 3.0 * x);
+        // The steps between the points, and the steps between those.
+        let bend = plus(&plus(b2, -2.0, b1), 1.0, b0).map(|x| 3.0 * x);
+        let twist = plus(&plus(b3, -1.0, b0), -3.0, &plus(b2, -1.0, b1));
+        let none = [0.0; AXES];
+        Self { power: [*b0, first, bend, twist, none, none] }
+    }
+
     /// The largest sum of the coefficients of an axis, and of the travel.
     pub fn weight(&self) -> f32 {
         let [_, rest @ ..] = &self.power;

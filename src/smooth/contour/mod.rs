@@ -31,8 +31,8 @@
 //! whose end is passed exactly. What changes nothing, as a second G261, ends nothing.
 mod choice;
 mod corner;
-mod corner_curve;
-mod curve;
+pub(super) mod corner_curve;
+pub(super) mod curve;
 mod held_block;
 mod joining;
 mod parameters;
@@ -134,6 +134,28 @@ impl Settings {
             Some(ContourSwitch::Block) => self.once = true,
             Some(switch) => self.on = switch == ContourSwitch::On,
         }
+    }
+
+    /// Whether the end of the next block is rounded.
+    pub const fn is_on(&self) -> bool {
+        self.on || self.once
+    }
+
+    /// As at program start.
+    pub fn restarted(&self) -> Self {
+        Self { parameters: Parameters::new(self.parameters.of_channel), on: false, once: false }
+    }
+
+    /// P-CHAN-00110.
+    pub const fn check_jerk(&self) -> u8 {
+        self.parameters.of_channel
+    }
+
+    /// On, as at program start but for this command.
+    pub fn on_with(&self, contour: &Contour) -> Self {
+        let mut parameters = Parameters::new(self.parameters.of_channel);
+        parameters.update(contour);
+        Self { parameters, on: true, once: false }
     }
 }
 

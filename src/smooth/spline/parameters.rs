@@ -1,0 +1,205 @@
+//! What programs say about splines: types, transitions, tolerances.
+use super::LSB_32;
+use super::polygon::Tolerance;
+use super::window::along;
+use crate::math::float::to_f32;
+use crate::math::trig::sin_cos;
+use crate::nc::{Hsc, HscMethod, Spline, SplineType, Tangent, Value};
+use crate::path::Measure;
+use crate::quantity::Position;
+use crate::smooth::contour::curve::size;
+
+/// Tolerances of the HSC B-spline without its keywords: 0.2 mm and 5°.
+const PATH_DEV: f32 = 0.2;
+const TRACK_DEV: f32 = 5.0;
+/// MAX_ANGLE without its keyword.
+const MAX_ANGLE: f32 = 160.0;
+/// CONTERROR without its keyword: 0.1 mm.
+const CONTERROR: Position = Position::from_bits((1 << 32) / 10);
+
+/// Direct splines: #SPLINE TYPE, #AKIMA TRANS, STARTVECTOR, ENDVECTOR.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectParameters<const AXES: usize> {
+    /// AKIMA without a command.
+    pub kind: SplineType,
+    /// START and END.
+    pub ends: [Tangent; 2],
+    vectors: [[Option<Value>; AXES]; 2],
+    /// Motion blocks before the type was chosen, if it was.
+    chosen: Option<u32>,
+}
+
+impl<const AXES: usize> DirectParameters<AXES> {
+    /// As at program start.
+    pub const fn new() -> Self {
+        Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
+    }
+
+    /// Takes in a command that is no switch; `taken` motion blocks are before it.
+    pub fn update(&mut self, command: &Spline<AXES>, taken: u32) {
+        match command {
+            Spline::Type(kind) => (self.kind, self.chosen) = (*kind, Some(taken)),
+            Spline::Transition { start, end } => {
+                let [first, last] = &mut self.ends;
+                (*first, *last) = (start.unwrap_or(*first), end.unwrap_or(*last));
+            }
+            Spline::StartVector(vector) => self.vectors[0] = *vector,
+            Spline::EndVector(vector) => self.vectors[1] = *vector,
+            Spline::On | Spline::Off => {}
+        }
+    }
+
+    /// Whether the type was chosen with `taken` motion blocks before it: no block since gives a direction.
+    pub fn is_fresh(&self, taken: u32) -> bool {
+        self.chosen == Some(taken)
+    }
+
+    /// The vector of one end as it was given; none where it was not.
+    pub fn vector(&self, end: usize) -> Option<[f32; AXES]> {
+        let vector = self.vectors.get(end)?;
+        vector
+            .iter()
+            .any(Option::is_some)
+            .then(|| vector.map(|value| value.map_or(0.0, |value| to_f32(value.to_bits()) * LSB_32)))
+    }
+
+    /// Points that a curve needs.
+    pub fn points(&self) -> u32 {
+        match self.kind {
+            SplineType::Bspline => 4,
+            SplineType::Akima if self.ends.contains(&Tangent::Auto) => 3,
+            SplineType::Akima => 2,
+        }
+    }
+}
+
+/// #HSC, without what Surface has alone.
+#[derive(Clone, Copy, Debug)]
+pub struct HscParameters {
+    /// The method named last.
+    pub method: HscMethod,
+    /// Of the B-spline.
+    pub rules: Rules,
+    /// CONTERROR of OPMODE.
+    pub conterror: Position,
+}
+
+/// When and how far the HSC B-spline leaves its polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rules {
+    /// PATH_DEV, mm, and TRACK_DEV, degrees; 0: not monitored.
+    pub path_dev: f32,
+    pub track_dev: f32,
+    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: beyond the tolerance the curve passes the point, else the block is
+    /// split.
+    pub off_path: bool,
+    pub off_track: bool,
+    /// AUTO_OFF_G00 and AUTO_OFF_G60.
+    pub off_rapid: bool,
+    pub off_stop: bool,
+    /// MERGE: points on a straight line are left out.
+    pub merge: bool,
+    /// MAX_PATH_LENGTH, mm; infinite where it is off.
+    pub longest: f32,
+    /// Cosine of MAX_ANGLE.
+    pub cosine: f32,
+    /// P-CHAN-00239: points where it deselects itself are rounded.
+    pub rounds: bool,
+}
+
+impl HscParameters {
+    /// As at program start; `rounds` as in [`Rules`].
+    pub fn new(rounds: bool) -> Self {
+        let rules = Rules {
+            path_dev: PATH_DEV,
+            track_dev: TRACK_DEV,
+            off_path: false,
+            off_track: false,
+            off_rapid: false,
+            off_stop: false,
+            merge: false,
+            longest: f32::MAX,
+            cosine: cosine(MAX_ANGLE),
+            rounds,
+        };
+        Self { method: HscMethod::Surface, rules, conterror: CONTERROR }
+    }
+
+    /// As at program start.
+    pub fn restarted(&self) -> Self {
+        Self::new(self.rules.rounds)
+    }
+
+    /// CONTERROR, mm.
+    pub fn conterror_mm(&self) -> f32 {
+        to_f32(self.conterror.to_bits()) * LSB_32
+    }
+
+    /// Takes in the keywords of a command.
+    pub fn update(&mut self, hsc: &Hsc) {
+        let number = |value: Option<Position>, into: &mut f32| {
+            if let Some(value) = value {
+                *into = to_f32(value.to_bits()) * LSB_32;
+            }
+        };
+        let flag = |value: Option<bool>, into: &mut bool| *into = value.unwrap_or(*into);
+        self.method = hsc.method.unwrap_or(self.method);
+        if hsc.method == Some(HscMethod::Bspline) {
+            let rules = &mut self.rules;
+            number(hsc.path_dev, &mut rules.path_dev);
+            number(hsc.track_dev, &mut rules.track_dev);
+            flag(hsc.auto_off_path, &mut rules.off_path);
+            flag(hsc.auto_off_track, &mut rules.off_track);
+            flag(hsc.auto_off_g00, &mut rules.off_rapid);
+            flag(hsc.auto_off_g60, &mut rules.off_stop);
+            flag(hsc.merge, &mut rules.merge);
+            if let Some(length) = hsc.max_path_length {
+                rules.longest =
+                    if length > Position::ZERO { to_f32(length.to_bits()) * LSB_32 } else { f32::MAX };
+            }
+            if let Some(angle) = hsc.max_angle {
+                rules.cosine = cosine(to_f32(angle.to_bits()) * LSB_32);
+            }
+        }
+        self.conterror = hsc.conterror.unwrap_or(self.conterror);
+    }
+}
+
+impl Rules {
+    /// The tolerance that is monitored.
+    pub fn tolerance(&self) -> Tolerance {
+        let monitored = |deviation: f32| if deviation > 0.0 { deviation } else { f32::MAX };
+        Tolerance { path: monitored(self.path_dev), track: monitored(self.track_dev) }
+    }
+
+    /// The path alone, or the tracking axes alone.
+    pub fn part_of_tolerance(&self, track: bool) -> Tolerance {
+        let Tolerance { path, track: turn } = self.tolerance();
+        if track { Tolerance { path: f32::MAX, track: turn } } else { Tolerance { path, track: f32::MAX } }
+    }
+}
+
+/// Cosine of an angle in degrees, 0…180.
+pub fn cosine(degrees: f32) -> f32 {
+    // Revolutions as a fraction of 2^64.
+    let turns = (degrees * (1.0 / 360.0) * 18_446_744_073_709_551_616.0) as u64;
+    let (_, cosine) = sin_cos(turns);
+    to_f32(cosine) * (1.0 / (1u64 << 62) as f32)
+}
+
+/// A given direction as a slope: of length 1 along the axes that count. `None` where it has none.
+pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Option<[f32; AXES]> {
+    let axes = along(measure, AXES);
+    let length = size(&axes, vector);
+    if length <= 0.0 {
+        return None;
+    }
+    let mut slope = *vector;
+    for k in axes.iter().flatten() {
+        // A tracking axis has its way per path way.
+        if let Some(x) = slope.get_mut(*k) {
+            *x /= length;
+        }
+    }
+    Some(slope)
+}

@@ -1,0 +1,158 @@
+//! B-splines: the points are corners of a polygon that controls the curve.
+//!
+//! The curve is a cubic B-spline with knots at even distances k = 1. Over the leg from C₁ to C₂, with C₀ before
+//! and C₃ behind, Bézier's points of its piece are
+//!
+//! ```text
+//! B₀ = C₁ + Δ₁/6,  B₁ = C₁ + D/3,  B₂ = C₁ + 2D/3,  B₃ = C₂ + Δ₂/6        D = C₂ − C₁,  Δᵢ = Cᵢ₋₁ − 2·Cᵢ + Cᵢ₊₁
+//! ```
+//!
+//! so that the piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6 with the point L(u) of the leg: how far it is from the leg
+//! is known without a search. With directions t₁, t₂ of two legs and distances a, b of the control points beside a
+//! corner, Δ = b·t₂ − a·t₁. What of it lies along a leg moves the curve along that leg alone; what remains is at
+//! most max(a, b)·|t₂ − t₁|/6. So a corner keeps its tolerance where no control point beside it is farther than
+//!
+//! ```text
+//! d = 6·PATH_DEV / |t₂ − t₁|
+//! ```
+//!
+//! and a leg that is longer gets another control point at that distance: the block is split. Such a point has Δ = 0,
+//! as if another one were on its other side at the same distance: what is between two of them is a line. A tracking axis has
+//! the same d with the step of its slope dx/ds and TRACK_DEV. Where Δ is 0 the curve passes the point, along both
+//! legs.
+//!
+//! The direct spline begins and ends in its outer points with knots of distance 0 (clamped): see [`direct`].
+use super::window::{Leg, Window};
+use crate::math::float::{magnitude, max, min};
+use crate::smooth::contour::curve::{plus, size};
+
+/// What controls how far the curve may be from its polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// mm; infinite where it is not monitored.
+    pub path: f32,
+    /// Of other axes, mm or degrees.
+    pub track: f32,
+}
+
+/// Part of the tolerance that rounding and the fit leave.
+const PART: f32 = 1.0 - 1.0 / 4096.0;
+
+/// How far control points beside the point `i` may be from it, mm. `None` where no leg is on one side.
+pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> Option<f32> {
+    let (before, behind) = (window.leg(i - 1)?, window.leg(i)?);
+    let axes = window.axes();
+    let step = plus(&behind.slope, -1.0, &before.slope);
+    let mut reach = f32::MAX;
+    let mut lower = |deviation: f32, step: f32| {
+        let room = 6.0 * PART * deviation;
+        // Not where the quotient would be too large.
+        if room < step * 1e6 {
+            reach = min(reach, room / step);
+        }
+    };
+    lower(tolerance.path, size(axes, &step));
+    for (_, step) in step.iter().enumerate().filter(|(k, _)| !axes.contains(&Some(*k))) {
+        lower(tolerance.track, magnitude(*step));
+    }
+    Some(reach)
+}
+
+/// Control points inside a leg, from its start, with the reach of the points at both its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inside {
+    /// Distances, mm; behind those that there are the length of the leg.
+    pub at: [f32; 2],
+    pub count: usize,
+}
+
+impl Inside {
+    /// Of a leg of this length.
+    pub fn new(length: f32, [before, behind]: [f32; 2]) -> Self {
+        match (before < length, behind < length) {
+            (false, false) => Self { at: [length; 2], count: 0 },
+            (true, false) => Self { at: [before, length], count: 1 },
+            (false, true) => Self { at: [length - behind, length], count: 1 },
+            (true, true) if before + behind < length => Self { at: [before, length - behind], count: 2 },
+            (true, true) => Self { at: [length * (before / (before + behind)), length], count: 1 },
+        }
+    }
+
+    /// Way from the start of the leg to the first control point behind it.
+    pub fn first(&self) -> f32 {
+        self.at[0]
+    }
+
+    /// Way from the last control point before the end of a leg of this length to it.
+    pub fn last(&self, length: f32) -> f32 {
+        match self.count {
+            0 => length,
+            1 => length - self.at[0],
+            _ => length - self.at[1],
+        }
+    }
+
+    /// Both ends of part `i`.
+    pub fn part(&self, i: usize, length: f32) -> [f32; 2] {
+        let place = |i: usize| match i {
+            0 => 0.0,
+            i if i <= self.count => self.at[(i - 1) & 1],
+            _ => length,
+        };
+        [place(i), place(i + 1)]
+    }
+}
+
+/// Bézier's points of a part of a leg, from the leg's start. `before` and `behind`: from the ends of the leg to
+/// the next control points beside it; `None` where the curve passes the end of the leg.
+pub fn part<const AXES: usize>(
+    leg: &Leg<AXES>,
+    inside: &Inside,
+    i: usize,
+    [before, behind]: [Option<[f32; AXES]>; 2],
+) -> [[f32; AXES]; 4] {
+    let length = leg.length;
+    let [from, to] = inside.part(i, length);
+    let at = |s: f32| if s < length { leg.slope.map(|x| x * s) } else { leg.travel };
+    let (c1, c2) = (at(from), at(to));
+    let d = plus(&c2, -1.0, &c1);
+    // Δ from both steps away from a control point.
+    let bend = |a: &[f32; AXES], b: &[f32; AXES]| plus(a, 1.0, b).map(|x| x * (1.0 / 6.0));
+    let back = d.map(|x| -x);
+    let none = [0.0; AXES];
+    let bend1 = before.filter(|_| i == 0).map_or(none, |step| bend(&step, &d));
+    let bend2 = behind.filter(|_| i == inside.count).map_or(none, |step| bend(&back, &step));
+    [plus(&c1, 1.0, &bend1), plus(&c1, 1.0 / 3.0, &d), plus(&c1, 2.0 / 3.0, &d), plus(&c2, 1.0, &bend2)]
+}
+
+/// Bézier's points of the direct spline over the leg at hand, from its start.
+///
+/// The spline has knots at distances k = 1 where there is a piece and 0 beside. The piece over a leg lies between
+/// two others: Bézier's inner points divide it as k₋₁ : k : k₊₁, an end of the piece the way between the inner
+/// points beside it as k₋₁ : k.
+pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 4]> {
+    let (leg, before, behind) = (window.leg(0)?, window.leg(-1)?, window.leg(1)?);
+    // Pieces are over all legs but the first and the last one.
+    let knot = |i: i32| {
+        let inner = window.leg(i).is_some() && !window.is_end(i) && !window.is_end(i + 1);
+        if inner { 1.0_f32 } else { 0.0 }
+    };
+    let [k0, k1, k2, k3, k4] = [-2, -1, 0, 1, 2].map(knot);
+    let travel = |leg: &Leg<AXES>, share: f32| leg.travel.map(|x| x * share);
+    let between =
+        |a: &[f32; AXES], b: &[f32; AXES], share: f32| plus(&a.map(|a| a * (1.0 - share)), share, b);
+    let (whole, here) = (k1 + k2 + k3, &leg);
+    let inner1 = travel(here, k1 / whole);
+    let inner2 = travel(here, (k1 + k2) / whole);
+    let last = travel(&before, (k0 + k1) / (k0 + k1 + k2) - 1.0);
+    let next = plus(&leg.travel, k2 / (k2 + k3 + k4), &behind.travel);
+    let start = between(&last, &inner1, k1 / (k1 + k2));
+    let end = between(&inner2, &next, k2 / (k2 + k3));
+    Some([start, inner1, inner2, end])
+}
+
+/// The largest of both legs beside a point, where it is more than control points may be from it.
+pub fn exceeds<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> bool {
+    let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
+    reach(window, i, tolerance).is_some_and(|reach| reach < max(before.length, behind.length))
+}

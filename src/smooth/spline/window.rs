@@ -1,0 +1,168 @@
+//! The points of a curve that are known, a few at a time, and the legs between them.
+use super::LSB_32;
+use crate::math::float::to_f32;
+use crate::nc::Place;
+use crate::path::Measure;
+use crate::quantity::Position;
+use crate::smooth::Data;
+use crate::smooth::contour::curve::{Main, size};
+
+/// Points of the window: two before the leg at hand, its two ends, three behind it, and one that comes in.
+pub const POINTS: usize = 8;
+/// Points before the leg at hand that are kept.
+const BEFORE: usize = 2;
+/// Points behind the end of the leg at hand that its curve depends on.
+const BEHIND: usize = 3;
+
+/// A point, and the block that leads to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<const AXES: usize> {
+    pub at: [Position; AXES],
+    /// What goes with that block; of no meaning for the first point.
+    pub data: Data,
+}
+
+/// The straight way from one point to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg<const AXES: usize> {
+    /// What every axis travels, mm.
+    pub travel: [f32; AXES],
+    /// dx/ds of every axis.
+    pub slope: [f32; AXES],
+    /// Path length, mm.
+    pub length: f32,
+}
+
+/// The axes along which path length counts.
+pub fn along(measure: &Measure, axes: usize) -> Main {
+    if measure.is_space() {
+        return measure.main;
+    }
+    let mut feed = (0..axes).filter(|k| measure.feeds(*k));
+    [feed.next(), feed.next(), feed.next()]
+}
+
+/// What the axes travel, mm.
+pub fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
+    let mut travel = [0.0; AXES];
+    for (x, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
+        *x = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32;
+    }
+    travel
+}
+
+/// The points known.
+#[derive(Clone, Copy, Debug)]
+pub struct Window<const AXES: usize> {
+    points: [Vertex<AXES>; POINTS],
+    count: usize,
+    /// The leg at hand begins at this point.
+    at: usize,
+    /// The first point known is the first of the curve.
+    whole: bool,
+    /// The last point known is the last of the curve.
+    closed: bool,
+    axes: Main,
+}
+
+impl<const AXES: usize> Window<AXES> {
+    /// No points; path counts along these axes.
+    pub const fn new(axes: Main) -> Self {
+        let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
+        let points = [Vertex { at: [Position::ZERO; AXES], data }; POINTS];
+        Self { points, count: 0, at: 0, whole: true, closed: false, axes }
+    }
+
+    /// The axes along which path counts.
+    pub const fn axes(&self) -> &Main {
+        &self.axes
+    }
+
+    /// Forgets all points.
+    pub const fn clear(&mut self) {
+        (self.count, self.at, self.whole, self.closed) = (0, 0, true, false);
+    }
+
+    /// Whether there is none.
+    pub const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether there is a leg to be driven.
+    pub const fn has_leg(&self) -> bool {
+        self.at + 1 < self.count
+    }
+
+    /// Whether all that the leg at hand depends on is known.
+    pub const fn is_ready(&self) -> bool {
+        self.has_leg() && (self.closed || self.at + 1 + BEHIND < self.count)
+    }
+
+    /// No point follows.
+    pub const fn close(&mut self) {
+        self.closed = true;
+    }
+
+    /// Whether no point follows.
+    pub const fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Whether the curve has too few points for a cubic that they control.
+    pub const fn is_short(&self) -> bool {
+        self.whole && self.closed && self.count < 4
+    }
+
+    /// Takes the next point in. There is room when no leg [`Self::is_ready`].
+    pub fn push(&mut self, vertex: Vertex<AXES>) {
+        if let Some(point) = self.points.get_mut(self.count) {
+            *point = vertex;
+            self.count += 1;
+        }
+    }
+
+    /// The last point.
+    pub fn last(&mut self) -> Option<&mut Vertex<AXES>> {
+        self.points.get_mut(..self.count)?.last_mut()
+    }
+
+    /// The last point is another one.
+    pub fn replace(&mut self, vertex: Vertex<AXES>) {
+        if let Some(last) = self.last() {
+            *last = vertex;
+        }
+    }
+
+    /// Goes on to the next leg.
+    pub fn advance(&mut self) {
+        self.at += 1;
+        if self.at > BEFORE {
+            self.points.copy_within(1.., 0);
+            (self.at, self.whole) = (self.at - 1, false);
+            self.count -= 1;
+        }
+    }
+
+    /// The point `i` from the start of the leg at hand on.
+    pub fn point(&self, i: i32) -> Option<&Vertex<AXES>> {
+        let at = usize::try_from(self.at as i32 + i).ok()?;
+        self.points.get(..self.count)?.get(at)
+    }
+
+    /// Whether that is the first or the last point of the curve.
+    pub fn is_end(&self, i: i32) -> bool {
+        let at = self.at as i32 + i;
+        (self.whole && at <= 0) || (self.closed && at + 1 >= self.count as i32)
+    }
+
+    /// The leg from the point `i` to the next one.
+    pub fn leg(&self, i: i32) -> Option<Leg<AXES>> {
+        let travel = travel(&self.point(i)?.at, &self.point(i + 1)?.at);
+        let length = size(&self.axes, &travel);
+        if length <= 0.0 {
+            return None;
+        }
+        let per = 1.0 / length;
+        Some(Leg { travel, slope: travel.map(|x| x * per), length })
+    }
+}
