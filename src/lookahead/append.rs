@@ -26,6 +26,8 @@ pub(super) struct Last<const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length.
     pub bent: bool,
+    /// Acceleration passes both its ends.
+    pub through: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
     /// It is a part of a curve of many elements.
@@ -51,6 +53,12 @@ struct Next<'a, const AXES: usize> {
     share: Share,
     /// The block before is shorter than a tick takes.
     after_brief: bool,
+}
+
+/// Whether a line beside a curve that acceleration passes is long: at the speed `v` two of its own ramps have room
+/// in it, and all of its acceleration is worth more than what may pass the joint.
+fn is_long((limits, length): (&Limits, f32), v: f32) -> bool {
+    length * limits.jerk(0) >= 2.0 * v * limits.a_up
 }
 
 /// The transition to a block that comes in.
@@ -167,10 +175,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Some(last) if self.tail.row.is_brief() => last.behind,
             _ => *piece.exit,
         };
-        let (exit, trades) = (*piece.exit, piece.trades);
-        let (timed, bent, flows) = (piece.timed, piece.bent, piece.flows);
+        let exit = *piece.exit;
+        let Piece { timed, bent, trades, flows, through, .. } = *piece;
         self.tail.last =
-            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, flows, behind });
+            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, flows, through, behind });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);
@@ -248,11 +256,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        let line = || if piece.through { (&before.limits, last.length) } else { (&*limits, next.length) };
         let alike = || {
             last.trades == piece.trades
                 && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
                 && last.bent == piece.bent
                 && (!piece.bent || limits.are(&before.limits))
+                && (last.through == piece.through || slope == SlopeType::Step || !is_long(line(), cap))
         };
         let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
         let anchor = !(through && smooth && alike() && fits());

@@ -13,7 +13,7 @@ use super::timed::{Overlap, Rise};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::nc::ContourMethod;
+use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
 use crate::slope::ramp::Ramp;
 
@@ -57,6 +57,16 @@ impl Approach {
     /// With a standstill in the corner.
     pub fn stop(&self) -> f32 {
         self.time(0.0, [0.0; 2], 0.0)
+    }
+
+    /// Whether the speed changes little beside a curve at the speed `v` which begins and ends at the distance
+    /// `c`, on one side at least: there acceleration has to pass it.
+    fn is_close(&self, v: f32, c: f32) -> bool {
+        let sides = self.slopes.iter().zip(self.v).zip(self.room);
+        sides.fold(false, |close, ((slope, fastest), room)| {
+            let missing = fastest - v;
+            close || missing <= 0.0 || 2.0 * slope.reach(v, max(room - c, 0.0)) < missing
+        })
     }
 
     /// With a curve over time.
@@ -171,6 +181,73 @@ impl Candidate {
         way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
     }
 }
+
+/// A shallow corner between lines, whose curve is [`super::kernel`]'s: no other of its length has as little jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shallow {
+    /// Corner distance, mm.
+    pub c: f32,
+    /// Nearly all of acceleration and jerk is the curve's at this speed, mm/tick; without it acceleration passes
+    /// the curve.
+    pub v: Option<f32>,
+}
+
+impl Shallow {
+    /// The curve that DEV has at a shallow corner. Where the block length binds, all of the corners beyond
+    /// [`SHALLOW`] are; where the tolerance does, the curve of a sharper one slows down inside.
+    ///
+    /// With HSC and STEP acceleration passes it where the blocks are too short for the speed to change beside it.
+    pub fn new<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        corner: &Corner<'_, AXES>,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        (most, tolerance): (f32, &Tolerance),
+        approach: &Approach,
+    ) -> Option<Self> {
+        let [first, second] = [&held.block, &next.block];
+        let rapid = first.data.feed.is_none();
+        let straight = held.is_line() && next.is_line() && first.to == second.from && held.skipped.is_none();
+        let dev = rule.method == ContourMethod::Dev && !setting.parameters.const_vel;
+        if !dev || !straight || rapid != second.data.feed.is_none() {
+            return None;
+        }
+        let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
+        let turn = size(&setting.measure.main, &change);
+        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance) as f32;
+        if turn > if by_tolerance < most { SHALLOW_INSIDE } else { SHALLOW } {
+            return None;
+        }
+        let c = min(most, by_tolerance);
+        let curvature = change.map(|d| d / c);
+        let third = curvature.map(|x| x / c);
+        let check = setting.parameters.check_jerk;
+        let [v1, v2] = approach.v;
+        let fastest = |through: bool| {
+            min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check, through))
+        };
+        let slope = setting.dynamics.slope();
+        let v = fastest(true);
+        let passes = matches!(slope, SlopeType::Hsc | SlopeType::Step) && approach.is_close(v, c);
+        if passes {
+            return Some(Self { c, v: None });
+        }
+        let v = fastest(false);
+        let inside = 2.0 * c / v;
+        if slope == SlopeType::Step || check == 0 || inside < LEAST_TICKS {
+            return None;
+        }
+        (approach.time(v, [c; 2], inside) <= approach.stop()).then_some(Self { c, v: Some(v) })
+    }
+}
+
+/// Change of direction up to which a corner is shallow: where the block length binds, and where the tolerance
+/// does.
+const SHALLOW: f32 = 0.5;
+/// See [`SHALLOW`].
+const SHALLOW_INSIDE: f32 = 0.25;
+/// Ticks of a curve that is not for acceleration to pass.
+const LEAST_TICKS: f32 = 4.0;
 
 /// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
 fn soft_distance<const AXES: usize>(
