@@ -55,10 +55,12 @@ struct Next<'a, const AXES: usize> {
     after_brief: bool,
 }
 
-/// Whether a line beside a curve that acceleration passes is long: at the speed `v` two of its own ramps have room
-/// in it, and all of its acceleration is worth more than what may pass the joint.
-fn is_long((limits, length): (&Limits, f32), v: f32) -> bool {
-    length * limits.jerk(0) >= 2.0 * v * limits.a_up
+/// Mean acceleration over a length at the speed `v`, mm/tick², where it is zero at both ends.
+fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
+    let (a, j) = (limits.a_up, limits.jerk(0));
+    // In units of the speed: j·t/4, or a − a²/(j·t) where a is reached.
+    let gain = j * length;
+    if gain < 2.0 * a * v { 0.25 * gain / v } else { a - a * a * v / gain }
 }
 
 /// The transition to a block that comes in.
@@ -256,13 +258,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        let line = || if piece.through { (&before.limits, last.length) } else { (&*limits, next.length) };
+        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more than
+        // either side has with none at its ends.
+        let passes = || {
+            let run = to_f32(self.tail.span) * (1.0 / (1u64 << 44) as f32);
+            alone(&before.limits, run, cap) <= limits.a_up
+                && alone(limits, next.length, cap) <= before.limits.a_up
+        };
         let alike = || {
             last.trades == piece.trades
                 && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
                 && last.bent == piece.bent
                 && (!piece.bent || limits.are(&before.limits))
-                && (last.through == piece.through || slope == SlopeType::Step || !is_long(line(), cap))
+                && (!(last.through || piece.through) || slope == SlopeType::Step || passes())
         };
         let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
         let anchor = !(through && smooth && alike() && fits());

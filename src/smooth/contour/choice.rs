@@ -4,14 +4,14 @@
 //! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all
 //! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
 //! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
-use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise};
+use super::{LSB_44, Parameters};
 use crate::dynamics::Dynamics;
-use crate::math::float::{max, min};
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
@@ -59,14 +59,12 @@ impl Approach {
         self.time(0.0, [0.0; 2], 0.0)
     }
 
-    /// Whether the speed changes little beside a curve at the speed `v` which begins and ends at the distance
-    /// `c`, on one side at least: there acceleration has to pass it.
-    fn is_close(&self, v: f32, c: f32) -> bool {
-        let sides = self.slopes.iter().zip(self.v).zip(self.room);
-        sides.fold(false, |close, ((slope, fastest), room)| {
-            let missing = fastest - v;
-            close || missing <= 0.0 || 2.0 * slope.reach(v, max(room - c, 0.0)) < missing
-        })
+    /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little of
+    /// the way to their feed: acceleration has to pass the curve then.
+    fn is_brief(&self, v: f32) -> bool {
+        let sides = || self.slopes.iter().zip(self.v).zip(self.room);
+        sides().all(|((slope, fastest), room)| SHORT * room < slope.distance(0.0, fastest)[0])
+            || sides().all(|((slope, _), room)| CLOSE * slope.reach(v, room) < v)
     }
 
     /// With a curve over time.
@@ -89,6 +87,11 @@ impl Approach {
         self.time(through, distances, length / through)
     }
 }
+
+/// The speed changes little where it changes by less than this part.
+const CLOSE: f32 = 40.0;
+/// A way is short below this part of the one from rest to the feed.
+const SHORT: f32 = 20.0;
 
 /// A curve over time for a corner between two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,6 +193,8 @@ pub struct Shallow {
     /// Nearly all of acceleration and jerk is the curve's at this speed, mm/tick; without it acceleration passes
     /// the curve.
     pub v: Option<f32>,
+    /// [`HeldBlock::slow`] of the block behind it.
+    pub slow: [f32; 2],
 }
 
 impl Shallow {
@@ -228,16 +233,20 @@ impl Shallow {
         };
         let slope = setting.dynamics.slope();
         let v = fastest(true);
-        let passes = matches!(slope, SlopeType::Hsc | SlopeType::Step) && approach.is_close(v, c);
-        if passes {
-            return Some(Self { c, v: None });
+        // The motion may not have reached that speed yet.
+        let [base, way] = held.slow;
+        let way = way + to_f32(held.length) * LSB_44;
+        let reached = base + approach.slopes[0].reach(base, way);
+        let slow = if v < reached { [v, 0.0] } else { [base, way] };
+        if matches!(slope, SlopeType::Hsc | SlopeType::Step) && approach.is_brief(min(v, reached)) {
+            return Some(Self { c, v: None, slow });
         }
         let v = fastest(false);
         let inside = 2.0 * c / v;
         if slope == SlopeType::Step || check == 0 || inside < LEAST_TICKS {
             return None;
         }
-        (approach.time(v, [c; 2], inside) <= approach.stop()).then_some(Self { c, v: Some(v) })
+        (approach.time(v, [c; 2], inside) <= approach.stop()).then_some(Self { c, v: Some(v), slow })
     }
 }
 

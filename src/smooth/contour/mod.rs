@@ -424,6 +424,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
             stray: Stray::NONE,
             previous: None,
+            slow: [0.0; 2],
             skipped: None,
         };
         if let Some(waiting) = self.waiting.take() {
