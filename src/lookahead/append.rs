@@ -179,8 +179,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let exit = *piece.exit;
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
-        self.tail.last =
-            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, flows, through, behind });
+        self.tail.last = Some(Last {
+            exit,
+            length,
+            share,
+            rapid,
+            shared,
+            slope,
+            timed,
+            bent,
+            trades,
+            flows,
+            through,
+            behind,
+        });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);
