@@ -428,7 +428,8 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
     ) -> Option<Turning<AXES>> {
-        let (cut, reach) = Cut::even(held, next, rule, (c * ONE_44) as i64);
+        let most = held.length.min(next.length) / 2;
+        let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
         let ends = Ends::new(held, next, cut, setting.measure)?;
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
