@@ -32,8 +32,6 @@ const FLOWING_PULL: f32 = 0.25;
 const FLOWING_SPEEDS: usize = 8;
 /// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature.
 const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.8, 0.0];
-/// Where it does not: see `PART_DEV` of [`mod@crate::smooth::contour`].
-const ALONE_PARTS: [f32; 3] = [0.95, 0.905, 0.0];
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
@@ -260,17 +258,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         [max(most, TINY), max(jerk, TINY)]
     }
 
-    /// The highest speed of a curve in a corner with these second and third derivatives. `through`: acceleration
-    /// passes it; otherwise nearly all is its own.
-    pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8, through: bool) -> f32 {
-        let [normal_part, curve_part, _] = if through { THROUGH_PARTS } else { ALONE_PARTS };
+    /// The highest speed of a curve that acceleration passes, with these second and third derivatives.
+    pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
+        let [normal_part, curve_part, _] = THROUGH_PARTS;
         let (mut square, mut cube) = (NO_LIMIT, NO_LIMIT);
         for (axis, (second, third)) in self.axes.iter().zip(second.iter().zip(third)) {
             let (set, second, third) = (axis.set(rapid), magnitude(*second), magnitude(*third));
             if second > 0.0 {
                 square = min(square, min(set.least(), normal_part * axis.a_max) / second);
             }
-            if third > 0.0 && self.slope != SlopeType::Step {
+            if third > 0.0 {
                 cube = min(cube, curve_part * set.curving_budget(check) / third);
             }
         }

@@ -282,7 +282,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
                 && last.bent == piece.bent
                 && (!piece.bent || limits.are(&before.limits))
-                && (!(last.through || piece.through) || slope == SlopeType::Step || passes())
+                && (!(last.through || piece.through) || passes())
         };
         let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
         let anchor = !(through && smooth && alike() && fits());

@@ -190,18 +190,13 @@ impl Candidate {
 pub struct Shallow {
     /// Corner distance, mm.
     pub c: f32,
-    /// Nearly all of acceleration and jerk is the curve's at this speed, mm/tick; without it acceleration passes
-    /// the curve.
-    pub v: Option<f32>,
     /// [`HeldBlock::slow`] of the block behind it.
     pub slow: [f32; 2],
 }
 
 impl Shallow {
-    /// The curve that DEV has at a shallow corner. Where the block length binds, all of the corners beyond
-    /// [`SHALLOW`] are; where the tolerance does, the curve of a sharper one slows down inside.
-    ///
-    /// With HSC and STEP acceleration passes it where the blocks are too short for the speed to change beside it.
+    /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to pass
+    /// it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
     pub fn new<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         corner: &Corner<'_, AXES>,
@@ -214,7 +209,8 @@ impl Shallow {
         let rapid = first.data.feed.is_none();
         let straight = held.is_line() && next.is_line() && first.to == second.from && held.skipped.is_none();
         let dev = rule.method == ContourMethod::Dev && !setting.parameters.const_vel;
-        if !dev || !straight || rapid != second.data.feed.is_none() {
+        let hsc = setting.dynamics.slope() == SlopeType::Hsc;
+        if !hsc || !dev || !straight || rapid != second.data.feed.is_none() {
             return None;
         }
         let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
@@ -228,25 +224,13 @@ impl Shallow {
         let third = curvature.map(|x| x / c);
         let check = setting.parameters.check_jerk;
         let [v1, v2] = approach.v;
-        let fastest = |through: bool| {
-            min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check, through))
-        };
-        let slope = setting.dynamics.slope();
-        let v = fastest(true);
+        let v = min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check));
         // The motion may not have reached that speed yet.
         let [base, way] = held.slow;
         let way = way + to_f32(held.length) * LSB_44;
         let reached = base + approach.slopes[0].reach(base, way);
         let slow = if v < reached { [v, 0.0] } else { [base, way] };
-        if matches!(slope, SlopeType::Hsc | SlopeType::Step) && approach.is_brief(min(v, reached)) {
-            return Some(Self { c, v: None, slow });
-        }
-        let v = fastest(false);
-        let inside = 2.0 * c / v;
-        if slope == SlopeType::Step || check == 0 || inside < LEAST_TICKS {
-            return None;
-        }
-        (approach.time(v, [c; 2], inside) <= approach.stop()).then_some(Self { c, v: Some(v), slow })
+        approach.is_brief(min(v, reached)).then_some(Self { c, slow })
     }
 }
 
@@ -255,8 +239,6 @@ impl Shallow {
 const SHALLOW: f32 = 0.5;
 /// See [`SHALLOW`].
 const SHALLOW_INSIDE: f32 = 0.25;
-/// Ticks of a curve that is not for acceleration to pass.
-const LEAST_TICKS: f32 = 4.0;
 
 /// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
 fn soft_distance<const AXES: usize>(

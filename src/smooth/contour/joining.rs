@@ -424,7 +424,7 @@ impl<const AXES: usize> Joining<AXES> {
     fn bend(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
-        Shallow { c, v, slow }: Shallow,
+        Shallow { c, slow }: Shallow,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
     ) -> Option<Turning<AXES>> {
@@ -435,9 +435,8 @@ impl<const AXES: usize> Joining<AXES> {
         if c < SHORTEST {
             return None;
         }
-        let passage = v.map_or(Passage::Through, Passage::Timed);
         next.slow = slow;
-        let course = Cornering::Kernel(Kernel::new(&held.block.to, (c, passage), &ends.from, &ends.to()));
+        let course = Cornering::Kernel(Kernel::new(&held.block.to, c, &ends.from, &ends.to()));
         Some(ends.join(held, next, course, None, setting))
     }
 

@@ -22,9 +22,8 @@ pub struct Kernel<const AXES: usize> {
     from: Knot<AXES>,
     middle: Knot<AXES>,
     to: Knot<AXES>,
-    /// Length of a half, mm, and what the speed does in it.
+    /// Length of a half, mm.
     length: f32,
-    passage: Passage,
     /// Magnitudes of the third derivative.
     third: [f32; AXES],
     /// Halves handed out.
@@ -33,12 +32,7 @@ pub struct Kernel<const AXES: usize> {
 
 impl<const AXES: usize> Kernel<AXES> {
     /// About the corner `origin` between two knots, both at the distance `c` from it.
-    pub fn new(
-        origin: &[Position; AXES],
-        (c, passage): (f32, Passage),
-        from: &Knot<AXES>,
-        to: &Knot<AXES>,
-    ) -> Self {
+    pub fn new(origin: &[Position; AXES], c: f32, from: &Knot<AXES>, to: &Knot<AXES>) -> Self {
         let mut middle = Knot { position: *origin, end: from.end };
         let mut third = [0.0; AXES];
         let per = 1.0 / c;
@@ -53,7 +47,7 @@ impl<const AXES: usize> Kernel<AXES> {
             *curvature = d * per;
             *third = (if d < 0.0 { -d } else { d }) * per * per * ROUNDED;
         }
-        Self { from: *from, middle, to: *to, length: c, passage, third, done: 0 }
+        Self { from: *from, middle, to: *to, length: c, third, done: 0 }
     }
 
     /// Whether the next element belongs to the block before the corner.
@@ -91,7 +85,7 @@ impl<const AXES: usize> Kernel<AXES> {
     /// The derivatives are known better than from the points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
-            bounds.passage = self.passage;
+            bounds.passage = Passage::Through;
             bounds.second = larger(&element.entry.curvature, &element.exit.curvature);
             bounds.third = self.third;
         }
