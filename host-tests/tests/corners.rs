@@ -300,9 +300,9 @@ fn deviation(run: &Run, points: &[[f64; 3]]) -> f64 {
     most
 }
 
-/// D3-076: chords of any length that turn little, or by the rounding of coordinates: inside the tolerance, inside
-/// the limits (see [`run`]), and faster than with corners as they are. Of STEP, which passes a knee with a step of
-/// speed, the tolerance and the limits.
+/// D3-076: chords of any length that turn little, or by the rounding of coordinates: inside the tolerance,
+/// inside the limits (see [`run`]), and faster than with corners as they are. Of STEP, which passes a knee with
+/// a step of speed, the tolerance and the limits.
 #[test]
 fn chords_of_any_size_are_faster_rounded_and_keep_their_tolerance() {
     for seed in 0..40 {
@@ -340,7 +340,7 @@ fn chords_of_any_size_are_faster_rounded_and_keep_their_tolerance() {
     }
 }
 
-/// D3-056: acceleration passes the curves of short blocks, so that the speed goes up and down over many of them.
+/// D3-056: acceleration passes the curves of short blocks, so that the speed rises and falls over many.
 #[test]
 fn acceleration_passes_the_curves_of_short_blocks() {
     let mut times = [[0.0; 2]; 2];

@@ -166,17 +166,15 @@ impl<const AXES: usize> Dynamics<AXES> {
                 if *third > 0.0 {
                     limits.v = min(limits.v, cbrt_f32(curve_part * budget / third));
                 }
-                let flows = bounds.flows() || bounds.is_through();
                 if let (true, SlopeLaw::JerkLimited { shape, j, .. }) =
-                    (*first > 0.0 && !trades && !flows, &mut limits.law)
+                    (*first > 0.0 && !trades && !bounds.passes(), &mut limits.law)
                 {
                     lower(j, [slope_part / shape.peak_jerk() * budget / first; 4]);
                 }
             }
         }
-        if (bounds.flows() || bounds.is_through()) && !stepped {
-            let speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
-            self.flow(bounds, &mut limits, speeds, |axis| budget_of(axis.set(rapid)));
+        if bounds.passes() && !stepped {
+            self.flow(bounds, &mut limits, |axis| budget_of(axis.set(rapid)));
         } else if trades {
             let whole = |axis: &Axis| {
                 let set = axis.set(rapid);
@@ -206,13 +204,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// Limits of an element that is one of many of a curve: the highest of some speeds, each four fifths of the
     /// one before, that leaves a part of the acceleration with which it is reached. Of the jerk that a speed
     /// leaves, half is for an acceleration along the path, half for its change.
-    fn flow(
-        &self,
-        bounds: &Bounds<AXES>,
-        limits: &mut Limits,
-        speeds: usize,
-        budget_of: impl Fn(&Axis) -> f32,
-    ) {
+    fn flow(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
+        // A corner that acceleration passes has its highest speed.
+        let speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
         let most = min(limits.a_up, limits.a_down);
         let mut left = self.left(bounds, limits.v, most, &budget_of);
         for _ in 0..speeds {

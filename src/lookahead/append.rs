@@ -270,8 +270,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more than
-        // either side has with none at its ends.
+        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
+        // than either side has with none at its ends.
         let passes = || {
             let run = to_f32(self.tail.span) * (1.0 / (1u64 << 44) as f32);
             alone(&before.limits, run, cap) <= limits.a_up

@@ -67,7 +67,12 @@ impl<const AXES: usize> Bounds<AXES> {
         matches!(self.passage, Passage::Flowing)
     }
 
-    /// Acceleration passes both its ends.
+    /// Acceleration passes both its ends, and what is left to it is known.
+    pub const fn passes(&self) -> bool {
+        self.flows() || self.is_through()
+    }
+
+    /// It is a part of a corner's curve that acceleration passes.
     pub const fn is_through(&self) -> bool {
         matches!(self.passage, Passage::Through)
     }

@@ -59,8 +59,8 @@ impl Approach {
         self.time(0.0, [0.0; 2], 0.0)
     }
 
-    /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little of
-    /// the way to their feed: acceleration has to pass the curve then.
+    /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little
+    /// of the way to their feed: acceleration has to pass the curve then.
     fn is_brief(&self, v: f32) -> bool {
         let sides = || self.slopes.iter().zip(self.v).zip(self.room);
         sides().all(|((slope, fastest), room)| SHORT * room < slope.distance(0.0, fastest)[0])
@@ -185,7 +185,7 @@ impl Candidate {
     }
 }
 
-/// A shallow corner between lines, whose curve is [`super::kernel`]'s: no other of its length has as little jerk.
+/// A shallow corner between lines, whose curve is that of [`super::kernel`]: the least jerk of its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shallow {
     /// Corner distance, mm.
@@ -195,8 +195,8 @@ pub struct Shallow {
 }
 
 impl Shallow {
-    /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to pass
-    /// it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
+    /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to
+    /// pass it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
     pub fn new<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         corner: &Corner<'_, AXES>,
