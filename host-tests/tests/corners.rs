@@ -2,6 +2,7 @@
 //! than a standstill, not by jerk that is permitted and not used.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
+use host_tests::cam;
 use host_tests::cases::machines;
 use host_tests::cases::random::Random;
 use host_tests::check;
@@ -268,5 +269,89 @@ fn a_corner_uses_what_limits_it() {
                 "PATH_DEV {path_dev}, CONST_VEL {constant}: {used:?}"
             );
         }
+    }
+}
+
+/// Ramps and geometric ramp of 50 ms and of 150 ms.
+const STRICT: [[u32; 2]; 2] = [EVEN, [150_000; 2]];
+
+/// Largest distance of a set point from the lines between points.
+fn deviation(run: &Run, points: &[[f64; 3]]) -> f64 {
+    let distance = |q: &[f64], a: &[f64; 3], b: &[f64; 3]| {
+        let way: Vec<f64> = (0..3).map(|k| b[k] - a[k]).collect();
+        let square: f64 = way.iter().map(|x| x * x).sum();
+        let along: f64 = (0..3).map(|k| (q[k] - a[k]) * way[k]).sum();
+        let t = (along / square).clamp(0.0, 1.0);
+        (0..3).map(|k| (q[k] - a[k] - t * way[k]).powi(2)).sum::<f64>().sqrt()
+    };
+    let mut near = 0_usize;
+    let mut most = 0.0_f64;
+    for i in 0..run.trace.len() {
+        let q = run.trace.mm(i);
+        // Corners are passed in order.
+        let lines = near.saturating_sub(2)..(near + 8).min(points.len() - 1);
+        let (line, off) = lines
+            .map(|k| (k, distance(&q, &points[k], &points[k + 1])))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a line");
+        near = near.max(line);
+        most = most.max(off);
+    }
+    most
+}
+
+/// D3-076: chords of any length that turn little, or by the rounding of coordinates: inside the tolerance,
+/// inside the limits (see [`run`]), and faster than with corners as they are. Of STEP, which passes a knee with
+/// a step of speed, the tolerance and the limits.
+#[test]
+fn chords_of_any_size_are_faster_rounded_and_keep_their_tolerance() {
+    for seed in 0..40 {
+        let mut r = Random::new(seed);
+        let path_dev = r.magnitude(0.001, 0.2);
+        let (feed, size) = (r.between(2000.0, 20_000.0), r.magnitude(0.1, 8.0));
+        let [mut x, mut y, mut z, mut angle, mut turn] = [10.0, 0.0, 0.0, 0.0_f64, 0.0];
+        let mut points = vec![[0.0; 3], [10.0, 0.0, 0.0]];
+        let mut lines = format!("N1 G01 X10 F{feed:.0}\n");
+        for n in 0..60 {
+            let length = size * r.between(0.2, 1.8);
+            if r.once_in(12) {
+                turn = r.between(-0.15, 0.15);
+            }
+            angle += turn;
+            (x, y) = (x + length * angle.cos(), y + length * angle.sin());
+            z += 0.2 * length * (0.2 * x).sin();
+            let rounded = |x: f64| (x * 1e3).round() * 1e-3;
+            points.push([rounded(x), rounded(y), rounded(z)]);
+            lines += &format!("N{} X{x:.3} Y{y:.3} Z{z:.3}\n", n + 2);
+        }
+        for slope in [STEP, TRAPEZ, SIN2, HSC] {
+            let machine = machine(slope, STRICT[(seed % 2) as usize], 1000);
+            let time = |mode: &str| {
+                let run = run(&format!("{mode}\n{lines}N99 G260\nM30\n"), &machine);
+                (run.time(), deviation(&run, &points))
+            };
+            let ((rounded, off), (plain, _)) = (time(&dev(path_dev)), time("G260"));
+            assert!(off <= path_dev + 1e-6, "seed {seed}, slope {slope}: {off} of {path_dev}");
+            assert!(
+                slope == STEP || rounded <= plain,
+                "seed {seed}, slope {slope}: {rounded} rounded, {plain} with corners"
+            );
+        }
+    }
+}
+
+/// D3-056: acceleration passes the curves of short blocks, so that the speed rises and falls over many.
+#[test]
+fn acceleration_passes_the_curves_of_short_blocks() {
+    let mut times = [[0.0; 2]; 2];
+    for (ramps, times) in STRICT.into_iter().zip(&mut times) {
+        let machine = machine(HSC, ramps, 1000);
+        times[0] = run(&circle(&dev(0.1), 64, 3), &machine).time();
+        times[1] = run(&cam::rows(&dev(0.02)), &machine).time();
+    }
+    println!("circle and rows: {times:.3?} s");
+    let most = [[3.6, 75.0], [5.1, 100.0]];
+    for (time, most) in times.iter().flatten().zip(most.iter().flatten()) {
+        assert!(time <= most, "{time} s of {most}");
     }
 }

@@ -3,7 +3,7 @@ use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;
 use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Element, Passage};
@@ -32,6 +32,8 @@ const FLOWING_SLOPE_PART: f32 = 0.25;
 /// Its speed leaves that part of the acceleration that its jerk reaches; one of so many speeds.
 const FLOWING_PULL: f32 = 0.25;
 const FLOWING_SPEEDS: usize = 8;
+/// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature.
+const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.8, 0.0];
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
@@ -73,6 +75,7 @@ const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
         Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
         Passage::Flowing => [FLOWING_NORMAL_PART, FLOWING_PART, FLOWING_SLOPE_PART],
         Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
+        Passage::Through => THROUGH_PARTS,
         Passage::Varying | Passage::Timed(_) => [NORMAL_PART, ARC_PART, ARC_SLOPE_PART],
     }
 }
@@ -166,7 +169,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                     limits.v = min(limits.v, cbrt_f32(curve_part * budget / third));
                 }
                 if let (true, SlopeLaw::JerkLimited { shape, j, .. }) =
-                    (*first > 0.0 && !trades && !bounds.flows(), &mut limits.law)
+                    (*first > 0.0 && !trades && !bounds.passes(), &mut limits.law)
                 {
                     lower(j, [slope_part / shape.peak_jerk() * budget / first; 4]);
                 }
@@ -182,9 +185,11 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// one before, that leaves a part of the acceleration with which it is reached. Of the jerk that a speed
     /// leaves, half is for an acceleration along the path, half for its change.
     fn flow(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
+        // A corner that acceleration passes has its highest speed.
+        let speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
         let most = min(limits.a_up, limits.a_down);
         let mut left = self.left(bounds, limits.v, most, &budget_of);
-        for _ in 0..FLOWING_SPEEDS {
+        for _ in 0..speeds {
             let [a, j] = left;
             if a >= FLOWING_PULL * min(most, sqrt_f32(j * limits.v)) {
                 break;
@@ -240,7 +245,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
         let [.., slope_part] = parts(bounds.passage, stepped);
         let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
-        if bounds.flows() && !stepped {
+        if bounds.passes() && !stepped {
             self.flow(bounds, limits, |axis| budget_of(axis.set(rapid)));
         } else if bounds.trades() && !stepped {
             let whole = |axis: &Axis| {
@@ -264,6 +269,22 @@ impl<const AXES: usize> Dynamics<AXES> {
                 a
             });
         }
+    }
+
+    /// The highest speed of a curve that acceleration passes, with these second and third derivatives.
+    pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
+        let [normal_part, curve_part, _] = THROUGH_PARTS;
+        let (mut square, mut cube) = (NO_LIMIT, NO_LIMIT);
+        for (axis, (second, third)) in self.axes.iter().zip(second.iter().zip(third)) {
+            let (set, second, third) = (axis.set(rapid), magnitude(*second), magnitude(*third));
+            if second > 0.0 {
+                square = min(square, min(set.least(), normal_part * axis.a_max) / second);
+            }
+            if third > 0.0 {
+                cube = min(cube, curve_part * set.curving_budget(check) / third);
+            }
+        }
+        min(sqrt_f32(square), cbrt_f32(cube))
     }
 
     /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as

@@ -26,6 +26,8 @@ pub(super) struct Last<const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length.
     pub bent: bool,
+    /// Acceleration passes both its ends.
+    pub through: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
     /// It is a part of a curve of many elements.
@@ -51,6 +53,14 @@ struct Next<'a, const AXES: usize> {
     share: Share,
     /// The block before is shorter than a tick takes.
     after_brief: bool,
+}
+
+/// Mean acceleration over a length at the speed `v`, mm/tick², where it is zero at both ends.
+fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
+    let (a, j) = (limits.a_up, limits.jerk(0));
+    // In units of the speed: j·t/4, or a − a²/(j·t) where a is reached.
+    let gain = j * length;
+    if gain < 2.0 * a * v { 0.25 * gain / v } else { a - a * a * v / gain }
 }
 
 /// The transition to a block that comes in.
@@ -167,10 +177,22 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Some(last) if self.tail.row.is_brief() => last.behind,
             _ => *piece.exit,
         };
-        let (exit, trades) = (*piece.exit, piece.trades);
-        let (timed, bent, flows) = (piece.timed, piece.bent, piece.flows);
-        self.tail.last =
-            Some(Last { exit, length, share, rapid, shared, slope, timed, bent, trades, flows, behind });
+        let exit = *piece.exit;
+        let Piece { timed, bent, trades, flows, through, .. } = *piece;
+        self.tail.last = Some(Last {
+            exit,
+            length,
+            share,
+            rapid,
+            shared,
+            slope,
+            timed,
+            bent,
+            trades,
+            flows,
+            through,
+            behind,
+        });
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);
@@ -251,11 +273,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
+        // than either side has with none at its ends.
+        let passes = || {
+            let run = to_f32(self.tail.span) * (1.0 / (1u64 << 44) as f32);
+            alone(&before.limits, run, cap) <= limits.a_up
+                && alone(limits, next.length, cap) <= before.limits.a_up
+        };
         let alike = || {
             last.trades == piece.trades
                 && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
                 && last.bent == piece.bent
                 && (!piece.bent || limits.are(&before.limits))
+                && (!(last.through || piece.through) || passes())
         };
         let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
         let anchor = !(through && smooth && alike() && fits());

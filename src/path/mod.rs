@@ -81,6 +81,8 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub timed: bool,
     /// It is a part of a curve over arc length: how much speed may change differs from part to part.
     pub bent: bool,
+    /// It is a part of a curve that acceleration passes.
+    pub through: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
     /// It is a part of a curve of many elements.
@@ -95,8 +97,9 @@ impl<const AXES: usize> Element<AXES> {
         let timed = bounds.as_ref().is_some_and(Bounds::is_timed);
         let trades = bounds.as_ref().is_some_and(Bounds::trades);
         let flows = bounds.as_ref().is_some_and(Bounds::flows);
-        let bent = bounds.is_some() && !timed && !flows;
-        Piece { shape, entry, exit, timed, bent, trades, flows }
+        let through = bounds.as_ref().is_some_and(Bounds::is_through);
+        let bent = bounds.is_some() && !timed && !flows && !through;
+        Piece { shape, entry, exit, timed, bent, trades, flows, through }
     }
 }
 

@@ -50,6 +50,8 @@ pub enum Passage {
     Flowing,
     /// It is one (CONST_VEL).
     Constant,
+    /// It changes as in a line: acceleration passes both its ends.
+    Through,
     /// Path is time: the path speed, mm/tick, that it was made for.
     Timed(f32),
 }
@@ -63,6 +65,16 @@ impl<const AXES: usize> Bounds<AXES> {
     /// It is a part of a curve of many elements.
     pub const fn flows(&self) -> bool {
         matches!(self.passage, Passage::Flowing)
+    }
+
+    /// Acceleration passes both its ends, and what is left to it is known.
+    pub const fn passes(&self) -> bool {
+        self.flows() || self.is_through()
+    }
+
+    /// It is a part of a corner's curve that acceleration passes.
+    pub const fn is_through(&self) -> bool {
+        matches!(self.passage, Passage::Through)
     }
 
     /// Acceleration inside it is bought with speed.

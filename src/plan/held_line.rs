@@ -144,8 +144,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         match curve {
             Curve::Line(stretch) => {
                 let (shape, ends) = &stretch.line().parts();
-                let (timed, bent, trades, flows) = (false, false, false, false);
-                let piece = Piece { shape, entry: ends, exit: ends, timed, bent, trades, flows };
+                let (timed, bent, trades, flows, through) = (false, false, false, false, false);
+                let piece = Piece { shape, entry: ends, exit: ends, timed, bent, trades, flows, through };
                 entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
             }
             Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, None),

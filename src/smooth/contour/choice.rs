@@ -4,16 +4,16 @@
 //! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all
 //! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
 //! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
-use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise};
+use super::{LSB_44, Parameters};
 use crate::dynamics::Dynamics;
-use crate::math::float::{max, min};
+use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::nc::ContourMethod;
+use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
 use crate::slope::ramp::Ramp;
 
@@ -59,6 +59,14 @@ impl Approach {
         self.time(0.0, [0.0; 2], 0.0)
     }
 
+    /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little
+    /// of the way to their feed: acceleration has to pass the curve then.
+    fn is_brief(&self, v: f32) -> bool {
+        let sides = || self.slopes.iter().zip(self.v).zip(self.room);
+        sides().all(|((slope, fastest), room)| SHORT * room < slope.distance(0.0, fastest)[0])
+            || sides().all(|((slope, _), room)| CLOSE * slope.reach(v, room) < v)
+    }
+
     /// With a curve over time.
     fn overlapping(&self, way: &Overlap) -> f32 {
         self.time(way.rise.v as f32, [way.rise.distance() as f32; 2], way.duration() as f32)
@@ -79,6 +87,11 @@ impl Approach {
         self.time(through, distances, length / through)
     }
 }
+
+/// The speed changes little where it changes by less than this part.
+const CLOSE: f32 = 40.0;
+/// A way is short below this part of the one from rest to the feed.
+const SHORT: f32 = 20.0;
 
 /// A curve over time for a corner between two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,6 +184,61 @@ impl Candidate {
         way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
     }
 }
+
+/// A shallow corner between lines, whose curve is that of [`super::kernel`]: the least jerk of its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shallow {
+    /// Corner distance, mm.
+    pub c: f32,
+    /// [`HeldBlock::slow`] of the block behind it.
+    pub slow: [f32; 2],
+}
+
+impl Shallow {
+    /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to
+    /// pass it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
+    pub fn new<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        corner: &Corner<'_, AXES>,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        (most, tolerance): (f32, &Tolerance),
+        approach: &Approach,
+    ) -> Option<Self> {
+        let [first, second] = [&held.block, &next.block];
+        let rapid = first.data.feed.is_none();
+        let straight = held.is_line() && next.is_line() && first.to == second.from && held.skipped.is_none();
+        let dev = rule.method == ContourMethod::Dev && !setting.parameters.const_vel;
+        let hsc = setting.dynamics.slope() == SlopeType::Hsc;
+        if !hsc || !dev || !straight || rapid != second.data.feed.is_none() {
+            return None;
+        }
+        let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
+        let turn = size(&setting.measure.main, &change);
+        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance) as f32;
+        if turn > if by_tolerance < most { SHALLOW_INSIDE } else { SHALLOW } {
+            return None;
+        }
+        let c = min(most, by_tolerance);
+        let curvature = change.map(|d| d / c);
+        let third = curvature.map(|x| x / c);
+        let check = setting.parameters.check_jerk;
+        let [v1, v2] = approach.v;
+        let v = min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check));
+        // The motion may not have reached that speed yet.
+        let [base, way] = held.slow;
+        let way = way + to_f32(held.length) * LSB_44;
+        let reached = base + approach.slopes[0].reach(base, way);
+        let slow = if v < reached { [v, 0.0] } else { [base, way] };
+        approach.is_brief(min(v, reached)).then_some(Self { c, slow })
+    }
+}
+
+/// Change of direction up to which a corner is shallow: where the block length binds, and where the tolerance
+/// does.
+const SHALLOW: f32 = 0.5;
+/// See [`SHALLOW`].
+const SHALLOW_INSIDE: f32 = 0.25;
 
 /// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
 fn soft_distance<const AXES: usize>(

@@ -19,6 +19,9 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
     pub previous: Option<i64>,
+    /// Speed, mm/tick, at the last corner before it that slows the motion down, and the way from there to its
+    /// start, mm.
+    pub slow: [f32; 2],
     /// The blocks left out behind it.
     pub skipped: Option<Skipped<AXES>>,
 }
@@ -282,7 +285,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         };
         let length = element.shape.length.to_bits();
         let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
-        Some(Self { block, length, rule: None, stray, previous: None, skipped: None })
+        Some(Self { block, length, rule: None, stray, previous: None, slow: [0.0; 2], skipped: None })
     }
 
     /// The line in place of the blocks left out.

@@ -1,10 +1,11 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
-use super::choice::{Approach, Candidate};
+use super::choice::{Approach, Candidate, Shallow};
 use super::corner::{Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
 use super::curve::Side;
 use super::held_block::{HeldBlock, Stray, travel};
+use super::kernel::Kernel;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Steady};
@@ -102,6 +103,8 @@ enum JoinStep<const AXES: usize> {
     Joining { cut: Cut, course: CornerCurve<AXES>, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
+    /// The curve of a shallow corner is made.
+    Bending(Shallow),
     /// There is no curve.
     Sharp,
 }
@@ -190,6 +193,9 @@ impl<const AXES: usize> Joining<AXES> {
         let tolerance = Self::tolerance(held, next, rule);
         let approach = Approach::new([held, next], room.most, setting.dynamics);
         let limits = (room.least(), &tolerance);
+        if let Some(shallow) = Shallow::new([held, next], &corner, rule, setting, limits, &approach) {
+            return Some(JoinStep::Bending(shallow));
+        }
         let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
         if let Some(Candidate { way, time: None }) = candidate {
             return Some(JoinStep::Overlapping(way));
@@ -279,6 +285,10 @@ impl<const AXES: usize> Joining<AXES> {
             }
             JoinStep::Overlapping(overlap) => {
                 *turning = Self::overlap(held, next, *overlap, &rule, setting);
+                return true;
+            }
+            JoinStep::Bending(shallow) => {
+                *turning = Self::bend(held, next, *shallow, &rule, setting);
                 return true;
             }
             JoinStep::Sharp => {
@@ -396,26 +406,37 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
     ) -> Option<Turning<AXES>> {
-        let mut reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
-        let left = held.block.element.shape.length.to_bits();
-        let half = if rule.weighs() { next.length } else { next.length / 2 };
-        // What rounding leaves of a block between two curves would be too short for their speed.
-        let slack = if rule.weighs() { 0 } else { half >> SCRAP };
-        for all in [half, left] {
-            let more = all - reach;
-            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
-                overlap = overlap.stretched(all as f64 / reach as f64);
-                reach = all;
-            }
+        let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+        let (cut, all) = Cut::even(held, next, rule, reach);
+        if all > reach {
+            overlap = overlap.stretched(all as f64 / reach as f64);
         }
-        // What is left of a halved line may be some LSB less than its half, or more.
-        let before = if left - reach <= HALVED { left } else { reach };
-        let cut = Cut { before, behind: reach.min(half + slack) };
         let ends = Ends::new(held, next, cut, setting.measure)?;
         if overlap.rise.v <= 0.0 {
             return None;
         }
         let course = Cornering::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
+        Some(ends.join(held, next, course, None, setting))
+    }
+
+    /// Cuts both blocks beside a shallow corner, and makes its curve.
+    #[inline(never)]
+    fn bend(
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
+        Shallow { c, slow }: Shallow,
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<Turning<AXES>> {
+        let most = held.length.min(next.length) / 2;
+        let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
+        let ends = Ends::new(held, next, cut, setting.measure)?;
+        let c = to_f32(reach) * LSB_44;
+        if c < SHORTEST {
+            return None;
+        }
+        next.slow = slow;
+        let course = Cornering::Kernel(Kernel::new(&held.block.to, c, &ends.from, &ends.to()));
         Some(ends.join(held, next, course, None, setting))
     }
 
@@ -511,6 +532,28 @@ impl Room {
 }
 
 impl Cut {
+    /// As much of both blocks; no sliver is left of either. And how much that is.
+    fn even<const AXES: usize>(
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        rule: &Parameters,
+        mut reach: i64,
+    ) -> (Self, i64) {
+        let left = held.block.element.shape.length.to_bits();
+        let half = if rule.weighs() { next.length } else { next.length / 2 };
+        // What rounding leaves of a block between two curves would be too short for their speed.
+        let slack = if rule.weighs() { 0 } else { half >> SCRAP };
+        for all in [half, left] {
+            let more = all - reach;
+            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
+                reach = all;
+            }
+        }
+        // What is left of a halved line may be some LSB less than its half, or more.
+        let before = if left - reach <= HALVED { left } else { reach };
+        (Self { before, behind: reach.min(half + slack) }, reach)
+    }
+
     /// An arc may come back so near to the other block that no even curve joins them there: with less of
     /// both.
     fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> JoinStep<AXES> {

@@ -35,6 +35,7 @@ pub(super) mod corner_curve;
 pub(super) mod curve;
 mod held_block;
 mod joining;
+mod kernel;
 mod parameters;
 mod timed;
 
@@ -44,6 +45,7 @@ pub(super) use parameters::half_sine;
 use self::corner_curve::CornerCurve;
 use self::held_block::{HeldBlock, Stray};
 use self::joining::{Joining, Setting};
+use self::kernel::Kernel;
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
@@ -190,6 +192,8 @@ enum Cornering<const AXES: usize> {
     Even(CornerCurve<AXES>),
     /// Over time.
     Timed(Timed<AXES>),
+    /// Of a shallow corner, over the length of the contour.
+    Kernel(Kernel<AXES>),
 }
 
 impl<const AXES: usize> Cornering<AXES> {
@@ -198,6 +202,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.is_before(),
             Self::Timed(timed) => timed.is_before(),
+            Self::Kernel(kernel) => kernel.is_before(),
         }
     }
 }
@@ -208,6 +213,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.next_element(),
             Self::Timed(timed) => timed.next_element(),
+            Self::Kernel(kernel) => kernel.next_element(),
         }
     }
 
@@ -216,6 +222,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => *course.stands(),
             Self::Timed(timed) => *timed.stands(),
+            Self::Kernel(kernel) => *kernel.stands(),
         }
     }
 
@@ -224,13 +231,16 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.finish(),
             Self::Timed(timed) => timed.finish(),
+            Self::Kernel(kernel) => kernel.finish(),
         }
     }
 
     /// The element is made.
     fn settle(&self, element: &mut Element<AXES>) {
-        if let Self::Timed(timed) = self {
-            timed.settle(element);
+        match self {
+            Self::Even(_) => {}
+            Self::Timed(timed) => timed.settle(element),
+            Self::Kernel(kernel) => kernel.settle(element),
         }
     }
 }
@@ -240,6 +250,7 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const ONE_44: f32 = (1u64 << 44) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// Sine of half an angle below which a transition is tangential, and cosine of half an angle below which it
 /// is a reversal.
@@ -435,6 +446,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
             stray: Stray::NONE,
             previous: None,
+            slow: [0.0; 2],
             skipped: None,
         };
         if let Some(waiting) = self.waiting.take() {
