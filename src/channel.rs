@@ -1,12 +1,15 @@
 //! Planner, interpolator and operator: wiring only, all that an application holds.
 //!
 //! The front page of the crate shows how they are used.
+mod beside;
 mod check;
 mod error;
 mod filter;
 mod memory;
 mod rest;
 
+use beside::Beside;
+pub use beside::MoveError;
 pub use error::{Error, MachineError};
 pub use memory::{Channel, FilteredHandles, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
@@ -98,7 +101,14 @@ impl Held {
 ///
 /// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put
 /// in force does not belong to where the axes stand: then [`Self::continue_with`] begins as a program does.
-pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize, F = Unfiltered> {
+pub struct Planner<
+    'a,
+    T: Text,
+    const AXES: usize,
+    const BLOCKS: usize,
+    F = Unfiltered,
+    const OVERLAYS: usize = 0,
+> {
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
@@ -114,10 +124,12 @@ pub struct Planner<'a, T: Text, const AXES: usize, const BLOCKS: usize, F = Unfi
     /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
     lost: bool,
     filters: F,
+    /// Motions of single axes.
+    beside: Beside<'a, OVERLAYS>,
 }
 
-impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
-    Planner<'a, T, AXES, BLOCKS, F>
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
+    Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
     /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or
     /// [`Progress::Planned`].
@@ -127,8 +139,17 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
     /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`]
     /// behind the line, [`Self::load`] with another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
+        if OVERLAYS > 0 { self.poll_both() } else { self.poll_path() }
+    }
+
+    /// A piece of work for the path.
+    #[inline(always)]
+    fn poll_path(&mut self) -> Result<Progress, Error> {
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
+            if !self.beside.is_free() {
+                return self.wait_beside();
+            }
             self.forget_abort();
             return Ok(Progress::Done);
         }
@@ -164,6 +185,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
         }
         if let Some(held) = self.held {
             return Ok(self.output(held));
+        }
+        if !self.beside.is_free() && (self.beside.pending.is_some() || self.source != Source::Open) {
+            return self.wait_beside();
         }
         match self.source {
             Source::Open => self.decode(),
@@ -277,6 +301,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
     /// What was read ahead of where the axes will stand is forgotten.
     #[cold]
     fn lose(&mut self) {
+        self.beside.stop();
         self.source = Source::Ended;
         self.held = None;
         self.lost = true;
@@ -297,6 +322,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
                 if self.planning.moves(motion, self.released) {
                     self.planning.drop_motion();
                     return Err(Error::Motion(motion.place, MotionError::Released));
+                }
+                if OVERLAYS > 0 && self.joins(motion) {
+                    return Ok(Progress::Working);
                 }
                 self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
                 if motion.exact_stop && self.settling() > 0 {
@@ -332,12 +360,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
             Command::PutAxes(_, axes) => {
                 self.released |= axes;
                 self.planning.keep_corner();
+                self.join(*axes);
             }
             Command::CallAxes(_, axes) => {
                 self.released &= !axes;
                 self.planning.keep_corner();
+                self.join(*axes);
             }
-            Command::FlushWait(_) => self.planning.rest(0),
+            Command::FlushWait(_) => {
+                self.planning.rest(0);
+                self.join(u32::MAX);
+            }
+            Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
+            Command::WaitIndependent(_, axes) => self.await_independent(*axes),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
             Command::Contour(head, contour) => self.contour(head, contour)?,

@@ -62,6 +62,7 @@
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs` |
 //! | when an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
+//! | how an axis moves beside the path | `single/mod.rs`, `channel/beside.rs` |
 //! | what a tick costs | `tick.rs`; the counts: `docs/figures.md` |
 //! | what happens when the planner gets no time | `plan/reserve.rs` |
 //! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
@@ -96,6 +97,7 @@
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
 //! | path distance | Length along the path since the start. |
+//! | overlay | The motion of an axis beside the path, as the interrupt has it. |
 //! | piece | A cubic of path distance over whole ticks. |
 //! | profile | A law as ramps, with times and lengths. |
 //! | programmed block | A motion block as it came from the program. |
@@ -108,6 +110,7 @@
 //! | span | Blocks from one anchor to the next; they have one law. |
 //! | stage | A step of the pipeline: it takes one type and returns the next. |
 //! | tick | One cycle of the interrupt. |
+//! | stroke | A motion of one axis from rest to rest. |
 //! | transition | The point where two blocks meet. |
 //! | valley | Where a law is slowest inside, with acceleration on both sides of a slow block. |
 //! | way | A motion that leads to a standstill. |
@@ -155,6 +158,8 @@ pub mod slope;
 
 #[doc(hidden)]
 pub mod dynamics;
+
+pub mod single;
 
 #[doc(hidden)]
 pub mod smooth;

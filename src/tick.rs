@@ -8,11 +8,14 @@
 //! [`crate::queue::Timeline`]. At its end the tick marks the actions that are due and shows its result to the
 //! operator ([`crate::operator::Operator`]).
 //!
+//! Behind the path come the overlays: an axis that moves on its own goes where its own motion has it
+//! ([`crate::queue::Overlay`]).
+//!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in
 //! the ring, at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{MAX_CURVES_PER_TICK, Receiver};
+use crate::queue::{MAX_CURVES_PER_TICK, OverlayReceiver, Receiver};
 
 /// Most elements one tick may pass.
 pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
@@ -23,7 +26,7 @@ pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
 pub enum State {
     /// The set points rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
     Idle,
-    /// The path rests and set points still move: filters that settle.
+    /// The path rests and set points may still move: filters that settle, motions of single axes.
     Settling,
     /// A set point of the planned motion; dwell time counts.
     Active,
@@ -45,11 +48,12 @@ pub struct Telemetry {
 }
 
 /// The handle of a channel that lives in the timer interrupt.
-pub struct Interpolator<'a, const AXES: usize, F = Unfiltered> {
+pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: usize = 0> {
     queue: Receiver<'a, AXES>,
     /// Of the path.
     set_points: [Position; AXES],
     filters: F,
+    overlays: [OverlayReceiver<'a>; OVERLAYS],
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
@@ -63,8 +67,20 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
 impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
     /// The same with filters.
     pub fn filtered(queue: Receiver<'a, AXES>, start: [Position; AXES], filters: F) -> Self {
+        Self::with_overlays(queue, start, filters, [])
+    }
+}
+
+impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpolator<'a, AXES, F, OVERLAYS> {
+    /// The same with motions of single axes beside the path.
+    pub fn with_overlays(
+        queue: Receiver<'a, AXES>,
+        start: [Position; AXES],
+        filters: F,
+        overlays: [OverlayReceiver<'a>; OVERLAYS],
+    ) -> Self {
         queue.show(&start);
-        Self { queue, set_points: start, filters }
+        Self { queue, set_points: start, filters, overlays }
     }
 
     /// Computes the next set point, marks the actions that are due, shows both to the operator. Instructions
@@ -79,6 +95,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
         if let Some((segment, along)) = self.queue.follow(distance) {
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
+        self.overlay();
         self.filters.step(&self.set_points, distance);
         self.queue.show(self.filters.set_points(&self.set_points));
         match self.filters.lag() {
@@ -91,15 +108,27 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
     /// Nothing to do for the path.
     #[inline(never)]
     fn rest(&mut self) -> State {
-        let moves = self.filters.rest(&self.set_points);
+        let moves = if self.overlay() {
+            self.filters.step(&self.set_points, self.queue.distance());
+            true
+        } else {
+            self.filters.rest(&self.set_points)
+        };
         if moves {
             self.queue.show(self.filters.set_points(&self.set_points));
         }
         match self.filters.lag() {
             Some((lag, settled)) => self.queue.rest_later(lag, settled, moves),
-            None => self.queue.rest(),
+            None => self.queue.rest(moves),
         }
         if moves { State::Settling } else { State::Idle }
+    }
+
+    /// Axes that move beside the path go where their own motions have them; whether one has a motion. Of a
+    /// channel without overlays nothing is left of it.
+    #[inline(always)]
+    fn overlay(&mut self) -> bool {
+        self.overlays.iter_mut().fold(false, |moves, overlay| overlay.step(&mut self.set_points) | moves)
     }
 
     /// The set point of every axis after the last tick, for the drives.

@@ -4,6 +4,7 @@
 //! | module | question it answers |
 //! |---|---|
 //! | [`accept`] | are the figures those of the accepted tables |
+//! | [`beside`] | and what do axes that move beside the path |
 //! | [`cases`] | which programs on which machines |
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
@@ -22,6 +23,8 @@
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
 pub mod accept;
+
+pub mod beside;
 
 pub mod cases;
 

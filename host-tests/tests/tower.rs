@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is
 /// that of `src/lib.rs`.
-const TOWER: [(&str, &str); 19] = [
+const TOWER: [(&str, &str); 20] = [
     ("math", ""),
     ("quantity", "math"),
     ("machine", "math quantity"),
@@ -16,6 +16,7 @@ const TOWER: [(&str, &str); 19] = [
     ("fir", "math quantity machine nc queue"),
     ("slope", "math quantity queue"),
     ("dynamics", "math machine nc path fir slope"),
+    ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),
     ("lookahead", "math quantity nc path control queue slope dynamics"),
     ("plan", "math quantity machine technology nc path control queue slope dynamics smooth lookahead"),
@@ -23,7 +24,7 @@ const TOWER: [(&str, &str); 19] = [
     ("axis", "quantity"),
     ("operator", "quantity technology control queue tick"),
     ("digest", "quantity"),
-    ("channel", "math quantity machine technology nc path queue fir slope plan tick operator"),
+    ("channel", "math quantity machine technology nc path queue fir slope single plan tick operator"),
 ];
 
 /// Functions above [`FUNCTION_LINES`]: a match over names.

@@ -4,8 +4,8 @@ use crate::fir::{Fate, FilterPlan};
 use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};
 use crate::quantity::Position;
 
-impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
-    Planner<'a, T, AXES, BLOCKS, F>
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
+    Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
     /// Takes a #FILTER command: the motion comes to a standstill, and goes on with other kernels.
     pub(super) fn filter(&mut self, head: &Head, filter: &Filter) -> Result<Progress, Error> {

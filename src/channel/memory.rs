@@ -1,4 +1,5 @@
 //! The memory of a channel, and what is made in it.
+use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};
 use crate::fir::{Bank, FilterError, FilterPlan, FilterTick, Filtered, Filters, Unfiltered};
@@ -7,37 +8,68 @@ use crate::nc::{Decoder, DecoderMemory, Setup, Text};
 use crate::operator::Operator;
 use crate::plan::{Planning, PlanningMemory};
 use crate::quantity::Position;
-use crate::queue::Rings;
+use crate::queue::{Overlay, Rings, overlay_ends};
+use crate::single::Single;
 use crate::tick::Interpolator;
+use core::mem::MaybeUninit;
 
 /// All memory of planner, interrupt and operator, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
 ///
+/// `OVERLAYS` is how many axes may move beside the path at the same time: oscillations, independent axes, jog.
+/// Each takes about 3.5 KB.
+///
 /// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes the handles in it:
 /// what they are beside that are some hundred bytes.
-pub struct Channel<const AXES: usize, const BLOCKS: usize> {
+pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize = 0> {
     rings: Rings<AXES, BLOCKS>,
     decoder: DecoderMemory<AXES>,
     planning: PlanningMemory<AXES, BLOCKS>,
+    overlays: [Overlay; OVERLAYS],
+    singles: MaybeUninit<[Single; OVERLAYS]>,
 }
 
 /// The handles of a channel. Each belongs to one context; all are `Send`.
-pub struct Handles<'a, T: Text, const AXES: usize, const BLOCKS: usize, P = Unfiltered, I = Unfiltered> {
+pub struct Handles<
+    'a,
+    T: Text,
+    const AXES: usize,
+    const BLOCKS: usize,
+    P = Unfiltered,
+    I = Unfiltered,
+    const OVERLAYS: usize = 0,
+> {
     /// Where time is not critical: a main loop, a task, a low-priority interrupt.
-    pub planner: Planner<'a, T, AXES, BLOCKS, P>,
+    pub planner: Planner<'a, T, AXES, BLOCKS, P, OVERLAYS>,
     /// The timer interrupt: of higher priority than the planner, or on another core.
-    pub interpolator: Interpolator<'a, AXES, I>,
+    pub interpolator: Interpolator<'a, AXES, I, OVERLAYS>,
     /// Whoever gives commands and carries out functions: a PLC task, a serial task, another core.
     pub operator: Operator<'a, AXES>,
 }
 
 /// Those of a channel with filters of the order `TAPS` − 1 at most.
-pub type FilteredHandles<'a, T, const AXES: usize, const BLOCKS: usize, const TAPS: usize> =
-    Handles<'a, T, AXES, BLOCKS, Bank<'a, AXES, TAPS>, Filtered<'a, AXES, TAPS>>;
+pub type FilteredHandles<
+    'a,
+    T,
+    const AXES: usize,
+    const BLOCKS: usize,
+    const TAPS: usize,
+    const OVERLAYS: usize = 0,
+> = Handles<'a, T, AXES, BLOCKS, Bank<'a, AXES, TAPS>, Filtered<'a, AXES, TAPS>, OVERLAYS>;
 
-impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
+/// Those of a channel without filters.
+pub type PlainHandles<'a, T, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> =
+    Handles<'a, T, AXES, BLOCKS, Unfiltered, Unfiltered, OVERLAYS>;
+
+impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES, BLOCKS, OVERLAYS> {
     /// An empty channel.
     pub const fn new() -> Self {
-        Self { rings: Rings::new(), decoder: DecoderMemory::new(), planning: PlanningMemory::new() }
+        Self {
+            rings: Rings::new(),
+            decoder: DecoderMemory::new(),
+            planning: PlanningMemory::new(),
+            overlays: [const { Overlay::new() }; OVERLAYS],
+            singles: MaybeUninit::uninit(),
+        }
     }
 
     /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`.
@@ -49,7 +81,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         machine: &MachineData<AXES>,
         start: [Position; AXES],
         text: T,
-    ) -> Result<Handles<'a, T, AXES, BLOCKS>, MachineError> {
+    ) -> Result<PlainHandles<'a, T, AXES, BLOCKS, OVERLAYS>, MachineError> {
         check::<AXES, BLOCKS>(machine)?;
         if let Some(axis) = machine.axes.iter().position(|axis| axis.filter.enable) {
             return Err(MachineError::Filter(axis, FilterError::NoMemory));
@@ -67,7 +99,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         machine: &MachineData<AXES>,
         start: [Position; AXES],
         text: T,
-    ) -> Result<FilteredHandles<'a, T, AXES, BLOCKS, TAPS>, MachineError> {
+    ) -> Result<FilteredHandles<'a, T, AXES, BLOCKS, TAPS, OVERLAYS>, MachineError> {
         check::<AXES, BLOCKS>(machine)?;
         let ends = filters.split(machine, &start);
         let ends = ends.map_err(|error| MachineError::Filter(error.axis().unwrap_or(0), error))?;
@@ -82,10 +114,11 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
         start: [Position; AXES],
         text: T,
         (filters, filtered): (P, I),
-    ) -> Handles<'a, T, AXES, BLOCKS, P, I> {
-        let Self { rings, decoder, planning } = self;
+    ) -> Handles<'a, T, AXES, BLOCKS, P, I, OVERLAYS> {
+        let Self { rings, decoder, planning, overlays, singles } = self;
         let (sender, receiver, panel) = rings.split();
-        let interpolator = Interpolator::filtered(receiver, start, filtered);
+        let (to_overlays, overlays) = overlay_ends(overlays);
+        let interpolator = Interpolator::with_overlays(receiver, start, filtered, overlays);
         let operator = Operator::new(panel);
         // Last, so that it is made where it stays: it is large.
         Handles {
@@ -100,6 +133,7 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
                 released: 0,
                 lost: false,
                 filters,
+                beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays),
             },
             interpolator,
             operator,
@@ -117,7 +151,9 @@ impl<const AXES: usize, const BLOCKS: usize> Channel<AXES, BLOCKS> {
     }
 }
 
-impl<const AXES: usize, const BLOCKS: usize> Default for Channel<AXES, BLOCKS> {
+impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Default
+    for Channel<AXES, BLOCKS, OVERLAYS>
+{
     fn default() -> Self {
         Self::new()
     }

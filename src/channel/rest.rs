@@ -86,13 +86,13 @@ impl core::fmt::Display for ZeroOffsetError {
 
 impl core::error::Error for ZeroOffsetError {}
 
-impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>>
-    Planner<'a, T, AXES, BLOCKS, F>
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
+    Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
     /// Whether the axes stand with everything executed that was read: the calls of this page are taken.
     pub fn is_at_rest(&self) -> bool {
         let reads = self.held.is_some() || !self.decoder.is_between_lines();
-        !reads && self.planning.is_at_rest() && self.filters.is_settled()
+        !reads && self.planning.is_at_rest() && self.beside.is_free() && self.filters.is_settled()
     }
 
     /// Takes the next program. It begins where the axes stand, with everything as at program start. The text

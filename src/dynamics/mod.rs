@@ -158,20 +158,31 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.before = None;
     }
 
+    /// What an axis permits that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of
+    /// the program do not count. The slope is that of P-CHAN-00071, unless there is another one. `percent` of
+    /// its acceleration, at most P-AXIS-00008; ramp times stay.
+    pub fn single(
+        &self,
+        axis: usize,
+        rapid: bool,
+        slope: Option<SlopeType>,
+        percent: u32,
+    ) -> Option<(Limits, f32)> {
+        let channel = &self.machine.channel;
+        let slope = slope.unwrap_or(SlopeType::of_profile(channel.slope_profile));
+        let mut data = *self.machine.axes.get(axis)?;
+        data.weigh(percent);
+        let axis = Axis::new(&data, channel, slope);
+        let set = axis.set(rapid);
+        let mut limits = Limits { law: law_of(slope, Joins::Alike, set.change_over), ..Limits::WIDEST };
+        let mut share = Share::WHOLE;
+        limits.restrict(&mut share, set, 1.0, false);
+        Some((limits, axis.v_reduced))
+    }
+
     /// The law of the slope before any axis restricts it.
     fn law(&self, change_over: f32) -> SlopeLaw {
-        match self.slope {
-            SlopeType::Step => {
-                let (a_up, a_down, still) = (f32::MAX, f32::MAX, f32::MAX);
-                SlopeLaw::Stepped { change_over, a_up, a_down, still, across: false }
-            }
-            SlopeType::Sin2 => {
-                SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] }
-            }
-            SlopeType::Trapez | SlopeType::Hsc => {
-                SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: self.joins, j: [f32::MAX; 4] }
-            }
-        }
+        law_of(self.slope, self.joins, change_over)
     }
 
     /// Elements that follow are to be good for `level` times their feed, 1…2.
@@ -180,7 +191,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Path speed of a feed (mm/min); without one there is no limit.
-    fn programmed(&self, feed: Option<f32>) -> f32 {
+    pub fn programmed(&self, feed: Option<f32>) -> f32 {
         feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
     }
 
@@ -292,5 +303,21 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// The slope of the elements that follow.
     pub fn slope(&self) -> SlopeType {
         self.slope
+    }
+}
+
+/// The law of a slope before any axis restricts it.
+fn law_of(slope: SlopeType, joins: Joins, change_over: f32) -> SlopeLaw {
+    match slope {
+        SlopeType::Step => {
+            let (a_up, a_down, still) = (f32::MAX, f32::MAX, f32::MAX);
+            SlopeLaw::Stepped { change_over, a_up, a_down, still, across: false }
+        }
+        SlopeType::Sin2 => {
+            SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] }
+        }
+        SlopeType::Trapez | SlopeType::Hsc => {
+            SlopeLaw::JerkLimited { shape: RampShape::Linear, joins, j: [f32::MAX; 4] }
+        }
     }
 }

@@ -264,6 +264,22 @@ impl AxisData {
         if self.tr_geom == 0 { self.tr_min } else { self.tr_geom }
     }
 
+    /// Accelerations and decelerations of all slopes at `percent`, at most P-AXIS-00008 and at least 1 mm/s².
+    pub(crate) fn weigh(&mut self, percent: u32) {
+        let a_max = self.a_max;
+        let weighted = |a: u32| {
+            let part = u64::from(a) * u64::from(percent) / 100;
+            (part.max(u64::from(a > 0)) as u32).min(a_max)
+        };
+        for a in [&mut self.a_beschl, &mut self.a_brems, &mut self.a_grenz] {
+            *a = weighted(*a);
+        }
+        for stages in [&mut self.a_stufe, &mut self.d_stufe, &mut self.a_grenz_stufe, &mut self.d_grenz_stufe]
+        {
+            *stages = stages.map(weighted);
+        }
+    }
+
     /// Stages of the slope STEP: decelerations of 0 taken over from the accelerations, all of them at most
     /// P-AXIS-00008, the change-over at most P-AXIS-00212.
     pub const fn stages(&self, rapid: bool) -> Stages {

@@ -88,12 +88,38 @@ struct IndependentWords {
     words: Independent,
     motion: bool,
     dimension: bool,
+    offsets: bool,
+    feed_acceleration: Option<Value>,
+    rapid_acceleration: Option<Value>,
+    /// A word that is known, and not available.
+    other: Option<&'static str>,
 }
+
+const WEIGHT: Range = Range::new(0, 1000, "%").above();
 
 impl Keywords for IndependentWords {
     const COMMAND: &'static str = "INDP";
-    const LIST: &'static [&'static str] =
-        &["G00", "G01", "G0", "G1", "G90", "G91", "POS", "POSITION", "FEED", "SLOPE_TYPE"];
+    const LIST: &'static [&'static str] = &[
+        "G00",
+        "G01",
+        "G0",
+        "G1",
+        "G100",
+        "G90",
+        "G91",
+        "POS",
+        "POSITION",
+        "FEED",
+        "TIME",
+        "FEED_MAX_WEIGHT",
+        "SLOPE_TYPE",
+        "M",
+        "H",
+        "DRY_RUN",
+        "ACC_WEIGHT",
+        "RAPID_ACC_WEIGHT",
+        "INCL_OFFSETS",
+    ];
 
     fn slot(&mut self, keyword: &'static str, _: bool, units: Units) -> Slot<'_> {
         let (seen, choice, value) = match keyword {
@@ -101,7 +127,24 @@ impl Keywords for IndependentWords {
                 return Slot::Number(&mut self.words.position, COORDINATE.times(units.length));
             }
             "FEED" => return Slot::Number(&mut self.words.feed, FEED.times(units.feed)),
+            "TIME" => return Slot::Number(&mut self.words.time, SECONDS.above()),
+            "FEED_MAX_WEIGHT" => {
+                return Slot::Number(&mut self.words.weight, Range::new(0, 100, "%").above());
+            }
             "SLOPE_TYPE" => return Slot::Slope(&mut self.words.slope),
+            "ACC_WEIGHT" => return Slot::Number(&mut self.feed_acceleration, WEIGHT),
+            "RAPID_ACC_WEIGHT" => return Slot::Number(&mut self.rapid_acceleration, WEIGHT),
+            "M" => return Slot::Count(&mut self.words.m),
+            "H" => return Slot::Count(&mut self.words.h),
+            "G100" | "DRY_RUN" => {
+                self.other = Some(keyword);
+                return Slot::Done;
+            }
+            "INCL_OFFSETS" if self.offsets => return Slot::Twice,
+            "INCL_OFFSETS" => {
+                self.offsets = true;
+                return Slot::Done;
+            }
             "G90" | "G91" => (&mut self.dimension, &mut self.words.relative, keyword == "G91"),
             _ => (&mut self.motion, &mut self.words.rapid, matches!(keyword, "G00" | "G0")),
         };
@@ -142,10 +185,47 @@ impl<const AXES: usize> Interpreter<AXES> {
             target.words.axis = axis;
             target.words.synchronous = !word.is("INDP_ASYN");
             list_inside(c, &self.calculator, self.units(axis), &mut target)?;
-            return Ok(Some(Command::Independent(self.head_of(line, c.since(mark)), target.words)));
+            let words = self.independent(target, c.since(mark))?;
+            return Ok(Some(Command::Independent(self.head_of(line, c.since(mark)), words)));
         }
         c.back_to(bracket);
         Ok(None)
+    }
+
+    /// The motion of an independent axis, its end in machine coordinates.
+    fn independent(&self, target: IndependentWords, span: Span) -> Result<Independent, Fault> {
+        let mut words = target.words;
+        if let Some(word) = target.other {
+            return span.fault(NcErrorKind::NotAvailable(word));
+        }
+        if !target.dimension {
+            words.relative = self.modal.relative;
+        }
+        let speeds = [words.feed, words.time, words.weight].iter().flatten().count();
+        if !target.motion {
+            words.rapid = speeds == 0;
+        }
+        if words.rapid && speeds > 0 {
+            return span.fault(NcErrorKind::Independent("G00 has no FEED, TIME or FEED_MAX_WEIGHT"));
+        }
+        if !words.rapid && speeds != 1 {
+            return span.fault(NcErrorKind::Independent("G01 has one of FEED, TIME and FEED_MAX_WEIGHT"));
+        }
+        if words.weight.is_some_and(|weight| weight >= 100) {
+            return span.fault(NcErrorKind::Independent("FEED_MAX_WEIGHT is below 100"));
+        }
+        if [words.m, words.h].iter().flatten().any(|code| *code > 999) {
+            return span.fault(NcErrorKind::Independent("M and H are 0 to 999"));
+        }
+        words.acceleration = if words.rapid { target.rapid_acceleration } else { target.feed_acceleration };
+        let Some(position) = words.position else { return span.fault(NcErrorKind::Missing("POS")) };
+        let from = match (words.relative, target.offsets) {
+            (true, _) => self.position.get(words.axis).copied().unwrap_or_default(),
+            (false, true) => self.offset(words.axis),
+            (false, false) => Position::ZERO,
+        };
+        words.position = Some(checked(position.saturating_add(from), span)?);
+        Ok(words)
     }
 
     fn oscillation(

@@ -199,6 +199,8 @@ pub enum Command<const AXES: usize> {
     Oscillation(Head, Oscillation),
     /// `X[INDP_… …]`.
     Independent(Head, Independent),
+    /// #WAIT INDP: bit i for axis i.
+    WaitIndependent(Head, u32),
     /// M02, M30.
     ProgramEnd(Head, u16),
 }
@@ -234,6 +236,7 @@ impl<const AXES: usize> Command<AXES> {
             | Self::FlushWait(h)
             | Self::Oscillation(h, _)
             | Self::Independent(h, _)
+            | Self::WaitIndependent(h, _)
             | Self::ProgramEnd(h, _) => Some(h),
         }
     }
@@ -310,6 +313,7 @@ impl<const AXES: usize> Command<AXES> {
             Self::FlushWait(_) => "#FLUSH&WAIT",
             Self::Oscillation(..) => "oscillation [OSC …]",
             Self::Independent(..) => "independent axis [INDP_…]",
+            Self::WaitIndependent(..) => "#WAIT INDP",
             Self::ProgramEnd(..) => "program end",
         }
     }

@@ -155,6 +155,8 @@ pub enum NcErrorKind {
     OscillationSpeed,
     /// 22277: modulo axis positions outside 0…360°.
     OscillationModulo,
+    /// 50603: what an independent axis is given does not go together; what does.
+    Independent(&'static str),
     /// A word is missing.
     Missing(&'static str),
 }
@@ -173,6 +175,8 @@ impl NcErrorKind {
             Self::ParameterIndex => 20400,
             Self::OscillationSpeed => 50593,
             Self::OscillationModulo => 22277,
+            Self::Independent(_) => 50603,
+            Self::UnknownKeyword { command, .. } if matches!(command.as_bytes(), b"INDP") => 50603,
             _ => 0,
         }
     }
@@ -285,6 +289,7 @@ impl fmt::Display for NcError {
             }
             K::OscillationSpeed => write!(f, "oscillation speed not defined: expected FEED, FREQ or TIME"),
             K::OscillationModulo => write!(f, "position \"{found}\" of a modulo axis: expected 0 to 360 deg"),
+            K::Independent(rule) => write!(f, "inadmissible \"{found}\": expected that {rule}"),
             K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),
         }
     }
@@ -329,11 +334,14 @@ pub enum NcWarningKind {
     FilterWithoutOrder,
     /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
     NoTangent,
+    /// The dynamics of an axis limit its oscillation.
+    OscillationLimited,
+    /// The dynamics of an axis do not allow the time that its motion is given.
+    MotionLimited,
 }
 
 impl NcWarningKind {
-    /// Whether it is about a curve: said where the planner takes the motion or the dwell in, not by the
-    /// decoder.
+    /// Whether the planner says it, where it takes the motion or the dwell in, and not the decoder.
     pub const fn is_of_curve(&self) -> bool {
         matches!(
             self,
@@ -344,16 +352,21 @@ impl NcWarningKind {
                 | Self::HscIsOn
                 | Self::FilterWithoutOrder
                 | Self::NoTangent
+                | Self::OscillationLimited
+                | Self::MotionLimited
         )
     }
 }
 
 impl NcWarning {
-    /// ISG's number of this message, 0 where none is known.
+    /// ISG's number of this message, 0 where none is known. Where ISG's text has a message without a number,
+    /// one of the project: 900001 and up. Their reaction class is 1: the program goes on.
     pub const fn id(&self) -> u32 {
         match self.kind {
             NcWarningKind::DwellExtraAxis => 20685,
             NcWarningKind::HscIsOn => 120_542,
+            NcWarningKind::OscillationLimited => 900_001,
+            NcWarningKind::MotionLimited => 900_002,
             _ => 0,
         }
     }
@@ -381,6 +394,12 @@ impl fmt::Display for NcWarning {
             }
             NcWarningKind::NoTangent => {
                 "no motion block since the type of the spline was chosen: it begins with an automatic direction"
+            }
+            NcWarningKind::OscillationLimited => {
+                "the dynamics of the axis limit the oscillation: it is slower than programmed"
+            }
+            NcWarningKind::MotionLimited => {
+                "the dynamics of the axis do not allow this TIME: the motion takes longer"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

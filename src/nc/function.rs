@@ -507,10 +507,20 @@ pub struct Independent {
     pub rapid: bool,
     /// G91 instead of G90.
     pub relative: bool,
-    /// POS, POSITION.
+    /// POS, POSITION: where it goes, machine coordinates.
     pub position: Option<Position>,
     /// FEED, mm/min.
     pub feed: Option<Value>,
+    /// TIME, s.
+    pub time: Option<Value>,
+    /// FEED_MAX_WEIGHT: speed in % of P-AXIS-00212, below 100.
+    pub weight: Option<Value>,
+    /// ACC_WEIGHT with G01, RAPID_ACC_WEIGHT with G00, % \[100\].
+    pub acceleration: Option<Value>,
+    /// M: put out before the motion.
+    pub m: Option<u32>,
+    /// H: the same.
+    pub h: Option<u32>,
     /// SLOPE_TYPE.
     pub slope: Option<SlopeType>,
 }

@@ -39,6 +39,7 @@ enum Hash {
     RtEndWhile,
     DistanceClear,
     FlushWait,
+    WaitIndependent,
     Time,
 }
 
@@ -86,6 +87,7 @@ const COMMANDS: &[(&str, Hash)] = &[
     ("DISTANCE PROG START CLEAR", Hash::DistanceClear),
     ("DISTANCE PROGRAM START CLEAR", Hash::DistanceClear),
     ("FLUSH&WAIT", Hash::FlushWait),
+    ("WAIT INDP", Hash::WaitIndependent),
     ("TIME", Hash::Time),
 ];
 
@@ -325,6 +327,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             Hash::RtEndWhile => Command::RtEndWhile(head),
             Hash::DistanceClear => Command::DistanceClear(head),
             Hash::FlushWait => Command::FlushWait(head),
+            Hash::WaitIndependent => Command::WaitIndependent(head, self.axis_list(c)?),
             Hash::Time => {
                 let mark = c.mark();
                 let seconds = number(c, p, mark, Range::new(0, 100_000, "s"))?;

@@ -1,7 +1,9 @@
 //! At rest: where the axes stand, what a new program begins with, another position for the same place.
-use super::{Beyond, PIECES, Phase, Place, Planning, RESERVE, Slot, Speed, clock};
+use super::{Beyond, Commands, PIECES, Phase, Place, Planning, RESERVE, Slot, Speed, clock, to_f32};
+use crate::nc::SlopeType;
 use crate::path::Shape;
-use crate::quantity::Position;
+use crate::quantity::{Feed, Position};
+use crate::slope::limits::Limits;
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -21,6 +23,39 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         &self.intake.programmed
+    }
+
+    /// Whether an axis may go from there to `target` alone.
+    ///
+    /// # Errors
+    /// Its software limit.
+    pub fn may_go(&self, axis: usize, target: Position) -> Result<(), Beyond> {
+        let mut to = self.intake.programmed;
+        if let Some(slot) = to.get_mut(axis) {
+            *slot = target;
+        }
+        self.intake.travel.line(&self.intake.programmed, &to)
+    }
+
+    /// What an axis permits that moves alone: [`crate::dynamics::Dynamics::single`].
+    pub fn single(
+        &self,
+        axis: usize,
+        rapid: bool,
+        slope: Option<SlopeType>,
+        percent: u32,
+    ) -> Option<(Limits, f32)> {
+        self.dynamics.single(axis, rapid, slope, percent)
+    }
+
+    /// A feed (mm/min) as speed, mm/tick.
+    pub fn speed_of(&self, feed: Feed) -> f32 {
+        self.dynamics.programmed(Some(to_f32(feed.to_bits()) * (1.0 / 4_294_967_296.0)))
+    }
+
+    /// The operator's commands as they stand.
+    pub fn commands(&self) -> Commands {
+        self.queue.control.commands()
     }
 
     /// Where a curve was refused for a software limit, once.

@@ -5,6 +5,7 @@
 mod actions;
 pub mod clock;
 mod curves;
+mod overlay;
 mod reserve;
 mod ring;
 mod status;
@@ -15,6 +16,7 @@ pub use crate::technology::Function;
 pub use actions::{Actions, Lag, Outlet, Scheduler};
 pub use clock::Clock;
 pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
+pub use overlay::{OVERLAY_PHASES, Overlay, OverlayReceiver, OverlaySender, fine, overlay_ends, set_point};
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
 pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
 pub use status::{Display, Snapshot, Words};
@@ -202,11 +204,12 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// A tick ends that had none: actions put in for the point where the path stands become due.
-    pub fn rest(&mut self) {
+    /// A tick ends that had none: actions put in for the point where the path stands become due. `moves`: set
+    /// points do all the same.
+    pub fn rest(&mut self, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach(self.distance(), clock.tick());
-        clock.rest();
+        clock.rest_while(moves);
     }
 
     /// As [`Self::pass`], with filters behind the path.

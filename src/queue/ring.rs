@@ -85,6 +85,12 @@ impl<T: Slot, const N: usize, M: Memory> Ring<T, N, M> {
         (Producer { ring: self }, Consumer { ring: self })
     }
 
+    /// The end that puts in, and the one that takes out. The caller makes one of each, of a ring that
+    /// [`Self::split`] has emptied.
+    pub(super) const fn ends(&self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
+        (Producer { ring: self }, Consumer { ring: self })
+    }
+
     #[inline(always)]
     fn slot(&self, count: u32) -> &M::Place<T> {
         // The mask is below N: the optimiser removes the check.
@@ -148,6 +154,24 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         unsafe { self.ring.slot(put).write(fill) };
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
         true
+    }
+
+    /// Fills the place `ahead` items behind those that are in, without putting it in; `false` if there is no
+    /// room. [`Self::put_in`] puts in what is filled, all at once.
+    pub fn fill_ahead(&mut self, ahead: u32, fill: impl FnOnce(&mut T)) -> bool {
+        if ahead >= self.room() {
+            return false;
+        }
+        let put = self.ring.put.load(Ordering::Relaxed);
+        // SAFETY: there is room, so the slot is the producer's, of which there is one, until it is put in.
+        unsafe { self.ring.slot(put.wrapping_add(ahead)).write(fill) };
+        true
+    }
+
+    /// Puts in so many items that [`Self::fill_ahead`] has filled.
+    pub fn put_in(&mut self, count: u32) {
+        let put = self.ring.put.load(Ordering::Relaxed);
+        self.ring.put.store(put.wrapping_add(count), Ordering::Release);
     }
 
     /// Items put in since the split.

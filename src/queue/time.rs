@@ -48,14 +48,14 @@ pub struct TooLate;
 
 impl Change {
     /// Puts the gate in; what is put in from here on counts from the cut. There is room.
-    pub fn begin<M: Memory>(pieces: &mut Pieces<'_, M>) -> Self {
+    pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
         let first = pieces.count();
         let _ = pieces.push(Phase::BLANK);
         Self { first, has_gate: true }
     }
 
     /// The same behind all that was put in: there is nothing to leave out, and no cut.
-    pub fn append<M: Memory>(pieces: &Pieces<'_, M>) -> Self {
+    pub fn append<M: Memory, const N: usize>(pieces: &Producer<'_, Phase, N, M>) -> Self {
         Self { first: pieces.count(), has_gate: false }
     }
 
@@ -68,10 +68,10 @@ impl Change {
     ///
     /// # Errors
     /// [`TooLate`]: gate and new pieces are taken back.
-    pub fn commit<M: Memory>(
+    pub fn commit<M: Memory, const N: usize>(
         self,
         at: u32,
-        pieces: &mut Pieces<'_, M>,
+        pieces: &mut Producer<'_, Phase, N, M>,
         clock: &Clock<M>,
     ) -> Result<Cut, TooLate> {
         clock.publish(at, self.first.wrapping_add(1));
@@ -85,7 +85,11 @@ impl Change {
     }
 
     /// Takes gate and new pieces back.
-    pub fn abandon<M: Memory>(self, pieces: &mut Pieces<'_, M>, clock: &Clock<M>) {
+    pub fn abandon<M: Memory, const N: usize>(
+        self,
+        pieces: &mut Producer<'_, Phase, N, M>,
+        clock: &Clock<M>,
+    ) {
         pieces.withdraw(self.first);
         // A tick at hand may look at the gate.
         clock.settle();

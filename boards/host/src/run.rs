@@ -30,6 +30,9 @@ pub const BLOCKS: usize = 500;
 /// Samples of the filter of an axis: the highest order is 200.
 const TAPS: usize = 201;
 
+/// Axes that may move beside the path at once.
+pub const OVERLAYS: usize = 6;
+
 /// What a run is to show, and what is to happen in it.
 #[derive(Default)]
 pub struct Wanted<'a> {
@@ -68,7 +71,7 @@ fn simulate_axes<const AXES: usize>(
     let start = [Position::ZERO; AXES];
     let late = Cell::new(false);
     // Static on a controller; here too large for some stacks.
-    let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
+    let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
     let handles = channel
         .split_filtered(&mut filters, &data, start, Delayed { files, late: &late })
@@ -170,7 +173,7 @@ struct Rules<'a> {
 /// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set
 /// points stay where they are, tick by tick.
 fn drive<const AXES: usize>(
-    handles: FilteredHandles<'_, Delayed<'_>, AXES, BLOCKS, TAPS>,
+    handles: FilteredHandles<'_, Delayed<'_>, AXES, BLOCKS, TAPS, OVERLAYS>,
     mut recorder: Recorder,
     rules: Rules<'_>,
     mut bar: Bar,
@@ -309,7 +312,7 @@ impl Recorder {
     /// The curves handed on since the last call. Some may have been taken back.
     fn curves<const AXES: usize>(
         &mut self,
-        planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS, Bank<'_, AXES, TAPS>>,
+        planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS, Bank<'_, AXES, TAPS>, OVERLAYS>,
     ) {
         let Some(deviation) = &mut self.statistics.deviation else { return };
         let all = planner.curves();

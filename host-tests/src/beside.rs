@@ -1,0 +1,168 @@
+//! Runs a program with axes that move beside the path, and judges what the axes do: nothing here knows how the
+//! library plans it.
+use crate::operate::{Act, TOO_LONG};
+use crate::properties::permitted;
+use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::machine::MachineData;
+use glidepath::nc::NcWarning;
+use glidepath::quantity::Position;
+use glidepath::technology::Output;
+use glidepath::tick::State;
+
+/// Axes that may move at once.
+pub const OVERLAYS: usize = 3;
+
+/// Blocks of look-ahead.
+pub const BLOCKS: usize = 120;
+
+/// 1 mm or degree.
+pub const ONE: i64 = 1 << 32;
+
+/// A run.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// Set points of every axis, tick by tick; the first are those before the first tick.
+    pub axes: Vec<Vec<i64>>,
+    /// What every tick said.
+    pub states: Vec<State>,
+    /// What was said.
+    pub warnings: Vec<NcWarning>,
+    /// Functions that came out.
+    pub outputs: Vec<Output>,
+    /// Where the planner has the axes at the end.
+    pub position: Vec<i64>,
+    /// N number at every tick.
+    pub n: Vec<u32>,
+}
+
+/// Most ticks of a run.
+const LONGEST: usize = 1_000_000;
+
+/// Runs `text` from position 0, with `polls` calls of the planner between two ticks; a tick of rest more at
+/// the end.
+///
+/// # Errors
+/// What the library refused, or a motion that does not end.
+pub fn run<const AXES: usize>(
+    text: &str,
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Run, String> {
+    let mut channel: Box<Channel<AXES, BLOCKS, OVERLAYS>> = Box::new(Channel::new());
+    let start = [Position::ZERO; AXES];
+    let Handles { mut planner, mut interpolator, operator } =
+        channel.split(machine, start, text.as_bytes()).map_err(|error| error.to_string())?;
+    let mut run = Run { axes: vec![vec![0]; AXES], ..Run::default() };
+    let mut acts = acts.iter().peekable();
+    let mut stalled = 0;
+    for tick in 0..LONGEST {
+        while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
+            act.give(&operator);
+            if let Act::Stall(ticks) = act {
+                stalled = stalled.max(tick + ticks);
+            }
+        }
+        let mut done = false;
+        for _ in 0..if tick < stalled { 0 } else { polls } {
+            match planner.poll().map_err(|error| format!("tick {tick}: {error}"))? {
+                Progress::Waiting => break,
+                Progress::Warning(warning) => run.warnings.push(warning),
+                Progress::Done => {
+                    done = true;
+                    break;
+                }
+                _ => {}
+            }
+        }
+        let state = interpolator.tick();
+        if operator.status().state != state {
+            return Err(format!(
+                "tick {tick}: the operator sees {:?}, not {state:?}",
+                operator.status().state
+            ));
+        }
+        run.states.push(state);
+        run.n.push(operator.status().n);
+        for (column, point) in run.axes.iter_mut().zip(interpolator.set_points()) {
+            column.push(point.to_bits());
+        }
+        if operator.status().set_points != *interpolator.set_points() {
+            return Err(format!("tick {tick}: the operator sees other set points"));
+        }
+        while let Some(output) = operator.output() {
+            run.outputs.push(output);
+        }
+        if done && state == State::Idle && acts.peek().is_none() {
+            if !planner.is_at_rest() {
+                return Err(format!("tick {tick}: done, and not at rest"));
+            }
+            run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
+            return Ok(run);
+        }
+    }
+    Err(TOO_LONG.to_owned())
+}
+
+impl Run {
+    /// Ticks at which the axis turns, or begins or ends a rest: where a direction ends.
+    pub fn reversals(&self, axis: usize) -> Vec<(usize, i64)> {
+        let x = &self.axes[axis];
+        let mut found = Vec::new();
+        let mut direction = 0;
+        for (tick, pair) in x.windows(2).enumerate() {
+            let now = (pair[1] - pair[0]).signum();
+            if direction != 0 && now != direction {
+                found.push((tick, pair[0]));
+            }
+            direction = now;
+        }
+        found
+    }
+
+    /// Ticks at which the axis comes to `position`, from elsewhere.
+    pub fn arrivals(&self, axis: usize, position: i64) -> Vec<usize> {
+        let x = &self.axes[axis];
+        (1..x.len()).filter(|&tick| x[tick] == position && x[tick - 1] != position).collect()
+    }
+
+    /// The end of all axes, mm or degrees.
+    pub fn ends(&self) -> Vec<f64> {
+        self.axes.iter().map(|x| *x.last().expect("a tick") as f64 / ONE as f64).collect()
+    }
+
+    /// Speed, acceleration and jerk of every axis at every tick: of axes alone, within those of the feed and of
+    /// the rapid motion; `curved` where the path takes corners too.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn keeps_limits<const AXES: usize>(
+        &self,
+        machine: &MachineData<AXES>,
+        slope: u8,
+        curved: bool,
+    ) -> Result<(), String> {
+        let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
+        for (k, (x, data)) in self.axes.iter().zip(&machine.axes).enumerate() {
+            let limits = permitted(data, slope, true, true, curved);
+            let most = [limits.v * cycle, limits.a * cycle.powi(2), limits.jerk * cycle.powi(3)];
+            // Set points are rounded to half a step each.
+            let most = [(most[0], 1.0), (most[1], 2.0), (most[2], 4.0)];
+            let mut differences = x.clone();
+            for (order, (most, rounding)) in most.into_iter().enumerate() {
+                differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
+                for (tick, difference) in differences.iter().enumerate() {
+                    let size = difference.unsigned_abs() as f64;
+                    if size > most * ONE as f64 + rounding {
+                        return Err(format!(
+                            "axis {k}, tick {tick}: difference {} is {} of {most}",
+                            order + 1,
+                            size / ONE as f64
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,263 @@
+//! Independent axes: D3-271, and random programs in which axes move beside the path.
+use glidepath::machine::MachineData;
+use host_tests::beside::{ONE, Run, run};
+use host_tests::cases::machines::{self, even};
+use host_tests::cases::random::Random;
+use host_tests::operate::{Act, TOO_LONG, random_acts, with_overrides, with_stalls};
+
+fn good<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Run {
+    let run = run(text, machine, &[], 40).unwrap_or_else(|error| panic!("{text}: {error}"));
+    if let Err(error) = run.keeps_limits(machine, machine.channel.slope_profile, false) {
+        panic!("{text}: {error}");
+    }
+    run
+}
+
+fn first_move(run: &Run, axis: usize) -> usize {
+    run.axes[axis].windows(2).position(|pair| pair[0] != pair[1]).expect("it moves")
+}
+
+fn last_move(run: &Run, axis: usize) -> usize {
+    run.axes[axis].windows(2).rposition(|pair| pair[0] != pair[1]).expect("it moves")
+}
+
+/// INDP_SYN: the next block waits; INDP_ASYN: it does not, #WAIT INDP and the path do.
+#[test]
+fn synchronous_and_asynchronous() {
+    let machine = even::<3>(1000);
+    let syn = good("X[INDP_SYN G01 G90 POS=30 FEED=3000]\nG01 Y5 F3000\nM30\n", &machine);
+    assert!(last_move(&syn, 0) < first_move(&syn, 1));
+    let asyn = good("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\nG01 Y5 F3000\nM30\n", &machine);
+    assert!(last_move(&asyn, 0) > last_move(&asyn, 1));
+    for wait in ["#WAIT INDP [X]", "#WAIT INDP ALL", "G01 Y5 F3000\n#WAIT INDP [X,Z]"] {
+        let run =
+            good(&format!("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\n{wait}\nG01 Z5 F3000\nM30\n"), &machine);
+        assert!(last_move(&run, 0) < first_move(&run, 2), "{wait}");
+    }
+    let joined = good("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\nG01 Y5 F3000\nX40 Y6\nM30\n", &machine);
+    assert_eq!(joined.ends(), [40.0, 6.0, 0.0]);
+    let taken_along = good("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\nG01 X30 Y5 F3000\nM30\n", &machine);
+    assert!(
+        last_move(&taken_along, 0) > last_move(&taken_along, 1),
+        "P-CHAN-00451 = 0: the target is the same"
+    );
+    assert_eq!(syn.warnings.len() + asyn.warnings.len(), 0);
+}
+
+/// Every word, D3-271: the slope of SLOPE_TYPE.
+#[test]
+fn words_d3_271() {
+    let machine = even::<3>(1000);
+    let alone = |words: &str| good(&format!("G92 X2\nX[INDP_SYN {words}]\nM30\n"), &machine);
+    let time = |words: &str| {
+        let run = alone(words);
+        assert_eq!(run.ends()[0], 20.0, "{words}");
+        last_move(&run, 0) - first_move(&run, 0) + 1
+    };
+    let trapez = time("G01 G90 POS=20 FEED=6000");
+    // 20 mm at 100 mm/s, a 2000, ramps 50 ms.
+    assert_eq!(trapez, 300);
+    let text = "X[INDP_SYN G01 G90 POS=20 FEED=6000 SLOPE_TYPE=STEP]\nM30\n";
+    let stepped = run(text, &machine, &[], 40).expect(text);
+    assert_eq!(last_move(&stepped, 0) - first_move(&stepped, 0) + 1, 300, "100 mm/s at 1000 mm/s²");
+    assert_eq!(time("G01 G90 POS=20 FEED_MAX_WEIGHT=50"), 300);
+    assert_eq!(time("G01 G90 POS=20 TIME=0.5"), 500);
+    assert_eq!(time("G01 G91 POS=20 TIME=0.5"), 500);
+    assert_eq!(time("G01 G90 POS=18 TIME=0.5 INCL_OFFSETS"), 500);
+    assert!(time("G01 G90 POS=20 FEED=6000 ACC_WEIGHT=50") > trapez + 40);
+    assert!(time("G01 G90 POS=20 FEED=6000 RAPID_ACC_WEIGHT=50") == trapez);
+    let rapid = time("G00 G90 POS=20");
+    assert!(rapid < trapez && time("G00 G90 POS=20 RAPID_ACC_WEIGHT=50") > rapid);
+    assert_eq!(time("G90 POS=20"), rapid);
+    let text = "G92 X2\nX[INDP_SYN G01 G90 POS=20 FEED=6000 SLOPE_TYPE=SIN2]\nM30\n";
+    let sine = run(text, &machine, &[], 40).expect(text);
+    sine.keeps_limits(&machine, 2, false).expect(text);
+    assert_ne!(sine.axes[0], alone("G01 G90 POS=20 FEED=6000").axes[0]);
+    let out = alone("G01 G90 POS=20 FEED=6000 M7 H8").outputs;
+    assert_eq!(out.len(), 2);
+    assert_eq!(
+        alone("G01 G90 POS=20 TIME=0.05").warnings.iter().map(|w| w.id()).collect::<Vec<_>>(),
+        [900_002]
+    );
+}
+
+/// 50603, and what this version does not do.
+#[test]
+fn words_that_do_not_go_together() {
+    let machine = even::<3>(1000);
+    for (words, says) in [
+        ("G00 G90 POS=20 FEED=100", "G00 has no"),
+        ("G01 G90 POS=20", "G01 has one"),
+        ("G01 G90 POS=20 FEED=100 TIME=1", "G01 has one"),
+        ("G01 G90 POS=20 FEED_MAX_WEIGHT=100", "below 100"),
+        ("G01 G90 FEED=100", "missing"),
+        ("G01 G90 POS=20 FEED=100 CURVE=1", "unknown keyword"),
+        ("G100 G90 POS=20 FEED=100", "not available"),
+        ("G01 G90 POS=20 FEED=100 DRY_RUN", "not available"),
+        ("G01 G90 POS=200000 FEED=100", "out of range"),
+    ] {
+        let error = run(&format!("X[INDP_SYN {words}]\n"), &machine, &[], 40).expect_err(words);
+        assert!(error.contains(says), "{words}: {error}");
+    }
+}
+
+/// Feed hold and override act; the reduced speed too.
+#[test]
+fn the_operator_acts() {
+    let mut machine = even::<3>(1000);
+    machine.axes[0].vb_max_red = 20_000;
+    let text = "X[INDP_SYN G01 G90 POS=50 FEED=6000]\nM30\n";
+    let length = |acts: &[(usize, Act)]| {
+        let run = run(text, &machine, acts, 40).expect("it runs");
+        run.keeps_limits(&machine, 1, false).unwrap_or_else(|error| panic!("{acts:?}: {error}"));
+        assert_eq!(run.ends()[0], 50.0);
+        last_move(&run, 0)
+    };
+    let plain = length(&[]);
+    assert!(length(&[(0, Act::Override(500))]) > plain + 400);
+    assert!(length(&[(200, Act::Override(500)), (400, Act::Override(1000))]) > plain + 50);
+    assert!(length(&[(200, Act::Override(500))]) > plain + 250);
+    assert!(length(&[(200, Act::Override(1500))]) < plain - 50);
+    assert!(length(&[(200, Act::Hold), (600, Act::Resume)]) > plain + 300);
+    assert!(length(&[(200, Act::Override(0)), (600, Act::Override(1000))]) > plain + 300);
+    assert!(length(&[(200, Act::Reduced(true))]) > plain + 1000);
+}
+
+/// A program of path motions, oscillations and independent axes, and where its axes end: unknown behind an
+/// OFF INSTANT.
+fn program(random: &mut Random) -> (String, [Option<f64>; 3], u32) {
+    let names = ["X", "Y", "Z"];
+    let mut text = String::new();
+    let (mut ends, mut told) = ([Some(0.0); 3], 0);
+    let position = |random: &mut Random| ((random.unit() - 0.5) * 40_000.0).round() / 1000.0;
+    for _ in 0..2 + random.bits() % 8 {
+        let k = (random.bits() % 3) as usize;
+        let (axis, to, feed) = (names[k], position(random), random.magnitude(100.0, 20_000.0).round());
+        told |= 1 << k;
+        let line = match random.bits() % 10 {
+            0..=2 => {
+                let other = (k + 1) % 3;
+                let second = position(random);
+                told |= 1 << other;
+                (ends[k], ends[other]) = (Some(to), Some(second));
+                format!("G90 G01 {axis}{to} {}{second} F{feed}", names[other])
+            }
+            3 => {
+                ends[k] = Some(to);
+                format!("G90 G00 {axis}{to}")
+            }
+            4..=6 => {
+                let mut from = position(random);
+                if from == to {
+                    from += 1.0;
+                }
+                ends[k] = Some(to);
+                let pace = match random.bits() % 3 {
+                    0 => format!("FEED={feed}"),
+                    1 => format!("FREQ={:.3}", random.magnitude(0.3, 8.0)),
+                    _ => format!("TIME={:.3}", random.magnitude(0.2, 3.0)),
+                };
+                let mut line = format!("{axis}[OSC ON 1ST_POS={from} 2ND_POS={to} {pace}");
+                if random.once_in(3) {
+                    line +=
+                        &format!(" 1ST_DELT={:.3} 2ND_DELT={:.3}", random.unit() * 0.1, random.unit() * 0.1);
+                }
+                if random.once_in(2) {
+                    line += &format!(" NBR_OSC={}", 1 + random.bits() % 4);
+                }
+                format!("{line}]\nG04 {:.3}", random.unit())
+            }
+            7 => {
+                let off = ["OFF", "OFF FEED=4000", "OFF INSTANT"][(random.bits() % 3) as usize];
+                if off.ends_with('T') {
+                    ends[k] = None;
+                }
+                format!("{axis}[OSC {off}]")
+            }
+            8 => {
+                ends[k] = Some(to);
+                let word = if random.once_in(2) { "INDP_SYN" } else { "INDP_ASYN" };
+                let slope = ["", " SLOPE_TYPE=TRAPEZ", " ACC_WEIGHT=60"][(random.bits() % 3) as usize];
+                match random.once_in(3) {
+                    true => format!("{axis}[{word} G00 G90 POS={to}]"),
+                    false => format!("{axis}[{word} G01 G90 POS={to} FEED={feed}{slope}]"),
+                }
+            }
+            _ => "#WAIT INDP ALL".to_owned(),
+        };
+        text += &line;
+        text.push('\n');
+    }
+    (text + "M30\n", ends, told)
+}
+
+fn check(seed: u64) -> Result<(), String> {
+    let mut machine = machines::arbitrary::<3>(seed);
+    let slope = (seed % 4) as u8;
+    machine.channel.slope_profile = slope;
+    machine.channel.corr_v_trans_jerk = true;
+    for axis in &mut machine.axes {
+        axis.a_trans_weight = 0;
+        axis.vb_max_red = axis.vb_max / 3 + 1;
+    }
+    let mut random = Random::new(seed ^ 0x5eed);
+    let (text, ends, told) = program(&mut random);
+    // Motions with SLOPE_TYPE=TRAPEZ have the accelerations of that slope.
+    let judged = if text.contains("SLOPE_TYPE") && slope == 0 { None } else { Some(slope) };
+    let fault = |what: String| format!("seed {seed}: {what}\n{text}");
+    let all = |run: &Run, acts: &[(usize, Act)], ends_there: bool| {
+        let fault = |what: String| fault(format!("{what}\n{acts:?}"));
+        if let Some(slope) = judged {
+            run.keeps_limits(&machine, slope, true).map_err(fault)?;
+        }
+        let last: Vec<i64> = run.axes.iter().map(|x| *x.last().expect("a tick")).collect();
+        if last != run.position {
+            return Err(fault(format!("stands at {last:?}, the planner has {:?}", run.position)));
+        }
+        for (k, end) in ends.iter().enumerate() {
+            let is_told = told >> k & 1 == 1;
+            if !is_told && run.axes[k].iter().any(|x| *x != 0) {
+                return Err(fault(format!("axis {k} moves")));
+            }
+            if let Some(end) = end.filter(|_| ends_there)
+                && (last[k] as f64 / ONE as f64 - end).abs() > 1e-9
+            {
+                return Err(fault(format!("axis {k} ends at {}, not {end}", last[k] as f64 / ONE as f64)));
+            }
+        }
+        Ok(())
+    };
+    let plain = run(&text, &machine, &[], 40).map_err(fault)?;
+    all(&plain, &[], true)?;
+    let ticks = plain.states.len();
+    let mut acts = random_acts(&mut random, ticks);
+    let aborts = acts.iter().any(|(_, act)| *act == Act::Abort);
+    if random.once_in(2) {
+        acts = with_overrides(&mut random, ticks, acts);
+    }
+    if random.once_in(2) {
+        acts = with_stalls(&mut random, ticks, acts);
+    }
+    let polls = [12, 40][(seed % 2) as usize];
+    let run = match run(&text, &machine, &acts, polls) {
+        // A low override, and no end in sight: no fault.
+        Err(what) if what == TOO_LONG && acts.iter().any(|(_, act)| matches!(act, Act::Override(_))) => {
+            return Ok(());
+        }
+        run => run.map_err(|what| fault(format!("{what}\n{acts:?}")))?,
+    };
+    all(&run, &acts, !aborts)
+}
+
+/// GLIDEPATH_SEEDS: how many.
+#[test]
+fn random_programs_beside_the_path() {
+    let count = std::env::var("GLIDEPATH_SEEDS").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
+    let faults: Vec<String> = (0..count).filter_map(|seed| check(seed).err()).collect();
+    assert!(
+        faults.is_empty(),
+        "{} of {count}\n{}",
+        faults.len(),
+        faults.iter().take(4).cloned().collect::<Vec<_>>().join("\n")
+    );
+}

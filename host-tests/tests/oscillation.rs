@@ -1,0 +1,314 @@
+//! Oscillation: FCT-A8, row by row.
+use glidepath::machine::MachineData;
+use host_tests::beside::{ONE, Run, run};
+use host_tests::cases::machines::{accelerations, even, machine, ramps};
+
+/// Slope 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
+fn with_slope(slope: u8) -> MachineData<3> {
+    let mut machine = even::<3>(1000);
+    machine.channel.slope_profile = slope;
+    for axis in &mut machine.axes {
+        axis.a_stufe = [2000; 2];
+    }
+    machine
+}
+
+fn good<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Run {
+    let run = run(text, machine, &[], 40).unwrap_or_else(|error| panic!("{text}: {error}"));
+    if let Err(error) = run.keeps_limits(machine, machine.channel.slope_profile, false) {
+        panic!("{text}: {error}");
+    }
+    let ends: Vec<i64> = run.axes.iter().map(|x| *x.last().expect("a tick")).collect();
+    assert_eq!(ends, run.position, "{text}: the planner knows where the axes stand");
+    run
+}
+
+/// Ticks from one arrival at `position` to the next.
+fn periods(run: &Run, axis: usize, position: i64) -> Vec<usize> {
+    run.arrivals(axis, position * ONE).windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// A machine of the published examples: acceleration 1000, linear slope, a cycle of 2 ms.
+fn grinder(v_um_s: u32) -> MachineData<3> {
+    let mut grinder = machine::<3>(2000, |_, axis| {
+        (axis.vb_max, axis.vb_eilgang) = (v_um_s, v_um_s);
+        accelerations(axis, 1000, 1000);
+        ramps(axis, 10_000);
+        axis.a_stufe = [1000; 2];
+    });
+    grinder.channel.slope_profile = 0;
+    grinder
+}
+
+const SUB: &str = "%L sub_mv\nN1000 G01 G90 Y100 F500\nN2000 Y-100\nM29\n%osc_7\n";
+
+/// A8-054, A8-055, A8-056: EX10.
+#[test]
+fn limited_by_acceleration() {
+    let text =
+        format!("{SUB}N10 X[OSC ON 1ST_POS=-120 2ND_POS=120 FREQ=0.6]\nN20 LL sub_mv\nN30 X[OSC OFF]\nM30\n");
+    let run = good(&text, &grinder(5_000_000));
+    let periods = periods(&run, 0, 120);
+    assert!(periods.len() > 10, "A8-056");
+    assert!(periods.iter().all(|period| *period == 982), "A8-056: 1.964 s in {periods:?} ticks of 2 ms");
+    assert_eq!(run.warnings.iter().map(|w| w.id()).collect::<Vec<_>>(), [900_001], "A8-055");
+    let peak = run.axes[0].windows(2).map(|pair| pair[1] - pair[0]).max().expect("a tick") as f64;
+    let peak = peak / ONE as f64 / 0.002;
+    assert!((488.0..490.5).contains(&peak), "A8-056: {peak} mm/s");
+}
+
+/// A8-055, A8-057: EX11.
+#[test]
+fn limited_by_speed() {
+    let text =
+        format!("{SUB}N10 X[OSC ON 1ST_POS=-520 2ND_POS=520 FREQ=0.2]\nN20 LL sub_mv\nN30 X[OSC OFF]\nM30\n");
+    let run = good(&text, &grinder(500_000));
+    let periods = periods(&run, 0, 520);
+    assert!(periods.len() > 5, "A8-057");
+    assert!(periods.iter().all(|period| *period == 2582), "A8-057: 5.164 s in {periods:?} ticks of 2 ms");
+    assert_eq!(run.warnings.len(), 1, "A8-055: once");
+}
+
+/// The example programs of the sources, where they are.
+fn example(name: &str) -> Option<String> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let shared = std::env::var_os("GLIDEPATH_SHARED").map_or_else(|| root.join("../shared"), Into::into);
+    let shared: std::path::PathBuf = if shared.is_dir() { shared } else { root.join("../../shared") };
+    std::fs::read_to_string(shared.join("spec/programs").join(format!("{name}.nc"))).ok()
+}
+
+/// Farthest positions of an axis, mm.
+fn range(run: &Run, axis: usize) -> [f64; 2] {
+    let x = &run.axes[axis];
+    [x.iter().min(), x.iter().max()].map(|x| *x.expect("a tick") as f64 / ONE as f64)
+}
+
+/// EX01 to EX09, with every slope: A8-045, A8-046, A8-047, A8-048, A8-049, A8-050, A8-051, A8-052, A8-053. All
+/// end on position 2: A8-018. What they show beside that: A8-001, A8-002, A8-003, A8-004, A8-005, A8-007, A8-019,
+/// A8-020, A8-028, A8-029, A8-030, A8-031, A8-039, A8-040.
+#[test]
+fn every_example_oscillates() {
+    let expected = [
+        ("A8-EX01_positions_feed", [-100.0, 100.0], 0),
+        ("A8-EX02_zero_excur", [-100.0, 100.0], 0),
+        ("A8-EX03_freq_count", [-100.0, 100.0], 10),
+        ("A8-EX04_period", [-100.0, 100.0], 0),
+        ("A8-EX05_with_infeed", [0.0, 222.0], 0),
+        ("A8-EX06_dwell", [-100.0, 200.0], 0),
+        ("A8-EX07_modulo_short", [-10.0, 10.0], 0),
+        ("A8-EX08_off", [-100.0, 100.0], 0),
+        ("A8-EX09_off_feed", [-100.0, 100.0], 0),
+    ];
+    for (name, reach, count) in expected {
+        let Some(text) = example(name) else {
+            eprintln!("NOT RUN: {name} is not here");
+            return;
+        };
+        for slope in 0..4 {
+            let mut machine = with_slope(slope);
+            for axis in &mut machine.axes {
+                (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
+                accelerations(axis, 8000, 8000);
+                axis.a_stufe = [8000; 2];
+            }
+            if name.contains("modulo") {
+                machine.axes[0].kind = glidepath::machine::AxisKind::Rotary;
+            }
+            let run = good(&text, &machine);
+            assert_eq!(range(&run, 0), reach, "{name}, slope {slope}");
+            let second = if name.contains("modulo") { reach[0] } else { reach[1] };
+            assert_eq!(run.ends()[0], second, "A8-018: {name}, slope {slope}");
+            let times = run.arrivals(0, (second * ONE as f64) as i64).len();
+            assert!(count == 0 && times > 0 || times == count, "{name}: {times} times on position 2");
+            assert_eq!(run.warnings, [], "{name}");
+        }
+    }
+}
+
+/// A8-041, A8-026, A8-027, A8-003, A8-010, A8-059: FREQ and TIME are kept to a tick over 1000 periods, with
+/// every slope; A8-034: so often.
+#[test]
+fn a_period_does_not_drift() {
+    for (slope, pace, period) in [
+        (0, "FREQ=3", 1000.0 / 3.0),
+        (1, "TIME=0.3337", 333.7),
+        (2, "FREQ=2.7", 1000.0 / 2.7),
+        (3, "TIME=0.4", 400.0),
+    ] {
+        let text = format!("X[OSC ON 1ST_POS=-2 2ND_POS=1.5 {pace} NBR_OSC=1001]\nG04 420\nM30\n");
+        let run = good(&text, &with_slope(slope));
+        assert_eq!(run.warnings, []);
+        for (position, times) in [(-2 * ONE, 1001), (ONE * 3 / 2, 1001)] {
+            let arrivals = run.arrivals(0, position);
+            assert_eq!(arrivals.len(), times, "A8-034: slope {slope}");
+            // The first one ends the positioning, or begins at it.
+            let first = arrivals[1] as f64 - period;
+            for (k, tick) in arrivals.iter().enumerate().skip(1) {
+                let exact = first + k as f64 * period;
+                assert!(
+                    (*tick as f64 - exact).abs() <= 1.0,
+                    "A8-041: slope {slope}, period {k}: {tick}, {exact}"
+                );
+            }
+        }
+    }
+}
+
+/// A8-004, A8-032, A8-033, A8-011: waits are part of the period; with FEED they come beside it. A8-025: the feed.
+#[test]
+fn waits_at_the_reversals() {
+    let text = |pace: &str| {
+        format!("X[OSC ON 1ST_POS=-5 2ND_POS=5 {pace} 1ST_DELT=0.2 2ND_DELT=0.1 NBR_OSC=5]\nG04 9\nM30\n")
+    };
+    for slope in 0..4 {
+        for (pace, period) in [("TIME=1.5", Some(1500)), ("FEED=3000", None)] {
+            let run = good(&text(pace), &with_slope(slope));
+            let x = &run.axes[0];
+            for (row, position, wait) in [("A8-032", -5 * ONE, 200), ("A8-033", 5 * ONE, 100)] {
+                let arrivals = run.arrivals(0, position);
+                assert_eq!(arrivals.len(), 5);
+                let last = usize::from(position > 0);
+                for at in &arrivals[..5 - last] {
+                    let rest = x[*at..].iter().take_while(|x| **x == position).count();
+                    assert!((wait..=wait + 4).contains(&rest), "{row}: slope {slope}, {pace}: {rest} ticks");
+                }
+                if let Some(period) = period {
+                    assert!(arrivals.windows(2).skip(1).all(|pair| pair[1] - pair[0] == period), "A8-011");
+                }
+            }
+            if period.is_none() {
+                let v = x.windows(2).map(|pair| pair[1] - pair[0]).max().expect("a tick");
+                assert!((v as f64 / ONE as f64 / 0.05 - 1.0).abs() < 1e-3, "A8-025: slope {slope}");
+            }
+        }
+    }
+}
+
+/// A8-013, A8-021: the path stops for the start, and goes on while the axis oscillates; A8-007, A8-049: its
+/// set points are what they are without the oscillation.
+#[test]
+fn the_path_is_what_it_is_without() {
+    let rest = "G01 G90 Y50 F2000\nY20 Z5\nY0 Z0\n";
+    let with = format!("G01 Y10 F2000\nX[OSC ON 1ST_POS=1 2ND_POS=9 FREQ=1.3]\n{rest}X[OSC OFF]\nM30\n");
+    let without = format!("G01 Y10 F2000\n#FLUSH&WAIT\n{rest}M30\n");
+    let machine = with_slope(1);
+    let moves = |run: &Run| {
+        let rows = run.axes[1].iter().zip(&run.axes[2]).map(|(y, z)| (*y, *z));
+        let mut rows: Vec<_> = rows.collect();
+        rows.dedup();
+        rows
+    };
+    let (with, without) = (good(&with, &machine), good(&without, &machine));
+    assert_eq!(moves(&with), moves(&without), "A8-049");
+    let begins = with.axes[0].iter().position(|x| *x != 0).expect("it oscillates");
+    assert_eq!(with.axes[1][begins - 1], 10 * ONE, "A8-013: the block is over");
+    assert!(with.arrivals(0, 9 * ONE).len() > 2, "A8-007: while the path moves");
+}
+
+/// A8-018: it ends on position 2. A8-022, A8-052: OFF ends with the cycle; A8-023, A8-053: OFF FEED at once; A8-024: OFF INSTANT where it is;
+/// A8-042: a counted one too; A8-014, A8-015, A8-017, A8-016: implicit ends; A8-008, A8-009.
+#[test]
+fn it_ends_as_told() {
+    let on = "X[OSC ON 1ST_POS=-20 2ND_POS=20 TIME=2 NBR_OSC=50]\nG04 1.9\n";
+    for slope in 0..4 {
+        let machine = with_slope(slope);
+        let run = |rest: &str| good(&format!("{on}{rest}M30\n"), &machine);
+        let last = |run: &Run| run.arrivals(0, 20 * ONE).len();
+        let off = run("X[OSC OFF]\n");
+        assert_eq!(off.ends()[0], 20.0, "A8-022");
+        let cycles = last(&off);
+        assert!(cycles < 5, "A8-042: {cycles}");
+        let fast = run("X[OSC OFF FEED=9000]\n");
+        assert_eq!((fast.ends()[0], range(&fast, 0)), (20.0, [-20.0, 20.0]), "A8-023");
+        assert!(fast.axes[0].len() <= off.axes[0].len(), "A8-023: sooner");
+        let instant = run("X[OSC OFF INSTANT]\nG91 G01 X1 F3000\n");
+        let end = instant.ends()[0];
+        assert!(instant.axes[0].len() < off.axes[0].len() && end.abs() < 20.0, "A8-024: {end}");
+        let onward = run("G90 G01 X30 F3000\n");
+        assert_eq!((onward.ends()[0], last(&onward)), (30.0, cycles), "A8-014");
+        let again = run("X[OSC ON 1ST_POS=25 2ND_POS=31 FREQ=2]\nG04 2\n");
+        assert_eq!((again.ends()[0], last(&again)), (31.0, cycles), "A8-015");
+        let flush = run("#FLUSH&WAIT\nG01 Y1 F1000\n");
+        assert_eq!((flush.ends()[0], last(&flush)), (20.0, cycles), "A8-016");
+        let begins = flush.axes[1].iter().position(|y| *y != 0).expect("Y moves");
+        assert_eq!(flush.axes[0][begins], 20 * ONE, "A8-016");
+        let end = run("");
+        assert_eq!((end.ends()[0], last(&end)), (20.0, cycles), "A8-017");
+    }
+}
+
+/// P-AXIS-00177 and 00178 hold for both reversals; A8-035: with offsets; A8-036: over the turn; A8-006, A8-037,
+/// A8-038: any axis, both ways.
+#[test]
+fn positions_of_the_reversals() {
+    let mut machine = with_slope(1);
+    machine.axes[2].swe_pos = 30 * 10_000;
+    let refused = |text: &str| run(text, &machine, &[], 40).expect_err(text);
+    assert!(refused("Z[OSC ON 1ST_POS=0 2ND_POS=31 FREQ=1]\nM30\n").contains("P-AXIS-00178"));
+    let run = good(
+        "G92 Y7\nY[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=2 \\\n INCL_OFFSETS NBR_OSC=3]\nG04 2\nM30\n",
+        &machine,
+    );
+    assert_eq!((range(&run, 1), run.ends()[1]), ([0.0, 9.0], 9.0), "A8-035, A8-006");
+    machine.axes[0].kind = glidepath::machine::AxisKind::Rotary;
+    let run = good("X[OSC ON 1ST_POS=350 2ND_POS=20 FREQ=1 SHORT NBR_OSC=2]\nG04 3\nM30\n", &machine);
+    assert_eq!((range(&run, 0), run.ends()[0]), ([-10.0, 20.0], 20.0), "A8-036");
+}
+
+/// A8-012, A8-054, A8-060, A8-061: accelerations and ramps are those of the feed, of the slope of P-CHAN-00071, and
+/// #SLOPE does not change them.
+#[test]
+fn dynamics_of_the_strokes() {
+    for slope in 0..4u8 {
+        let mut machine = with_slope(slope);
+        machine.axes[0].a_stufe = [500, 900];
+        machine.axes[0].vb_stufe_1_2 = 20_000;
+        accelerations(&mut machine.axes[0], 1500, 2000);
+        machine.axes[0].a_grenz = 2000;
+        let text = "#SLOPE [TYPE=TRAPEZ]\nX[OSC ON 1ST_POS=-20 2ND_POS=20 FREQ=10 NBR_OSC=4]\nG04 2\nM30\n";
+        let run = good(text, &machine);
+        assert_eq!(run.warnings.len(), 1, "A8-054");
+        let v: Vec<i64> = run.axes[0].windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let a = v.windows(2).map(|pair| (pair[1] - pair[0]).abs()).max().expect("a tick") as f64 / ONE as f64
+            * 1e6;
+        let most = if slope == 0 { 900.0 } else { 1500.0 };
+        assert!((0.97 * most..=most * 1.0001).contains(&a), "A8-012: slope {slope}: {a}");
+    }
+}
+
+/// A planner without time, a hold and an abort in the middle: the axis stays inside its limits, and a hold
+/// goes on.
+#[test]
+fn holds_aborts_and_stalls() {
+    use host_tests::operate::Act;
+    for slope in 0..4 {
+        let machine = with_slope(slope);
+        let text = "X[OSC ON 1ST_POS=-20 2ND_POS=20 TIME=2 NBR_OSC=3]\nG01 Y90 F600\nM30\n";
+        for at in (0..4000).step_by(173) {
+            for (acts, end) in [
+                (vec![(at, Act::Hold), (at + 900, Act::Resume)], true),
+                (vec![(at, Act::Stall(1500))], true),
+                (vec![(at, Act::Abort)], false),
+                (
+                    vec![
+                        (at, Act::Hold),
+                        (at + 3, Act::Resume),
+                        (at + 50, Act::Hold),
+                        (at + 800, Act::Abort),
+                    ],
+                    false,
+                ),
+                (vec![(at, Act::Override(500)), (at + 700, Act::Override(1000))], true),
+            ] {
+                let run = run(text, &machine, &acts, 40).unwrap_or_else(|e| panic!("{slope} {acts:?}: {e}"));
+                run.keeps_limits(&machine, slope, false).unwrap_or_else(|e| panic!("{slope} {acts:?}: {e}"));
+                let ends: Vec<i64> = run.axes.iter().map(|x| *x.last().expect("a tick")).collect();
+                assert_eq!(ends, run.position, "{slope} {acts:?}");
+                if end {
+                    assert_eq!(run.ends(), [20.0, 90.0, 0.0], "{slope} {acts:?}");
+                    assert_eq!(run.arrivals(0, 20 * ONE).len(), 3, "{slope} {acts:?}");
+                }
+            }
+        }
+    }
+}

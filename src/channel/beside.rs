@@ -1,0 +1,472 @@
+//! Motions of single axes beside the path: oscillations, independent axes, jog.
+//!
+//! A command of the program for a single axis waits until the path stands where it was programmed. Then the
+//! axis gets an overlay, and the path has it at once where its motion will end: from there on path and axis go
+//! their own ways. What the program says of that axis next waits for the end of its motion.
+//!
+//! | what the program says | what becomes of an oscillation |
+//! |---|---|
+//! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, the program end, a refused line | ends on the second position, with its cycle |
+//! | `OFF` | the same, but the program goes on |
+//! | `OFF FEED` | brakes, then goes to the second position |
+//! | `OFF INSTANT`, an abort | brakes, and stands there |
+//!
+//! A feed hold makes all of them stand; resumed, each goes on to where it was going. The override acts on
+//! independent axes, as on the path, and not on oscillations, whose time is programmed. The reduced speed
+//! (P-AXIS-00214) acts on all.
+use super::{Error, Held, Planner, Progress, Source};
+use crate::fir::FilterPlan;
+use crate::machine::AxisKind;
+use crate::math::divide::div_wide;
+use crate::math::wide::mul_wide;
+use crate::nc::{
+    Command, Head, Independent, Motion, NcWarning, NcWarningKind, Oscillation, OscillationAction,
+    OscillationSpeed, Place, Text,
+};
+use crate::plan::MotionError;
+use crate::quantity::{Feed, Position};
+use crate::queue::OverlaySender;
+use crate::single::{AxisLimits, Oscillating, Pace, Single, Wishes};
+use crate::technology::Function;
+
+/// What the program waits with until the path stands.
+#[derive(Clone, Copy)]
+pub(super) enum Pending {
+    Oscillation(Head, Oscillation),
+    Independent(Head, Independent),
+    /// The motion of this axis is to be seen by the interrupt; it ends there. Then these axes are waited for.
+    Start(usize, Position, u32),
+    /// The motions of these axes are to end.
+    End(u32),
+    /// The same before the motion of the line at hand.
+    Join(u32),
+}
+
+/// Why an axis does not move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MoveError {
+    /// The path moves, or will move by blocks that are read already, or the axis moves already.
+    NotAtRest,
+    /// No such axis, or no such position or feed.
+    Range,
+    /// It leads beyond a software limit, or takes too long.
+    Motion(MotionError),
+    /// All overlays of the channel are at work.
+    Full,
+}
+
+impl core::fmt::Display for MoveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NotAtRest => "a single axis is moved at rest, when all blocks read are executed",
+            Self::Range => "no such motion; expected an axis of the machine and a feed above 0",
+            Self::Motion(MotionError::Beyond(_)) => "the axis would come beyond its software limit",
+            Self::Motion(_) => "the motion takes more than 134 217 728 ticks; raise the feed",
+            Self::Full => "no overlay is free; expected fewer axes at once, or more OVERLAYS of the channel",
+        })
+    }
+}
+
+impl core::error::Error for MoveError {}
+
+/// Single axes and their overlays.
+pub(super) struct Beside<'a, const OVERLAYS: usize> {
+    singles: &'a mut [Single; OVERLAYS],
+    overlays: [OverlaySender<'a>; OVERLAYS],
+    pub(super) pending: Option<Pending>,
+    /// The next piece of work is theirs.
+    turn: bool,
+}
+
+impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
+    pub(super) const fn new(
+        singles: &'a mut [Single; OVERLAYS],
+        overlays: [OverlaySender<'a>; OVERLAYS],
+    ) -> Self {
+        Self { singles, overlays, pending: None, turn: false }
+    }
+
+    /// Nothing moves beside the path, or will.
+    pub(super) fn is_free(&self) -> bool {
+        OVERLAYS == 0 || self.pending.is_none() && self.axes() == 0
+    }
+
+    /// Axes that have an overlay: bit i for axis i.
+    fn axes(&self) -> u32 {
+        let bits = self.singles.iter().filter_map(Single::axis).map(bit);
+        bits.fold(0, |axes, bit| axes | bit)
+    }
+
+    fn of(&mut self, axis: usize) -> Option<&mut Single> {
+        self.singles.iter_mut().find(|single| single.axis() == Some(axis))
+    }
+
+    fn free(&mut self) -> Option<&mut Single> {
+        self.singles.iter_mut().find(|single| single.axis().is_none())
+    }
+
+    /// All of them come to a standstill, and what was to come is forgotten.
+    pub(super) fn stop(&mut self) {
+        self.pending = None;
+        self.singles.iter_mut().filter(|single| single.axis().is_some()).for_each(Single::stop);
+    }
+
+    /// Oscillations of these axes end with their cycle.
+    fn finish(&mut self, axes: u32) {
+        let of = |single: &&mut Single| single.axis().is_some_and(|axis| bit(axis) & axes != 0);
+        self.singles.iter_mut().filter(of).for_each(Single::finish);
+    }
+}
+
+const fn bit(axis: usize) -> u32 {
+    1u32.wrapping_shl(axis as u32)
+}
+
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
+    Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
+{
+    /// A piece of work: for the path, or for an axis beside it, in turn.
+    pub(super) fn poll_both(&mut self) -> Result<Progress, Error> {
+        if self.beside.axes() != 0 && self.planning.commands().abort {
+            self.beside.stop();
+        }
+        if core::mem::take(&mut self.beside.turn) && self.tend()? {
+            return Ok(Progress::Working);
+        }
+        self.beside.turn = true;
+        let progress = self.poll_path()?;
+        if matches!(progress, Progress::Waiting | Progress::Done) && self.tend()? {
+            return Ok(Progress::Working);
+        }
+        Ok(progress)
+    }
+
+    /// A piece of work for an axis; `false` if there is none.
+    fn tend(&mut self) -> Result<bool, Error> {
+        let commands = self.planning.commands();
+        let wishes =
+            Wishes { hold: commands.hold || commands.abort, reduced: commands.reduced, feed: commands.feed };
+        let Beside { singles, overlays, .. } = &mut self.beside;
+        let mut done = Ok(false);
+        for (single, overlay) in singles.iter_mut().zip(overlays) {
+            done = single.work(overlay, &wishes);
+            if done != Ok(false) {
+                break;
+            }
+        }
+        match done {
+            Ok(done) => Ok(self.settle_beside() || done),
+            Err(_) => {
+                self.lose();
+                self.planning.drop_ahead();
+                Err(Error::Unplannable)
+            }
+        }
+    }
+
+    /// Axes whose motion is over go back to the path; whether there is one.
+    fn settle_beside(&mut self) -> bool {
+        let Beside { singles, overlays, pending, .. } = &mut self.beside;
+        let mut done = false;
+        for (single, overlay) in singles.iter_mut().zip(overlays) {
+            let (Some(axis), Some(stands)) = (single.axis(), single.stands(overlay)) else { continue };
+            if matches!(pending, Some(Pending::Start(starts, ..)) if *starts == axis) {
+                continue;
+            }
+            if self.planning.position().get(axis) != Some(&stands) {
+                if !self.planning.is_at_rest() || !self.planning.set_position(axis, stands) {
+                    continue;
+                }
+                self.decoder.set_position(axis, stands);
+            }
+            overlay.give_back();
+            single.release();
+            done = true;
+        }
+        done
+    }
+
+    /// A command for a single axis waits until the path stands.
+    pub(super) fn hold_back(&mut self, command: &Command<AXES>) {
+        match command {
+            Command::Oscillation(head, oscillation) => {
+                self.wait_for(Pending::Oscillation(*head, *oscillation))
+            }
+            Command::Independent(head, independent) => {
+                self.wait_for(Pending::Independent(*head, *independent))
+            }
+            _ => {}
+        }
+    }
+
+    /// The program goes on when the path stands.
+    pub(super) fn wait_for(&mut self, pending: Pending) {
+        self.beside.pending = Some(pending);
+        self.planning.rest(1);
+    }
+
+    /// Waits for the ends of motions of these axes, if there are any.
+    pub(super) fn join(&mut self, axes: u32) {
+        if OVERLAYS > 0 && self.beside.axes() & axes != 0 {
+            self.wait_for(Pending::End(axes));
+        }
+    }
+
+    /// Whether the motion moves axes that have a motion of their own: then it waits for their ends.
+    pub(super) fn joins(&mut self, motion: &Motion<AXES>) -> bool {
+        let axes = self.beside.axes();
+        let joins = self.planning.moves(motion, axes);
+        if joins {
+            let ends = motion.target.iter().zip(self.planning.position()).enumerate();
+            let moved = ends.filter(|(_, (to, from))| to != from).fold(0, |axes, (k, _)| axes | bit(k));
+            self.wait_for(Pending::Join(axes & moved));
+        }
+        joins
+    }
+
+    /// Goes on with what waits for the path or for axes beside it.
+    pub(super) fn wait_beside(&mut self) -> Result<Progress, Error> {
+        if !self.planning.is_at_rest() {
+            return Ok(Progress::Waiting);
+        }
+        let done = match self.beside.pending {
+            None => {
+                self.beside.finish(u32::MAX);
+                return Ok(Progress::Waiting);
+            }
+            Some(Pending::Oscillation(head, oscillation)) => self.begin_oscillation(&head, &oscillation),
+            Some(Pending::Independent(head, independent)) => self.begin_independent(&head, &independent),
+            Some(Pending::Start(axis, end, awaited)) => Ok(self.start(axis, end, awaited)),
+            Some(Pending::End(axes) | Pending::Join(axes)) => {
+                self.beside.finish(axes);
+                if self.beside.axes() & axes != 0 {
+                    return Ok(Progress::Waiting);
+                }
+                let joins = matches!(self.beside.pending.take(), Some(Pending::Join(_)));
+                match self.decoder.motion().copied() {
+                    Some(motion) if joins => self.execute(&Command::Motion(motion)),
+                    _ => Ok(Progress::Working),
+                }
+            }
+        };
+        if done.is_err() {
+            self.beside.pending = None;
+            self.refuse();
+        }
+        done
+    }
+
+    /// The path has the axis where its motion ends, once the interrupt sees that motion.
+    fn start(&mut self, axis: usize, end: Position, awaited: u32) -> Progress {
+        let shows = self.beside.of(axis).is_none_or(|single| single.is_shown());
+        if !shows {
+            return Progress::Waiting;
+        }
+        if self.planning.position().get(axis) != Some(&end) && !self.planning.set_position(axis, end) {
+            return Progress::Waiting;
+        }
+        self.decoder.set_position(axis, end);
+        self.beside.pending = (awaited != 0).then_some(Pending::End(awaited));
+        Progress::Working
+    }
+
+    fn begin_oscillation(&mut self, head: &Head, oscillation: &Oscillation) -> Result<Progress, Error> {
+        let axis = oscillation.axis;
+        let OscillationAction::On { first, second, speed, first_wait, second_wait, count, short } =
+            oscillation.action
+        else {
+            return Ok(self.end_oscillation(axis, &oscillation.action));
+        };
+        if self.beside.axes() & bit(axis) != 0 {
+            self.beside.finish(bit(axis));
+            return Ok(Progress::Waiting);
+        }
+        let from = self.from(axis, head.place)?;
+        let mut ends = [first, second];
+        if short {
+            ends[0] = nearest(from, ends[0]);
+            ends[1] = nearest(ends[0], ends[1]);
+        }
+        for end in ends {
+            self.planning.may_go(axis, end).map_err(|beyond| self.error(head.place, beyond.into()))?;
+        }
+        let pace = match speed {
+            OscillationSpeed::Feed(feed) => Pace::Speed(self.planning.speed_of(feed)),
+            // 2^-32 Hz to ticks of 2^-32
+            OscillationSpeed::Frequency(frequency) => {
+                let cycles =
+                    u64::try_from(frequency.to_bits()).unwrap_or(0).saturating_mul(self.cycle_us.into());
+                Pace::Time(div_wide(1_000_000, 0, cycles))
+            }
+            OscillationSpeed::Period(period) => Pace::Time(self.ticks_of(period)),
+        };
+        let waits = [self.ticks_of(first_wait), self.ticks_of(second_wait)];
+        let limits = self.limits_of(axis, false, None, 100);
+        let Some(single) = self.beside.free() else { return Err(Error::NotEnabled(head.place, FULL)) };
+        let how = Oscillating { ends, waits, pace, count };
+        let within = single
+            .oscillate(axis as u8, from, &how, &limits)
+            .map_err(|_| Error::Motion(head.place, MotionError::TooSlow))?;
+        self.beside.pending = Some(Pending::Start(axis, ends[1], 0));
+        Ok(said(within, head.place, NcWarningKind::OscillationLimited))
+    }
+
+    /// OFF.
+    fn end_oscillation(&mut self, axis: usize, action: &OscillationAction) -> Progress {
+        self.beside.pending = None;
+        let v = match action {
+            OscillationAction::OffFeed(feed) => self.planning.speed_of(*feed),
+            _ => 0.0,
+        };
+        let Some(single) = self.beside.of(axis) else { return Progress::Working };
+        match action {
+            OscillationAction::OffFeed(_) => single.leave(v),
+            OscillationAction::OffInstant => {
+                single.stop();
+                self.beside.pending = Some(Pending::End(bit(axis)));
+            }
+            _ => single.finish(),
+        }
+        Progress::Working
+    }
+
+    fn begin_independent(&mut self, head: &Head, independent: &Independent) -> Result<Progress, Error> {
+        let axis = independent.axis;
+        if self.beside.axes() & bit(axis) != 0 {
+            self.beside.finish(bit(axis));
+            return Ok(Progress::Waiting);
+        }
+        let from = self.from(axis, head.place)?;
+        if let Some(function) = self.next_function(head, independent) {
+            return Ok(self.output(function));
+        }
+        let target = independent.position.unwrap_or(from);
+        let percent = independent.acceleration.map_or(100, |percent| percent.to_num::<u32>().max(1));
+        let limits = self.limits_of(axis, independent.rapid, independent.slope, percent);
+        let v = limits.limits.v;
+        let pace = match (independent.feed, independent.time, independent.weight) {
+            (Some(feed), ..) => Pace::Speed(self.planning.speed_of(feed)),
+            (_, Some(time), _) => Pace::Time(self.ticks_of(time)),
+            (.., Some(percent)) => Pace::Speed(v * percent.to_num::<f32>() * 0.01),
+            _ => Pace::Speed(v),
+        };
+        self.planning.may_go(axis, target).map_err(|beyond| self.error(head.place, beyond.into()))?;
+        let Some(single) = self.beside.free() else { return Err(Error::NotEnabled(head.place, FULL)) };
+        let within = single
+            .go(axis as u8, [from, target], pace, &limits)
+            .map_err(|_| Error::Motion(head.place, MotionError::TooSlow))?;
+        let awaited = if independent.synchronous { bit(axis) } else { 0 };
+        self.beside.pending = Some(Pending::Start(axis, target, awaited));
+        // A feed above that of the axis is lowered, as on the path.
+        let is_time = independent.time.is_some();
+        Ok(said(within || !is_time, head.place, NcWarningKind::MotionLimited))
+    }
+
+    /// A function that comes out before the motion of an independent axis, once.
+    fn next_function(&mut self, head: &Head, independent: &Independent) -> Option<Held> {
+        let mut left = *independent;
+        let function = match (left.m.take(), left.h) {
+            (Some(code), _) => Function::M(code as u16),
+            (None, Some(code)) => {
+                left.h = None;
+                Function::H(code as u16)
+            }
+            (None, None) => return None,
+        };
+        self.beside.pending = Some(Pending::Independent(*head, left));
+        Some(Held::new(head, function))
+    }
+
+    /// The program goes on when these axes, but those that oscillate, have come to the ends of their motions.
+    pub(super) fn await_independent(&mut self, axes: u32) {
+        let awaited = self.beside.singles.iter().filter(|single| !single.is_swinging());
+        let moving = awaited.filter_map(Single::axis).fold(0, |axes, axis| axes | bit(axis));
+        self.join(axes & moving);
+    }
+
+    /// Where an axis stands that is to move alone.
+    fn from(&self, axis: usize, place: Place) -> Result<Position, Error> {
+        if self.released & bit(axis) != 0 {
+            return Err(Error::Motion(place, MotionError::Released));
+        }
+        match self.planning.position().get(axis) {
+            Some(from) if self.decoder.setup().kinds.get(axis) != Some(&AxisKind::Spindle) => Ok(*from),
+            _ => Err(Error::NotAvailable(place, "a motion of this axis on its own")),
+        }
+    }
+
+    fn limits_of(
+        &self,
+        axis: usize,
+        rapid: bool,
+        slope: Option<crate::nc::SlopeType>,
+        percent: u32,
+    ) -> AxisLimits {
+        let (limits, v_reduced) = self
+            .planning
+            .single(axis, rapid, slope, percent)
+            .unwrap_or((crate::slope::limits::Limits::WIDEST, f32::MAX));
+        AxisLimits { limits, v_reduced }
+    }
+
+    /// A time in s, LSB 2^-32, as ticks of the same LSB.
+    fn ticks_of(&self, time: Position) -> u64 {
+        let (hi, lo) = mul_wide(u64::try_from(time.to_bits()).unwrap_or(0), 1_000_000);
+        div_wide(hi, lo, self.cycle_us.into())
+    }
+
+    /// Moves an axis alone, at rest of the path: jog, homing. `target`: machine coordinates. `feed`: mm/min
+    /// or degrees/min, as rapid motion without one. [`Self::poll`] carries it out and says
+    /// [`Progress::Waiting`] until it stands; feed hold, override, reduced speed and abort act on it. Other
+    /// axes may be moved meanwhile.
+    ///
+    /// # Errors
+    /// Nothing has changed.
+    pub fn move_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
+        let busy = self.beside.pending.is_some() || self.beside.axes() & bit(axis) != 0;
+        if busy || self.source != Source::Ended || !self.planning.is_at_rest() {
+            return Err(MoveError::NotAtRest);
+        }
+        if axis >= AXES || feed.is_some_and(|feed| feed <= 0) {
+            return Err(MoveError::Range);
+        }
+        let from = self.from(axis, Place::NONE).map_err(|_| MoveError::Range)?;
+        self.planning.may_go(axis, target).map_err(|beyond| MoveError::Motion(beyond.into()))?;
+        let limits = self.limits_of(axis, feed.is_none(), None, 100);
+        let pace = Pace::Speed(feed.map_or(limits.limits.v, |feed| self.planning.speed_of(feed)));
+        let single = self.beside.free().ok_or(MoveError::Full)?;
+        single
+            .go(axis as u8, [from, target], pace, &limits)
+            .map_err(|_| MoveError::Motion(MotionError::TooSlow))?;
+        self.beside.pending = Some(Pending::Start(axis, target, 0));
+        Ok(())
+    }
+
+    /// The axis that [`Self::move_axis`] moves brakes, and stays where it comes to a standstill.
+    pub fn stop_axis(&mut self, axis: usize) {
+        if self.source == Source::Ended
+            && let Some(single) = self.beside.of(axis)
+        {
+            single.stop();
+            if matches!(self.beside.pending, Some(Pending::Start(starts, ..)) if starts == axis) {
+                self.beside.pending = None;
+            }
+        }
+    }
+}
+
+/// What is to be said about a motion that is not within the limits.
+const fn said(within: bool, place: Place, kind: NcWarningKind) -> Progress {
+    if within { Progress::Working } else { Progress::Warning(NcWarning { place, kind }) }
+}
+
+/// The place nearest to `from` that is whole turns away from `position`.
+fn nearest(from: Position, position: Position) -> Position {
+    const TURN: i64 = 360 << 32;
+    let way = (position.to_bits() - from.to_bits()).rem_euclid(TURN);
+    let way = if way > TURN / 2 { way - TURN } else { way };
+    Position::from_bits(from.to_bits() + way)
+}
+
+const FULL: &str = "all overlays of the channel are at work; expected fewer axes that move alone at once, or more OVERLAYS of the channel";

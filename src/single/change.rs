@@ -1,0 +1,271 @@
+//! Changes of what the interrupt has: standing still, ending an oscillation with its cycle, another speed.
+//!
+//! One change at a time, and one attempt a tick. A stroke that slows down already ends as it is.
+use super::{Goal, Single, place};
+use crate::math::float::max;
+use crate::quantity::{Distance, Speed, speed_bits, speed_f32};
+use crate::queue::{Change, OVERLAY_PHASES, OverlaySender, Phase, Slot, TooLate, clock, fine, set_point};
+use crate::slope::brake::{Brake, Motion, SHORT};
+use crate::slope::limits::Limits;
+use crate::slope::profile::Profile;
+
+/// Ticks from a wish to the change: what the planner may take for the new law.
+const REACTION: u32 = 4;
+
+/// A motion ahead, seen in its own direction.
+struct Ahead {
+    /// The stroke it belongs to, and the instant.
+    k: usize,
+    at: u32,
+    /// Where the axis is then, and where its stroke ends.
+    from: i64,
+    to: i64,
+    backward: bool,
+    /// Distance 0, speed not below 0.
+    motion: Motion,
+}
+
+/// What takes the place of a stroke: the pieces of the emitter, then this law, then rest.
+struct Law {
+    from: i64,
+    backward: bool,
+    then: Option<(Profile, i64, i64)>,
+}
+
+impl Single {
+    /// Comes to a standstill as soon as the limits allow; whether the axis stands.
+    pub(super) fn halt(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
+        self.drop_laying();
+        if self.rests(overlay) {
+            return true;
+        }
+        let Some(ahead) = self.attempt(overlay) else { return false };
+        if ahead.motion.is_rest() {
+            let goal = self.behind(ahead.k);
+            self.cut(overlay, (ahead.k, ahead.at), goal, None, ahead.from);
+            return false;
+        }
+        let limits = &self.limits.limits;
+        let room = (ahead.to - ahead.from).abs();
+        let mut profile = Profile::default();
+        let brake = (ahead.motion.accel >= 0)
+            .then(|| Brake::down_to(&mut profile, &ahead.motion, room, (limits, limits.a_down), 0))
+            .flatten();
+        let Some(brake) = brake else {
+            self.end_with(overlay, &ahead);
+            return false;
+        };
+        self.emitter.resume_at(0);
+        self.emitter.begin_brake(&profile, &brake);
+        let way = if ahead.backward { -brake.end } else { brake.end };
+        let stands = fine(set_point(ahead.from.wrapping_add(way)));
+        let mut goal = self.handed.strokes.get(ahead.k).copied().flatten().map_or(Goal::Rest, |s| s.before);
+        if let Goal::Swing(swing) = &mut goal {
+            (swing.rest, swing.share) = (0, 0);
+        }
+        let law = Law { from: ahead.from, backward: ahead.backward, then: None };
+        self.cut(overlay, (ahead.k, ahead.at), goal, Some(law), stands);
+        false
+    }
+
+    /// Whether the oscillation ends with the stroke at hand, and the next one is handed over already.
+    pub(super) fn is_to_end_here(&self) -> bool {
+        match (&self.handed.strokes, &self.laying) {
+            ([Some(_), Some(next)], _) if next.before.is_ended() => self.handed.tried != Some(next.end),
+            (_, Some(laying)) => laying.before.is_ended(),
+            _ => false,
+        }
+    }
+
+    /// The strokes behind the one at hand are taken back, if there is time for it.
+    pub(super) fn drop_next(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
+        self.drop_laying();
+        if let [Some(_), Some(next)] = self.handed.strokes
+            && next.before.is_ended()
+        {
+            if let Some(ahead) = self.attempt(overlay)
+                && ahead.k == 0
+            {
+                self.end_with(overlay, &ahead);
+            }
+            if self.handed.cut.is_none() && self.is_begun(overlay) {
+                // Too late: it goes on to the end of the cycle that has begun.
+                self.handed.tried = Some(next.end);
+            }
+            return false;
+        }
+        true
+    }
+
+    /// The next stroke begins within the ticks that a change takes.
+    fn is_begun(&self, overlay: &OverlaySender<'_>) -> bool {
+        let at = overlay.clock.now().wrapping_add(clock::TICK * REACTION);
+        self.handed.strokes[0].is_none_or(|stroke| !clock::is_before(at, stroke.end))
+    }
+
+    /// The stroke at hand goes on at the speed `v`; whether that was done.
+    pub(super) fn adjust(&mut self, overlay: &mut OverlaySender<'_>, v: f32) -> bool {
+        self.drop_laying();
+        if self.rests(overlay) {
+            return false;
+        }
+        let Some(ahead) = self.attempt(overlay) else { return false };
+        if ahead.motion.is_rest() || ahead.motion.accel < 0 {
+            self.end_with(overlay, &ahead);
+            return false;
+        }
+        let room = (ahead.to - ahead.from).abs();
+        let mut limits = Limits { v, ..self.limits.limits };
+        let mut profile = Profile::default();
+        let mut then = None;
+        if v < self.made {
+            let brake =
+                Brake::plan(&mut profile, &ahead.motion, room, 0, (&limits, limits.a_down), speed_bits(v));
+            let Some(brake) = brake else { return false };
+            let left = room - brake.end;
+            if brake.tail > 0 || brake.v_out <= 0 || left < SHORT {
+                return false;
+            }
+            limits.v = max(v, speed_f32(brake.v_out));
+            let mut rest = Profile::default();
+            let (length, v_in) = (Distance::from_bits(left), Speed::from_bits(brake.v_out));
+            if rest.plan(length, v_in, Speed::ZERO, &limits).is_err() {
+                return false;
+            }
+            self.emitter.resume_at(0);
+            self.emitter.begin_brake(&profile, &brake);
+            then = Some((rest, brake.end, left));
+        } else {
+            let v_in = Speed::from_bits(ahead.motion.speed);
+            if ahead.motion.accel > 0
+                || room < SHORT
+                || profile.plan(Distance::from_bits(room), v_in, Speed::ZERO, &limits).is_err()
+            {
+                return false;
+            }
+            self.emitter.resume_at(0);
+            self.emitter.begin(&profile, Distance::ZERO, Distance::from_bits(room));
+        }
+        let mut goal = self.behind(ahead.k);
+        if let Goal::Swing(swing) = &mut goal {
+            swing.rest = self.course.waits[usize::from(swing.to_first)] >> 32;
+        }
+        let law = Law { from: ahead.from, backward: ahead.backward, then };
+        let done = self.cut(overlay, (ahead.k, ahead.at), goal, Some(law), ahead.to);
+        if done {
+            self.made = v;
+        }
+        done
+    }
+
+    /// What is to be done behind the stroke `k`.
+    fn behind(&self, k: usize) -> Goal {
+        self.handed.strokes.get(k + 1).copied().flatten().map_or(self.goal, |next| next.before)
+    }
+
+    /// The motion at the instant of a change decided now, if there is one.
+    fn attempt(&mut self, overlay: &OverlaySender<'_>) -> Option<Ahead> {
+        let now = overlay.clock.now();
+        if self.handed.cut.is_some() || self.handed.tried == Some(now) {
+            return None;
+        }
+        self.handed.tried = Some(now);
+        let at = now.wrapping_add(clock::TICK * REACTION);
+        let ends = self.handed.strokes.map(|stroke| stroke.map(|stroke| stroke.end));
+        let (k, end) = ends
+            .into_iter()
+            .enumerate()
+            .find_map(|(k, end)| end.filter(|end| clock::is_before(at, *end)).map(|end| (k, end)))?;
+        let motion = self.motion_at(overlay, at)?;
+        let to = self.motion_at(overlay, end.wrapping_sub(clock::TICK))?.distance;
+        let backward = motion.speed < 0;
+        let turned = |x: i64| if backward { -x } else { x };
+        let seen = Motion { distance: 0, speed: turned(motion.speed), accel: turned(motion.accel) };
+        Some(Ahead { k, at, from: motion.distance, to, backward, motion: seen })
+    }
+
+    /// The motion at an instant that the pieces handed over cover.
+    fn motion_at(&self, overlay: &OverlaySender<'_>, at: u32) -> Option<Motion> {
+        let mut start = self.handed.end;
+        let mut number = overlay.pieces.count();
+        for _ in 0..OVERLAY_PHASES {
+            number = number.wrapping_sub(1);
+            let mut phase = *overlay.pieces.recent(number)?;
+            start = start.wrapping_sub(clock::TICK * u32::from(phase.ticks));
+            if clock::is_before(at, start) {
+                continue;
+            }
+            phase.advance((at.wrapping_sub(start) / clock::TICK) as u16);
+            return Some(Motion {
+                distance: phase.distance.to_bits(),
+                speed: phase.speed.to_bits(),
+                accel: 2 * phase.half_accel.to_bits(),
+            });
+        }
+        None
+    }
+
+    /// What is handed over behind the stroke ahead is taken back.
+    fn end_with(&mut self, overlay: &mut OverlaySender<'_>, ahead: &Ahead) {
+        if let (0, [Some(stroke), Some(next)]) = (ahead.k, self.handed.strokes) {
+            self.cut(overlay, (0, stroke.end), next.before, None, ahead.to);
+        }
+    }
+
+    /// From the instant `at` in the stroke `k`, or at its end, the axis follows `law`, if there is one, and
+    /// stands at `stands` then, with `goal` before it. `false`, and nothing has changed, if there is no room
+    /// or if that came too late.
+    fn cut(
+        &mut self,
+        overlay: &mut OverlaySender<'_>,
+        (k, at): (usize, u32),
+        goal: Goal,
+        law: Option<Law>,
+        stands: i64,
+    ) -> bool {
+        if overlay.pieces.room() < 2 {
+            return false;
+        }
+        let change = Change::begin(&mut overlay.pieces);
+        let mut end = at;
+        let fits = law.is_none_or(|law| self.put_law(overlay, &law, &mut end));
+        let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
+        if !fits || overlay.pieces.push(rest).is_err() {
+            change.abandon(&mut overlay.pieces, overlay.clock);
+            return false;
+        }
+        end = end.wrapping_add(clock::TICK);
+        match change.commit(at, &mut overlay.pieces, overlay.clock) {
+            Err(TooLate) => false,
+            Ok(cut) => {
+                self.handed.cut = Some(cut);
+                self.handed.end = end;
+                for (number, stroke) in self.handed.strokes.iter_mut().enumerate().skip(k) {
+                    *stroke = stroke.filter(|_| number == k).map(|stroke| super::Stroke { end, ..stroke });
+                }
+                (self.at, self.goal) = (stands, goal);
+                true
+            }
+        }
+    }
+
+    /// All pieces of a law; `false` if there is no room.
+    fn put_law(&mut self, overlay: &mut OverlaySender<'_>, law: &Law, end: &mut u32) -> bool {
+        let mut then = law.then.as_ref();
+        loop {
+            while self.emitter.has_piece() {
+                let emitter = &mut self.emitter;
+                let put = overlay.pieces.push_with(|phase| {
+                    emitter.step(phase);
+                    place(phase, law.from, law.backward);
+                    *end = end.wrapping_add(clock::TICK * u32::from(phase.ticks));
+                });
+                if !put {
+                    return false;
+                }
+            }
+            let Some((profile, start, length)) = then.take() else { return true };
+            self.emitter.begin(profile, Distance::from_bits(*start), Distance::from_bits(*length));
+        }
+    }
+}

@@ -1,0 +1,599 @@
+//! Motion of a single axis beside the path: oscillation, independent axes, jog and homing of a board.
+//!
+//! Takes a goal (a position, or an oscillation) and what the axis permits, and gives pieces of time into the
+//! overlay of the axis ([`crate::queue::Overlay`]). A motion is made of *strokes*, from rest to rest. A
+//! stroke goes in as a whole, and the next one when that runs out: so the axis always has its way to a
+//! standstill, and stands at the end of a stroke if the planner gets no time.
+//!
+//! An oscillation runs with the slope of P-CHAN-00071, an independent axis with that or another one.
+//!
+//! A stroke begins a tick behind the one before and includes the tick that shows its end: reversals are hit
+//! to the last bit, and last whole ticks. Where a period is no whole number of ticks, the rest of one stroke
+//! goes to the next, so that it does not drift.
+//!
+//! Feed hold, abort and OFF change what is handed over by a cut a few ticks ahead, as for the path
+//! ([`crate::queue::Change`]): the axis brakes inside its limits ([`crate::slope::brake::Brake`]), or ends the stroke at hand where
+//! that slows down already.
+mod change;
+mod stroke;
+
+use crate::math::float::min;
+use crate::quantity::{Accel, Distance, Jerk, Position, Speed, speed_bits};
+use crate::queue::{Cut, OverlaySender, Phase, Slot, clock, fine, set_point};
+use crate::slope::emit::{Emitter, TICK};
+use crate::slope::limits::Limits;
+use crate::slope::profile::{Profile, Unplannable};
+
+/// Most pieces of a stroke, its rest included. A longer one runs slower: so there is always room for the way
+/// to a standstill behind it. The sine has up to 36.
+const PIECES_OF_A_STROKE: u32 = 36;
+
+/// Pieces per call.
+const PIECES: u32 = 8;
+
+/// The next stroke goes in when so few pieces are left.
+const FEW: u32 = 6;
+
+/// Strokes handed over: the one that runs and the next one.
+const STROKES: usize = 2;
+
+/// Longest rest of a piece, ticks.
+const LONGEST_REST: u64 = 65_535;
+
+/// What an axis is to do when it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Goal {
+    /// Nothing.
+    Rest,
+    /// Go there.
+    To(Position),
+    /// The next stroke of an oscillation.
+    Swing(Swing),
+}
+
+/// Where an oscillation is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Swing {
+    /// The next stroke goes to the first position.
+    to_first: bool,
+    /// How often it still goes to the second position, if that is counted.
+    left: Option<u32>,
+    /// Ticks to rest before.
+    rest: u64,
+    /// Part of a tick that is left of the strokes before, LSB 2^-32.
+    share: u64,
+}
+
+/// An oscillation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillating {
+    /// First and second reversal position.
+    pub ends: [Position; 2],
+    /// Ticks of rest there, LSB 2^-32.
+    pub waits: [u64; 2],
+    /// Speed, mm/tick, or ticks of a period with both waits, LSB 2^-32.
+    pub pace: Pace,
+    /// Oscillations; without end if `None`.
+    pub count: Option<u32>,
+}
+
+/// How fast a motion is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// Speed of the axis, mm/tick or degrees/tick.
+    Speed(f32),
+    /// Ticks that it takes, LSB 2^-32.
+    Time(u64),
+}
+
+/// What an axis permits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimits {
+    /// Speed, accelerations, jerks.
+    pub limits: Limits,
+    /// Reduced speed (P-AXIS-00214).
+    pub v_reduced: f32,
+}
+
+/// What the operator wants of the axes beside the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wishes {
+    /// They are to stand.
+    pub hold: bool,
+    /// The reduced speed is in force.
+    pub reduced: bool,
+    /// Override, LSB 0.1 %.
+    pub feed: u16,
+}
+
+/// A stroke that is handed over.
+#[derive(Clone, Copy, Debug)]
+struct Stroke {
+    /// The goal before it.
+    before: Goal,
+    /// The instant behind its last tick.
+    end: u32,
+}
+
+/// The stroke that is being cut into pieces.
+#[derive(Clone, Copy, Debug)]
+struct Laying {
+    /// The goal before it, and where it begins.
+    before: Goal,
+    from: i64,
+    /// In which direction it goes.
+    backward: bool,
+    /// Where it ends.
+    to: i64,
+    /// Ticks that have a piece, and those that have none, with those of rest behind it.
+    ticks: u32,
+    left: u32,
+    /// Pieces that are ready.
+    ready: u32,
+}
+
+/// How a motion ends before its goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ending {
+    /// It does not.
+    None,
+    /// It stands where it comes to a standstill.
+    Here,
+    /// From there it goes to a position at this speed.
+    Then(Position, f32),
+}
+
+/// The strokes of an oscillation.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    ends: [Position; 2],
+    waits: [u64; 2],
+    /// Ticks of a stroke, LSB 2^-32; as many as it takes where that is not given.
+    stroke: Option<u64>,
+    /// Ticks of a stroke that is limited by the dynamics.
+    limited: Option<u32>,
+}
+
+/// The planner's side of the motion of one axis. It needs an overlay to show it.
+#[derive(Clone, Copy, Debug)]
+pub struct Single {
+    axis: Option<u8>,
+    /// The interrupt has a stroke of it.
+    shown: bool,
+    limits: AxisLimits,
+    /// Speed of strokes as they are wanted, and whether the override counts.
+    v: f32,
+    obeys: bool,
+    /// The speed that strokes handed over were made for.
+    made: f32,
+    goal: Goal,
+    course: Course,
+    ending: Ending,
+    /// The oscillation ends with its cycle.
+    finishes: bool,
+    /// Where what is laid ends.
+    at: i64,
+    emitter: Emitter,
+    laying: Option<Laying>,
+    handed: Handed,
+}
+
+/// What the interrupt has.
+#[derive(Clone, Copy, Debug)]
+struct Handed {
+    strokes: [Option<Stroke>; STROKES],
+    /// The instant behind the last piece.
+    end: u32,
+    cut: Option<Cut>,
+    /// The last instant at which a cut was tried.
+    tried: Option<u32>,
+}
+
+impl Single {
+    /// It has no axis.
+    pub const NONE: Self = Self {
+        axis: None,
+        shown: false,
+        limits: AxisLimits { limits: Limits::NOTHING, v_reduced: 0.0 },
+        v: 0.0,
+        obeys: false,
+        made: 0.0,
+        goal: Goal::Rest,
+        course: Course { ends: [Position::ZERO; 2], waits: [0; 2], stroke: None, limited: None },
+        ending: Ending::None,
+        finishes: false,
+        at: 0,
+        emitter: Emitter::new(),
+        laying: None,
+        handed: Handed { strokes: [None; STROKES], end: 0, cut: None, tried: None },
+    };
+
+    /// The axis it moves, also while that stands in a hold.
+    pub const fn axis(&self) -> Option<usize> {
+        match self.axis {
+            Some(axis) => Some(axis as usize),
+            None => None,
+        }
+    }
+
+    /// Whether the interrupt has its motion, or there is none.
+    pub const fn is_shown(&self) -> bool {
+        self.shown || matches!((self.goal, self.laying), (Goal::Rest, None))
+    }
+
+    /// Moves `axis`, which stands at `from`, to `target`. `obeys`: the override counts. `false` if the axis
+    /// cannot be that fast: then it is as fast as it can.
+    ///
+    /// # Errors
+    /// [`Unplannable`]: it would take too long.
+    pub fn go(
+        &mut self,
+        axis: u8,
+        [from, target]: [Position; 2],
+        pace: Pace,
+        limits: &AxisLimits,
+    ) -> Result<bool, Unplannable> {
+        self.begin(axis, from, limits);
+        let length = (fine(target) - fine(from)).abs();
+        let mut profile = Profile::default();
+        let (v, within) = match pace {
+            Pace::Speed(v) => (v, v <= limits.limits.v),
+            Pace::Time(time) => {
+                stroke::plan_short(&mut profile, length.max(1), &limits.limits)?;
+                let within = profile.time().to_bits() >> 4 <= time;
+                let time = stroke::in_ticks(time.min(1 << 59) << 4);
+                (
+                    if within { stroke::speed_for(length, time, &limits.limits) } else { limits.limits.v },
+                    within,
+                )
+            }
+        };
+        stroke::plan(&mut profile, length.max(1), &Limits { v: min(v, limits.limits.v), ..limits.limits })?;
+        (self.axis, self.v, self.obeys, self.goal) = (Some(axis), v, true, Goal::To(target));
+        Ok(within)
+    }
+
+    /// Oscillates `axis`, which stands at `from`. `false` if the axis cannot be that fast.
+    ///
+    /// # Errors
+    /// [`Unplannable`]: a stroke would take too long.
+    pub fn oscillate(
+        &mut self,
+        axis: u8,
+        from: Position,
+        how: &Oscillating,
+        limits: &AxisLimits,
+    ) -> Result<bool, Unplannable> {
+        self.begin(axis, from, limits);
+        let [first, second] = how.ends.map(fine);
+        let length = (second - first).abs();
+        let mut profile = Profile::default();
+        let v_most = stroke::plan_short(&mut profile, length, &limits.limits)?;
+        let most = Limits { v: v_most, ..limits.limits };
+        let (mut v, mut stroke, mut limited) = (v_most, None, None);
+        match how.pace {
+            Pace::Speed(wanted) => {
+                v = min(wanted, v_most);
+                stroke::plan(&mut profile, length, &Limits { v, ..most })?;
+                // A little less is rounding.
+                if speed_bits(wanted * CLOSE) > profile.peak().to_bits() {
+                    limited = Some(0);
+                }
+            }
+            Pace::Time(period) => {
+                let time = period.saturating_sub(how.waits[0]).saturating_sub(how.waits[1]) / 2;
+                if time >> 32 >= u64::from(stroke::ticks(&profile)) {
+                    v = stroke::speed_for(length, (time >> 32) as f32 * SOONER, &most);
+                    stroke = Some(time);
+                } else {
+                    limited = Some(stroke::fastest(&profile));
+                }
+            }
+        }
+        stroke::plan(&mut profile, length, &Limits { v, ..most })?;
+        (self.axis, self.v, self.obeys) = (Some(axis), v, false);
+        let within = limited.is_none();
+        self.course =
+            Course { ends: how.ends, waits: how.waits, stroke, limited: limited.filter(|t| *t > 0) };
+        self.goal = Goal::Swing(Swing { to_first: true, left: how.count, rest: 0, share: 0 });
+        Ok(within)
+    }
+
+    fn begin(&mut self, axis: u8, from: Position, limits: &AxisLimits) {
+        let handed = Handed { strokes: [None; STROKES], tried: None, ..self.handed };
+        *self = Self { handed, limits: *limits, at: fine(from), axis: Some(axis), ..Self::NONE };
+    }
+
+    /// The oscillation ends on its second position, with the cycle at hand.
+    pub fn finish(&mut self) {
+        if core::mem::replace(&mut self.finishes, true) {
+            return;
+        }
+        for goal in self.handed.strokes.iter_mut().flatten().map(|stroke| &mut stroke.before) {
+            goal.end_cycle();
+        }
+        if let Some(laying) = &mut self.laying {
+            laying.before.end_cycle();
+        }
+        self.goal.end_cycle();
+    }
+
+    /// The axis comes to a standstill, and stays there.
+    pub fn stop(&mut self) {
+        self.ending = Ending::Here;
+    }
+
+    /// The oscillation is broken off: to its second position, at the speed `v` (mm/tick).
+    pub fn leave(&mut self, v: f32) {
+        if matches!(self.ending, Ending::None) && self.is_swinging() {
+            self.ending = Ending::Then(self.course.ends[1], v);
+        }
+    }
+
+    /// Whether it oscillates.
+    pub fn is_swinging(&self) -> bool {
+        let of = |goal: &Goal| matches!(goal, Goal::Swing(_));
+        of(&self.goal)
+            || self.laying.is_some_and(|laying| of(&laying.before))
+            || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
+    }
+
+    /// Where the axis stands, when its motion is over.
+    pub fn stands(&self, overlay: &OverlaySender<'_>) -> Option<Position> {
+        let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
+        (over && overlay.clock.now() == self.handed.end).then(|| set_point(self.at))
+    }
+
+    /// The path has the axis again.
+    pub fn release(&mut self) {
+        self.axis = None;
+    }
+
+    /// Whether it is at a standstill and stays there as long as the wishes are what they are.
+    pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
+        overlay.clock.now() == self.handed.end
+    }
+
+    /// A bounded piece of work; `false` if there is none.
+    ///
+    /// # Errors
+    /// [`Unplannable`]: a defect. The axis stands at the end of what is handed over.
+    pub fn work(&mut self, overlay: &mut OverlaySender<'_>, wishes: &Wishes) -> Result<bool, Unplannable> {
+        let Some(axis) = self.axis else { return Ok(false) };
+        self.trim(overlay);
+        let hold = wishes.hold || self.obeys && wishes.feed == 0;
+        if hold || self.ending != Ending::None {
+            if !self.halt(overlay) {
+                return Ok(false);
+            }
+            match core::mem::replace(&mut self.ending, Ending::None) {
+                Ending::None => return Ok(false),
+                Ending::Here => self.goal = Goal::Rest,
+                Ending::Then(target, v) => {
+                    (self.goal, self.v, self.obeys) = (Goal::To(target), v, true);
+                }
+            }
+            return Ok(true);
+        }
+        let v = self.speed(wishes);
+        if v != self.made && self.handed.strokes[0].is_some() && self.adjust(overlay, v) {
+            return Ok(true);
+        }
+        if self.is_to_end_here() {
+            return Ok(self.drop_next(overlay));
+        }
+        match &self.laying {
+            Some(laying) if laying.left > 0 => Ok(self.cut_pieces(overlay)),
+            Some(_) => Ok(self.hand_over(overlay, axis)),
+            None => self.lay(v),
+        }
+    }
+
+    /// The speed that strokes are made for now.
+    fn speed(&self, wishes: &Wishes) -> f32 {
+        let share = if self.obeys { f32::from(wishes.feed) * 1e-3 } else { 1.0 };
+        let v = min(self.v * share, self.limits.limits.v);
+        if wishes.reduced { min(v, self.limits.v_reduced) } else { v }
+    }
+
+    /// The next stroke, if there is one.
+    fn lay(&mut self, v: f32) -> Result<bool, Unplannable> {
+        let before = self.goal;
+        if v != self.made && self.handed.strokes[0].is_some() {
+            // Those handed over go on as they are; the speed counts from the next standstill on.
+            return Ok(false);
+        }
+        self.made = v;
+        match self.goal {
+            Goal::Rest => Ok(false),
+            Goal::To(target) => {
+                self.goal = Goal::Rest;
+                self.lay_stroke(before, target, v, u64::from)?;
+                Ok(true)
+            }
+            Goal::Swing(swing) if swing.rest > 0 => {
+                let ticks = swing.rest.min(LONGEST_REST);
+                self.goal = Goal::Swing(Swing { rest: swing.rest - ticks, ..swing });
+                self.laying = Some(Laying {
+                    before,
+                    from: self.at,
+                    backward: false,
+                    to: self.at,
+                    ticks: 0,
+                    left: ticks as u32,
+                    ready: 0,
+                });
+                self.emitter = Emitter::new();
+                Ok(true)
+            }
+            Goal::Swing(swing) if swing.left == Some(0) => {
+                // Behind a hold it may stand elsewhere.
+                let is_there = self.at == fine(self.course.ends[1]);
+                let again = Goal::Swing(Swing { left: Some(1), ..swing });
+                self.goal = if is_there { Goal::Rest } else { again };
+                Ok(true)
+            }
+            Goal::Swing(swing) => self.lay_swing(before, swing, v),
+        }
+    }
+
+    /// The next stroke of an oscillation.
+    fn lay_swing(&mut self, before: Goal, swing: Swing, v: f32) -> Result<bool, Unplannable> {
+        let Course { ends: [first, second], waits, stroke, limited } = self.course;
+        let (target, other, wait) =
+            if swing.to_first { (first, second, waits[0]) } else { (second, first, waits[1]) };
+        let left = if swing.to_first { swing.left } else { swing.left.map(|left| left.saturating_sub(1)) };
+        let ends = !swing.to_first && left == Some(0);
+        // From elsewhere, or slower than planned, it takes its own time.
+        let is_whole = self.at == fine(other) && v >= self.v;
+        let time = stroke.filter(|_| is_whole);
+        let share = if is_whole { swing.share } else { 0 };
+        let mut spare = 0;
+        let rest = self.lay_stroke(before, target, v, |ticks| {
+            let exact = match (time, limited.filter(|_| is_whole)) {
+                (Some(time), _) => share + time,
+                (None, Some(limited)) => u64::from(limited) << 32,
+                (None, None) => share + (u64::from(ticks) << 32),
+            };
+            let all = if ends { exact } else { exact + wait };
+            spare = all & 0xffff_ffff;
+            (all >> 32).max(u64::from(ticks))
+        })?;
+        let next = Swing { to_first: !swing.to_first, left, rest, share: spare };
+        self.goal = if ends { Goal::Rest } else { Goal::Swing(next) };
+        Ok(true)
+    }
+
+    /// A stroke to `target`; `all` gives its ticks, with those of rest behind it, of those that it takes.
+    /// Ticks of rest that are too many for a piece are left.
+    fn lay_stroke(
+        &mut self,
+        before: Goal,
+        target: Position,
+        v: f32,
+        all: impl FnOnce(u32) -> u64,
+    ) -> Result<u64, Unplannable> {
+        let (from, to) = (self.at, fine(target));
+        let length = (to - from).abs();
+        if length == 0 {
+            return Ok(0);
+        }
+        let mut profile = Profile::default();
+        let limits = Limits { v, ..self.limits.limits };
+        if let Err(error) = stroke::plan_short(&mut profile, length, &limits) {
+            self.goal = Goal::Rest;
+            return Err(error);
+        }
+        let moves = stroke::ticks(&profile);
+        let all = all(moves);
+        let ticks = all.min(u64::from(moves) + LONGEST_REST - 1);
+        self.emitter = Emitter::new();
+        self.emitter.resume_at(TICK);
+        self.emitter.begin(&profile, Distance::ZERO, Distance::from_bits(length));
+        let backward = to < from;
+        self.laying = Some(Laying { before, from, backward, to, ticks: 0, left: ticks as u32, ready: 0 });
+        self.at = to;
+        Ok(all - ticks)
+    }
+
+    /// Pieces of the stroke that is being laid, as many as a call makes; `false` if there is no room.
+    fn cut_pieces(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
+        let Self { laying: Some(laying), emitter, .. } = self else { return false };
+        let mut done = false;
+        for _ in 0..PIECES {
+            let is_rest = !emitter.has_piece();
+            let Laying { from, backward, to, ticks, left, ready, .. } = laying;
+            let filled = overlay.pieces.fill_ahead(*ready, |phase| {
+                if is_rest {
+                    let rest = u64::from(*left).clamp(1, LONGEST_REST) as u16;
+                    *phase = Phase { distance: Distance::from_bits(*to), ticks: rest, ..Phase::BLANK };
+                } else {
+                    emitter.step(phase);
+                    place(phase, *from, *backward);
+                }
+                *ticks += u32::from(phase.ticks);
+                *left = left.saturating_sub(u32::from(phase.ticks));
+            });
+            if !filled {
+                return done;
+            }
+            *ready += 1;
+            done = true;
+            if is_rest {
+                break;
+            }
+            // The last tick is one of rest.
+            *left = (*left).max(1);
+        }
+        done
+    }
+
+    /// Hands the stroke over that is laid, when the one before runs out.
+    fn hand_over(&mut self, overlay: &mut OverlaySender<'_>, axis: u8) -> bool {
+        let Some(laying) = self.laying else { return false };
+        let Some(slot) = self.handed.strokes.iter_mut().find(|slot| slot.is_none()) else { return false };
+        if overlay.pieces.len() > FEW {
+            return false;
+        }
+        self.handed.end = self.handed.end.wrapping_add(clock::TICK * laying.ticks);
+        *slot = Some(Stroke { before: laying.before, end: self.handed.end });
+        overlay.pieces.put_in(laying.ready);
+        overlay.take_over(axis);
+        self.shown = true;
+        self.laying = None;
+        true
+    }
+
+    /// Strokes that are over, and a cut that is, are forgotten.
+    fn trim(&mut self, overlay: &OverlaySender<'_>) {
+        let now = overlay.clock.now();
+        if self.handed.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
+            overlay.clock.withdraw();
+            self.handed.cut = None;
+        }
+        let [first, second] = &mut self.handed.strokes;
+        while first.is_some_and(|first| !clock::is_before(now, first.end)) {
+            *first = second.take();
+        }
+    }
+
+    /// The stroke that is being laid is not handed over.
+    fn drop_laying(&mut self) {
+        if let Some(laying) = self.laying.take() {
+            (self.goal, self.at) = (laying.before, laying.from);
+        }
+    }
+}
+
+impl Goal {
+    /// Whether an oscillation has come to its end, before a stroke to the first position.
+    const fn is_ended(self) -> bool {
+        matches!(self, Self::Swing(Swing { to_first: true, left: Some(0), .. }))
+    }
+
+    /// An oscillation ends with the cycle at hand: before a stroke to the first position none is begun.
+    fn end_cycle(&mut self) {
+        if let Self::Swing(Swing { to_first, left, .. }) = self {
+            *left = Some(u32::from(!*to_first));
+        }
+    }
+}
+
+/// A piece of a stroke as one of the axis, whose position it begins at.
+fn place(phase: &mut Phase, from: i64, backward: bool) {
+    let distance = phase.distance.to_bits();
+    if !backward {
+        phase.distance = Distance::from_bits(from.wrapping_add(distance));
+        return;
+    }
+    phase.distance = Distance::from_bits(from.wrapping_sub(distance));
+    phase.speed = Speed::from_bits(-phase.speed.to_bits());
+    phase.half_accel = Accel::from_bits(-phase.half_accel.to_bits());
+    phase.sixth_jerk = Jerk::from_bits(-phase.sixth_jerk.to_bits());
+}
+
+/// A speed reached but for rounding.
+const CLOSE: f32 = 1.0 - 1.0 / 65_536.0;
+
+/// A stroke that has to take whole ticks is a little faster: rounding must not make it a tick longer.
+const SOONER: f32 = 1.0 - 1.0 / 65_536.0;

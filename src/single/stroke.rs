@@ -1,0 +1,94 @@
+//! One stroke: the time law of an axis from rest to rest, and the speed at which it takes a given time.
+use super::PIECES_OF_A_STROKE;
+use crate::math::float::{min, size_f32, to_f32};
+use crate::quantity::{Distance, Speed, speed_f32};
+use crate::slope::emit::TICK;
+use crate::slope::limits::Limits;
+use crate::slope::profile::{Change, Form, Profile, Unplannable};
+use crate::slope::ramp_shape::RampShape;
+
+/// Steps of the search for a speed: it halves its interval.
+const STEPS: usize = 26;
+
+/// What the limits lose by their rounding, and a law gains in time: less than this part.
+const ROUNDING: u64 = 1 << 17;
+
+/// The law over `length` (2^-44 mm) inside `limits`.
+///
+/// # Errors
+/// [`Unplannable`]: a defect, or a stroke of more than 2^27 ticks.
+pub fn plan(profile: &mut Profile, length: i64, limits: &Limits) -> Result<(), Unplannable> {
+    profile.plan(Distance::from_bits(length), Speed::ZERO, Speed::ZERO, limits)
+}
+
+/// Whole ticks of a law, up.
+pub fn ticks(profile: &Profile) -> u32 {
+    (profile.time().to_bits().div_ceil(TICK)) as u32
+}
+
+/// Ticks of a stroke that is as fast as the axis can, though it was to be faster: those of the law, up,
+/// and one of rest. What rounding of the limits adds does not count.
+pub fn fastest(profile: &Profile) -> u32 {
+    let time = profile.time().to_bits();
+    let exact = time - time / ROUNDING;
+    (exact.div_ceil(TICK) as u32 + 1).max(ticks(profile))
+}
+
+/// Whether a law, with a tick of rest, has few enough pieces to be handed over as a whole.
+pub fn is_short(profile: &Profile) -> bool {
+    let whole = |time: u64| time.div_ceil(TICK);
+    let change = |change: &Change| {
+        let [first, hold, last] = change.times.map(whole);
+        let ramp = |time: u64| match change.form {
+            Form::JerkLimited(RampShape::SineSquare) => 8 * time.div_ceil(512),
+            Form::JerkLimited(RampShape::Linear) => time.div_ceil(128),
+            Form::Stepped => time.div_ceil(512),
+        };
+        ramp(first) + hold.div_ceil(512) + ramp(last)
+    };
+    let cruise = whole(profile.cruise).div_ceil(65_535);
+    change(&profile.up) + cruise + change(&profile.down) < u64::from(PIECES_OF_A_STROKE)
+}
+
+/// Makes the law, slower as long as it has too many pieces; the speed it was made for.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
+    let mut limits = *limits;
+    plan(profile, length, &limits)?;
+    for _ in 0..STEPS {
+        if is_short(profile) {
+            break;
+        }
+        limits.v = 0.5 * min(limits.v, speed_f32(profile.peak().to_bits()));
+        plan(profile, length, &limits)?;
+    }
+    Ok(limits.v)
+}
+
+/// The lowest speed at which a stroke over `length` takes no longer than `time` ticks, if the fastest one
+/// takes less. With the linear slope it is the smaller root of v²/a − v·time + length = 0; of all slopes
+/// time falls with speed, and the interval is halved.
+pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
+    let length = to_f32(length) * (1.0 / (1u64 << 44) as f32);
+    let (up, down) = (limits.speed_up(), limits.brake());
+    let (mut low, mut high) = (length / time, limits.v);
+    for _ in 0..STEPS {
+        let v = 0.5 * (low + high);
+        let slopes = up.distance(0.0, v)[0] + down.distance(0.0, v)[0];
+        let takes = up.duration(0.0, v) + down.duration(0.0, v) + (length - slopes) / v;
+        // A speed that is not reached is faster than the fastest one.
+        if slopes < length && takes > time {
+            low = v;
+        } else {
+            high = v;
+        }
+    }
+    high
+}
+
+/// A time of so many 2^-36 ticks, in ticks.
+pub fn in_ticks(time: u64) -> f32 {
+    size_f32(time) * (1.0 / TICK as f32)
+}
