@@ -484,7 +484,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if committed.span.level < level {
             committed.span.raise(level);
         }
-        let blocks = committed.span.blocks;
+        let blocks = usize::from(committed.span.blocks);
         self.task.stage = RingStage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
         self.hand_on(blocks);
@@ -582,7 +582,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if let Some(committed) =
             self.committed.len().checked_sub(1).and_then(|last| self.committed.get_mut(last))
         {
-            committed.rest += ticks - left;
+            let more = u32::try_from(ticks - left).unwrap_or(u32::MAX);
+            committed.rest = committed.rest.saturating_add(more);
         }
         left
     }
