@@ -471,8 +471,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.keeps_ahead() {
             return Ok(self.wait_a_while());
         }
+        // The queue is full: a planner that is called rarely learns so how long it is away.
         if self.queue.segments.is_sated() || self.committed.is_full() {
-            return Ok(Work::Waiting);
+            return Ok(self.wait_a_while());
         }
         let level = self.level();
         let Some(committed) = self.committed.spare() else { return Ok(Work::Waiting) };
