@@ -230,7 +230,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the
-    /// line is short.
+    /// line is short. A call of its own: what it has on the stack is not below the planning.
+    #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
             let step = self.decoder.step();

@@ -25,7 +25,7 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
             return Err(MachineError::TooManySynch(name));
         }
         if let Some((code, synch)) = table.entries().find(|entry| !entry.1.is_available()) {
-            return Err(MachineError::Synch(name, *code, *synch));
+            return Err(MachineError::Synch(name, code, synch));
         }
     }
     for (k, axis) in machine.axes.iter().enumerate() {

@@ -92,12 +92,15 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// None yet; all bits zero.
-    pub(crate) const BLANK: Self = Self { over: 0.0, mode: 0, reduced: false };
-
     /// 100 %, with a mode of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
         Self { over: 1.0, mode, reduced: false }
+    }
+
+    /// It in a word, but for P-CHAN-00066, which is one for the channel.
+    pub const fn key(&self) -> u32 {
+        // An override is not negative.
+        self.over.to_bits() | (self.reduced as u32) << 31
     }
 
     /// As an operator wants it; an override of 0 leaves it as it is.

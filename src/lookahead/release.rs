@@ -12,7 +12,7 @@ use crate::slope::limits::{Limits, ROUNDED};
 #[derive(Clone, Copy, Debug)]
 pub struct ReleasedSpan {
     /// Its blocks.
-    pub blocks: usize,
+    pub blocks: u16,
     /// Path length.
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
@@ -144,7 +144,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
         release.checked &= !self.scope.stale || release.blocks == 1;
-        if let Some(next) = self.blocks.get_mut(release.blocks) {
+        if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
             next.start_at(release.v_out);
         }
         self.scope.stale = false;
@@ -164,7 +164,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block>, release: &mut ReleasedSpan) -> Option<()> {
         let mut ease = Ease::NONE;
         let first = ring.next()?;
-        let (mut blocks, mut length, mut kept) = (1, first.length, first.is(Marks::KEPT));
+        let (mut blocks, mut length, mut kept) = (1u16, first.length, first.is(Marks::KEPT));
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
         let mut limits = first.limits;

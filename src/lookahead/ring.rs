@@ -115,6 +115,7 @@ const LONG_BLOCKS: usize = 2;
 impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// An empty ring that uses `depth` of its blocks.
     pub(super) fn new(blocks: &'a mut Blocks<BLOCKS>, depth: usize) -> Self {
+        const { assert!(BLOCKS <= u16::MAX as usize, "a span counts its blocks in 16 bits") };
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);

@@ -88,25 +88,28 @@ pub const SYNCHRONISED: usize = 32;
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SynchTable {
-    entries: [(u16, Synch); SYNCHRONISED],
+    // Apart: in pairs a quarter of it would be padding.
+    codes: [u16; SYNCHRONISED],
+    kinds: [Synch; SYNCHRONISED],
     len: u8,
     full: bool,
 }
 
 impl SynchTable {
     /// No function in it.
-    pub const NONE: Self = Self { entries: [(0, Synch::Mos); SYNCHRONISED], len: 0, full: false };
+    pub const NONE: Self =
+        Self { codes: [0; SYNCHRONISED], kinds: [Synch::Mos; SYNCHRONISED], len: 0, full: false };
 
     /// The same with function number `code`. More than [`SYNCHRONISED`] are refused with the machine data.
     #[must_use]
     pub const fn with(mut self, code: u16, synch: Synch) -> Self {
         let len = self.len as usize;
         let mut k = 0;
-        while k < len && self.entries[k].0 != code {
+        while k < len && self.codes[k] != code {
             k += 1;
         }
         if k < SYNCHRONISED {
-            self.entries[k] = (code, synch);
+            (self.codes[k], self.kinds[k]) = (code, synch);
             if k == len {
                 self.len += 1;
             }
@@ -122,8 +125,9 @@ impl SynchTable {
     }
 
     /// What is in it: number and type.
-    pub fn entries(&self) -> impl Iterator<Item = &(u16, Synch)> {
-        self.entries.iter().take(self.len.into())
+    pub fn entries(&self) -> impl Iterator<Item = (u16, Synch)> {
+        let kinds = self.kinds.iter().copied();
+        self.codes.iter().copied().zip(kinds).take(self.len.into())
     }
 
     /// Whether more was put in than it holds.

@@ -8,7 +8,7 @@ use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
 use super::{DwellTime, Fault, NcErrorKind, Plane, Span, WeightKind};
 use crate::quantity::{Feed, Position};
-use heapless::Vec;
+use heapless::Deque;
 
 /// One thing a block makes the decoder hand out.
 #[derive(Clone, Copy)]
@@ -16,6 +16,9 @@ pub(super) struct Item {
     pub span: Span,
     pub kind: ItemKind,
 }
+
+/// What a block makes the decoder hand out, in its order.
+pub(super) type Items = Deque<Item, { super::BLOCK_WORDS }>;
 
 /// What it is; larger values wait in the interpreter.
 #[derive(Clone, Copy)]
@@ -68,8 +71,8 @@ pub(super) struct Words<const AXES: usize> {
     pub exact_stop: Option<Span>,
     /// Groups of G words seen, one bit each.
     pub groups: u16,
-    pub before: Vec<Item, { super::BLOCK_WORDS }>,
-    pub after: Vec<Item, { super::BLOCK_WORDS }>,
+    /// Items in the interpreter's queue that come before the motion.
+    pub before: u8,
     pub ends: Option<Ending>,
 }
 
@@ -100,8 +103,7 @@ impl<const AXES: usize> Words<AXES> {
             mode_span: None,
             exact_stop: None,
             groups: 0,
-            before: Vec::new(),
-            after: Vec::new(),
+            before: 0,
             ends: None,
         }
     }
@@ -151,6 +153,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             c.back_to(usize::from(waiting.next));
         } else {
             self.before = Before::All(self.modal);
+            self.queue.clear();
         }
         while !c.at_end() {
             let mark = c.mark();
@@ -214,7 +217,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             b'E' => {
                 let given = self.value(c, mark)?;
-                push(&mut w.before, given.span, ItemKind::EndFeed)?;
+                put_before(&mut self.queue, &mut w.before, given.span, ItemKind::EndFeed)?;
             }
             b'I' | b'J' | b'K' => {
                 let given = self.value(c, mark)?;
@@ -237,15 +240,15 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let (code, span) = self.code(c, mark, "H", 999)?;
                 let code = code as u16;
                 let before = self.setup.h_synch.of(code).is_before();
-                push(if before { &mut w.before } else { &mut w.after }, span, ItemKind::H(code))?;
+                put_where(&mut self.queue, before.then_some(&mut w.before), span, ItemKind::H(code))?;
             }
             b'T' => {
                 let (code, span) = self.code(c, mark, "T", 999_999_999)?;
-                push(&mut w.before, span, ItemKind::Tool(code))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Tool(code))?;
             }
             b'D' => {
                 let (code, span) = self.code(c, mark, "D", 999)?;
-                push(&mut w.before, span, ItemKind::ToolOffset(code))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::ToolOffset(code))?;
             }
             b'V' if c.raw() == b'.' => {
                 c.back_to(mark);
@@ -344,12 +347,12 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return span.fault(NcErrorKind::Twice("program end"));
             }
             if ending == Ending::Program {
-                push(&mut w.after, span, ItemKind::ProgramEnd(code))?;
+                put_where(&mut self.queue, None, span, ItemKind::ProgramEnd(code))?;
             }
             return Ok(());
         }
         let before = self.setup.m_synch.of(code).is_before();
-        push(if before { &mut w.before } else { &mut w.after }, span, ItemKind::M(code))
+        put_where(&mut self.queue, before.then_some(&mut w.before), span, ItemKind::M(code))
     }
 
     fn g_word(&mut self, c: &mut Cursor<'_>, w: &mut Words<AXES>, mark: usize) -> Result<(), Fault> {
@@ -401,16 +404,16 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             60 => {
                 w.exact_stop = Some(span);
-                push(&mut w.before, span, ItemKind::Switch(60))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(60))?;
                 group::EXACT
             }
             359 | 360 => {
                 m.exact_stop = number == 360;
-                push(&mut w.before, span, ItemKind::Switch(number as u16))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::EXACT
             }
             61 | 260 | 261 => {
-                push(&mut w.before, span, ItemKind::Switch(number as u16))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::CONTOUR
             }
             70 | 71 => {
@@ -427,11 +430,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             94 => group::FEED,
             93 | 95 | 194 => {
-                push(&mut w.before, span, ItemKind::Switch(number as u16))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::FEED
             }
             150 | 151 => {
-                push(&mut w.before, span, ItemKind::Switch(number as u16))?;
+                put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::SPLINE
             }
             161 | 162 => {
@@ -463,14 +466,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some(kind) = WeightKind::from_g(number) else { return span.fault(NcErrorKind::UnknownG) };
         if kind.per_axis() {
             consume(w, Use::Weight(kind), span)?;
-            return push(&mut w.before, span, ItemKind::WeightAxes(kind));
+            return put_before(&mut self.queue, &mut w.before, span, ItemKind::WeightAxes(kind));
         }
         if !matches!(c.peek_upper(), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=' | b'[' | b'P') {
             return span.fault(NcErrorKind::Missing("a weight in percent"));
         }
         let given = self.value(c, mark)?;
         let percent = weight(given)?;
-        push(&mut w.before, given.span, ItemKind::WeightAll(kind, percent))
+        put_before(&mut self.queue, &mut w.before, given.span, ItemKind::WeightAll(kind, percent))
     }
 }
 
@@ -484,12 +487,26 @@ fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Resul
     Ok(())
 }
 
-pub(super) fn push<const SIZE: usize>(
-    list: &mut Vec<Item, SIZE>,
+/// Puts an item behind those that come before the motion, which are counted.
+pub(super) fn put_before(
+    queue: &mut Items,
+    before: &mut u8,
     span: Span,
     kind: ItemKind,
 ) -> Result<(), Fault> {
-    list.push(Item { span, kind }).map_err(|_| Fault { span, kind: NcErrorKind::BlockTooFull })
+    put_where(queue, Some(before), span, kind)
+}
+
+/// The same, or puts it behind all items.
+fn put_where(queue: &mut Items, before: Option<&mut u8>, span: Span, kind: ItemKind) -> Result<(), Fault> {
+    let mut item = Item { span, kind };
+    if let Some(before) = before {
+        for behind in queue.iter_mut().skip(usize::from(*before)) {
+            core::mem::swap(behind, &mut item);
+        }
+        *before = before.saturating_add(1);
+    }
+    queue.push_back(item).map_err(|_| Fault { span, kind: NcErrorKind::BlockTooFull })
 }
 
 /// Stores a word that a block may hold once.

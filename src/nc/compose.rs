@@ -1,5 +1,5 @@
 //! What the words of a block make together: offsets, dwell, weights, and the motion.
-use super::block::{Given, Item, ItemKind, Use, Words, push, weight};
+use super::block::{Given, Item, ItemKind, Use, Words, put_before, weight};
 use super::flow::Ending;
 use super::interpreter::{Interpreter, Next};
 use super::line::Line;
@@ -15,7 +15,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(given) = w.spindle.take() {
             if w.consumer == Use::Dwell {
                 let turns = self.time(given, "dwell", "revolutions")?;
-                push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Revolutions(turns)))?;
+                put_before(
+                    &mut self.queue,
+                    &mut w.before,
+                    w.consumer_span,
+                    ItemKind::Dwell(DwellTime::Revolutions(turns)),
+                )?;
             } else {
                 let Some(speed) = given.number.fixed(Factor::ONE).filter(|s| *s >= Position::ZERO) else {
                     return given.span.fault(NcErrorKind::Range {
@@ -26,8 +31,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                         above: false,
                     });
                 };
-                push(&mut w.before, given.span, ItemKind::Spindle(speed))?;
-                move_into_order(&mut w.before);
+                put_before(&mut self.queue, &mut w.before, given.span, ItemKind::Spindle(speed))?;
+                let (items, _) = self.queue.as_mut_slices();
+                move_into_order(items.get_mut(..usize::from(w.before)).unwrap_or_default());
             }
         }
         if let Some(given) = w.radius {
@@ -50,15 +56,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let (Some(span), false) = (w.exact_stop, self.moves) {
             return span.fault(NcErrorKind::ExactStopAlone);
         }
-        for item in w.before.iter().chain(&w.after) {
-            let full = self.queue.push_back(*item).is_err();
-            if full {
-                return item.span.fault(NcErrorKind::BlockTooFull);
-            }
-        }
         let Some(ending) = w.ends else { return Ok(Next::Line) };
         if ending == Ending::Program && !self.flow.frames.is_empty() {
-            let span = w.after.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
+            let span = self.queue.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
             self.warn(line, span.map_or(Span::default(), |i| i.span), NcWarningKind::EndInSubroutine);
         }
         Ok(self.end_by_word(ending))
@@ -113,11 +113,16 @@ impl<const AXES: usize> Interpreter<AXES> {
                 }
             }
         }
-        let dwell = w.before.iter().any(|item| matches!(item.kind, ItemKind::Dwell(_)));
+        let dwell = self.queue.iter().any(|item| matches!(item.kind, ItemKind::Dwell(_)));
         match time {
             Some((given, _)) if !dwell => {
                 let seconds = self.time(given, "time of G04", "s")?;
-                push(&mut w.before, w.consumer_span, ItemKind::Dwell(DwellTime::Seconds(seconds)))
+                put_before(
+                    &mut self.queue,
+                    &mut w.before,
+                    w.consumer_span,
+                    ItemKind::Dwell(DwellTime::Seconds(seconds)),
+                )
             }
             Some((given, _)) => given.span.fault(NcErrorKind::Twice("time of G04")),
             None if dwell => Ok(()),
@@ -221,7 +226,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         });
         self.moves = true;
         self.position = target;
-        push(&mut w.before, span, ItemKind::Motion)
+        put_before(&mut self.queue, &mut w.before, span, ItemKind::Motion)
     }
 
     /// Centre or radius of an arc to `target`. Coordinates of the centre that are not programmed are the

@@ -72,7 +72,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(expression(c, &self.calculator)?.real() >= 0.5)
     }
 
-    /// Carries out a `$` statement; the cursor stands on `$`.
+    /// Carries out a `$` statement; the cursor stands on `$`. A call of its own: its stack is not below words.
+    #[inline(never)]
     pub fn control(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         c.bump();

@@ -99,7 +99,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             self.interpreter.quiet = 0;
             return Ok(Step::Command(command));
         }
-        let is_motion = match self.interpreter.queue.front() {
+        let is_motion = match self.interpreter.front() {
             Some(item) => matches!(item.kind, ItemKind::Motion),
             None if self.interpreter.phase == Phase::Ended => return Ok(Step::End),
             None => match self.work() {
@@ -130,8 +130,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Whether the last step did so little that another one may follow in the same call of the planner: a
     /// line, or what this one said.
     pub(crate) fn has_done_little(&self) -> bool {
-        let Interpreter { queue, single, calculator, .. } = &*self.interpreter;
-        let waits = !queue.is_empty() || single.is_some();
+        let Interpreter { single, calculator, .. } = &*self.interpreter;
+        let waits = self.interpreter.front().is_some() || single.is_some();
         calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
     }
 

@@ -79,8 +79,9 @@ pub(super) struct Frame {
     pub blocks: u8,
 }
 
-/// A local subroutine: hash of its name, first line of its text.
+/// A local subroutine: hash of its name, first line of its text. Packed: there are many of them.
 #[derive(Clone, Copy)]
+#[repr(C, packed(4))]
 pub(super) struct Subroutine {
     pub name: u64,
     pub body: Mark,

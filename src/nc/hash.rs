@@ -190,7 +190,8 @@ const OTHER: &[&str] = &[
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The command behind `#`.
+    /// The command behind `#`. A call of its own: its stack is not below words.
+    #[inline(never)]
     pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Command<AXES>, Fault> {
         let mark = c.mark();
         c.bump();

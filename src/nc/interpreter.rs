@@ -1,6 +1,6 @@
 //! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short
 //! queue.
-use super::block::{Item, Waiting};
+use super::block::{Item, Items, Waiting};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
 use super::expression::expression;
@@ -71,7 +71,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub n: u32,
     /// Whether the block at hand moves.
     pub moves: bool,
-    pub queue: Deque<Item, BLOCK_WORDS>,
+    /// What the block at hand makes the decoder hand out, all of it when no block waits.
+    pub queue: Items,
     /// A block that goes on in the next call.
     pub waiting: Option<Waiting<AXES>>,
     pub motion: Option<Motion<AXES>>,
@@ -103,7 +104,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             position: setup.start,
             n: 0,
             moves: false,
-            queue: Deque::new(),
+            queue: Items::new(),
             waiting: None,
             motion: None,
             single: None,
@@ -112,6 +113,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             quiet: 0,
             setup,
         }
+    }
+
+    /// The first of what the block at hand makes the decoder hand out, once it is understood to its end.
+    pub fn front(&self) -> Option<&Item> {
+        if self.waiting.is_some() { None } else { self.queue.front() }
     }
 
     /// Remembers a warning; more than four in one line say nothing new.

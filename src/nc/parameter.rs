@@ -5,7 +5,9 @@ use heapless::Vec;
 /// Parameters that can hold a value at the same time.
 pub const PARAMETERS: usize = 128;
 
+/// Packed: there are many of them.
 #[derive(Clone, Copy)]
+#[repr(C, packed(4))]
 struct Entry {
     index: u32,
     value: f64,

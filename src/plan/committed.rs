@@ -1,8 +1,8 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::{Pace, ReleasedSpan};
+use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
 use crate::quantity::{Distance, Speed};
-use crate::queue::SEGMENTS;
+use crate::queue::MAX_CURVES_PER_TICK;
 use crate::slope::brake::SHORT;
 
 /// Such a span.
@@ -14,29 +14,32 @@ pub(super) struct CommittedSpan {
     /// Its first tick, and the time from its start to it.
     pub first: u32,
     pub next: u64,
-    /// Ticks of rest behind it.
-    pub rest: u64,
+    /// Ticks of rest behind it that have gone into the queue. Until it begins they are as many as the queue
+    /// holds, which has room for fewer than 2^32.
+    pub rest: u32,
     /// What its law was made with: speed at its start and at its end, the highest one permitted, the
-    /// operator's pace.
+    /// operator's pace ([`crate::lookahead::Pace::key`]).
     pub enters: Speed,
     pub leaves: Speed,
     pub limit: f32,
-    pub pace: Pace,
+    pub pace: u32,
     /// As it was released: start, speed planned there, whether that keeps the limits of all blocks.
-    released: (Distance, Speed, bool),
+    released: (Distance, Speed),
+    released_checked: bool,
 }
 
 impl CommittedSpan {
     /// It is released, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
-        self.released = (start, self.span.v_in, self.span.checked);
+        (self.released, self.released_checked) = ((start, self.span.v_in), self.span.checked);
     }
 
     /// It gets another law before it has begun: nothing of it is behind.
     pub const fn restore(&mut self) {
         let end = self.end();
-        (self.start, self.span.v_in, self.span.checked) = self.released;
+        (self.start, self.span.v_in) = self.released;
+        self.span.checked = self.released_checked;
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
@@ -44,9 +47,9 @@ impl CommittedSpan {
     /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it,
     /// where that cruises.
     pub fn look(&mut self, at: i64) {
-        let (start, v_in, checked) = self.released;
+        let (start, v_in) = self.released;
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = checked && at > 0 && self.span.is_uneven();
+        let known = self.released_checked && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
     }
 
@@ -69,7 +72,7 @@ impl CommittedSpan {
 
     /// Highest speed at its start as it was released, from which its end speed can be reached.
     fn enter_released(&self) -> Speed {
-        let (start, v_in, _) = self.released;
+        let (start, v_in) = self.released;
         let length = Distance::from_bits(self.end().wrapping_sub(start.to_bits()));
         ReleasedSpan { length, v_in, ..self.span }.enter()
     }
@@ -80,8 +83,16 @@ impl CommittedSpan {
     }
 }
 
-/// As many as curves fit in the queue: each span not yet begun has one there.
-const SLOTS: usize = SEGMENTS;
+/// More than a tick passes: so the queue gets a tick, however short they are. One is spare for a way to a
+/// standstill in reserve.
+const SLOTS: usize = 40;
+const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
+
+/// The slot `k` behind another one.
+const fn behind(front: usize, k: usize) -> usize {
+    let slot = front + k;
+    if slot >= SLOTS { slot - SLOTS } else { slot }
+}
 
 /// All of them, in a ring: written in place.
 pub(super) struct CommittedSpans {
@@ -93,7 +104,6 @@ pub(super) struct CommittedSpans {
 impl CommittedSpans {
     /// None; all bits zero.
     pub const fn new() -> Self {
-        const { assert!(SLOTS.is_power_of_two()) };
         let blank = CommittedSpan {
             span: ReleasedSpan::BLANK,
             start: Distance::ZERO,
@@ -103,8 +113,9 @@ impl CommittedSpans {
             enters: Speed::ZERO,
             leaves: Speed::ZERO,
             limit: 0.0,
-            pace: Pace::BLANK,
-            released: (Distance::ZERO, Speed::ZERO, false),
+            pace: 0,
+            released: (Distance::ZERO, Speed::ZERO),
+            released_checked: false,
         };
         Self { slots: [blank; SLOTS], front: 0, len: 0 }
     }
@@ -126,19 +137,19 @@ impl CommittedSpans {
     /// The one `k` behind the front.
     #[inline(always)]
     pub fn get(&self, k: usize) -> Option<&CommittedSpan> {
-        if k < self.len { self.slots.get((self.front + k) % SLOTS) } else { None }
+        if k < self.len { self.slots.get(behind(self.front, k)) } else { None }
     }
 
     /// The one `k` behind the front, to change it.
     #[inline(always)]
     pub fn get_mut(&mut self, k: usize) -> Option<&mut CommittedSpan> {
-        if k < self.len { self.slots.get_mut((self.front + k) % SLOTS) } else { None }
+        if k < self.len { self.slots.get_mut(behind(self.front, k)) } else { None }
     }
 
     /// The slot behind the last one, for the next one; it counts after [`Self::push`].
     #[inline(always)]
     pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
-        if self.len == SLOTS { None } else { self.slots.get_mut((self.front + self.len) % SLOTS) }
+        if self.len == SLOTS { None } else { self.slots.get_mut(behind(self.front, self.len)) }
     }
 
     /// Takes in what is in [`Self::spare`].
@@ -151,7 +162,7 @@ impl CommittedSpans {
     /// The first one is over.
     pub const fn drop_first(&mut self) {
         if self.len > 0 {
-            self.front = (self.front + 1) % SLOTS;
+            self.front = behind(self.front, 1);
             self.len -= 1;
         }
     }
@@ -161,7 +172,7 @@ impl CommittedSpans {
         let (front, len) = (self.front, self.len);
         let slots = self.slots.iter_mut().enumerate();
         slots
-            .filter(move |(slot, _)| (k..len).contains(&(slot.wrapping_sub(front) % SLOTS)))
+            .filter(move |(slot, _)| (k..len).contains(&behind(*slot, SLOTS - front)))
             .map(|(_, committed)| committed)
     }
 

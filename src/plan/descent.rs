@@ -233,7 +233,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.queue.segments.is_known(crate::quantity::Distance::from_bits(end)) {
             return None;
         }
-        cursor.ahead = Ahead { next: cursor.ahead.next + span.blocks, distance: end };
+        cursor.ahead = Ahead { next: cursor.ahead.next + usize::from(span.blocks), distance: end };
         Some(Stretch::new(&span, end, cursor.fall.as_ref()))
     }
 
@@ -320,7 +320,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut stands = None;
         if let Some(ended) = ended.filter(|last| last.end().wrapping_sub(brake.end) >= -NOTHING) {
             ended.leaves = speed;
-            self.frontier.pending_dwell = ended.rest;
+            self.frontier.pending_dwell = u64::from(ended.rest);
             self.lower();
         } else {
             // Inside a span, or at the end of one of the look-ahead.

@@ -408,7 +408,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());
         let Some(mut committed) = self.committed.get_mut(k) else { return Ok(()) };
         (committed.first, committed.next, committed.enters, committed.pace) =
-            (end, next, v_in, self.orders.pace);
+            (end, next, v_in, self.orders.pace.key());
         let span = &committed.span;
         let as_planned = v_in == span.v_in && span.checked && self.orders.pace.is_planned(span);
         (committed.limit, committed.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
@@ -434,7 +434,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.frontier.emitter.begin(&self.profile, committed.start, span.length);
         self.frontier.planned = k + 1;
-        self.frontier.pending_dwell = committed.rest;
+        self.frontier.pending_dwell = u64::from(committed.rest);
         self.frontier.speed = committed.leaves;
         self.frontier.stops = self.frontier.speed == Speed::ZERO;
         if matches!(fit, Fit::Part) {
@@ -562,7 +562,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         self.frontier.planned = k + 1;
-        self.frontier.pending_dwell = committed.rest;
+        self.frontier.pending_dwell = u64::from(committed.rest);
         committed.leaves = v_out;
         self.lower();
     }

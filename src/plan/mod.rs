@@ -474,8 +474,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.keeps_ahead() {
             return Ok(self.wait_a_while());
         }
+        // The queue is full: a planner that is called rarely learns so how long it is away.
         if self.queue.segments.is_sated() || self.committed.is_full() {
-            return Ok(Work::Waiting);
+            return Ok(self.wait_a_while());
         }
         let level = self.level();
         let Some(committed) = self.committed.spare() else { return Ok(Work::Waiting) };
@@ -487,7 +488,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if committed.span.level < level {
             committed.span.raise(level);
         }
-        let blocks = committed.span.blocks;
+        let blocks = usize::from(committed.span.blocks);
         self.task.stage = RingStage::Releasing(left.saturating_sub(blocks));
         let first = self.queue.segments.handed().wrapping_sub(u32::from(first.is_continued()));
         self.hand_on(blocks);
@@ -585,7 +586,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if let Some(committed) =
             self.committed.len().checked_sub(1).and_then(|last| self.committed.get_mut(last))
         {
-            committed.rest += ticks - left;
+            let more = u32::try_from(ticks - left).unwrap_or(u32::MAX);
+            committed.rest = committed.rest.saturating_add(more);
         }
         left
     }

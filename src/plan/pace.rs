@@ -77,7 +77,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let v = self.orders.pace.limit(&committed.span);
         let slower =
             || committed.leaves.to_bits() > speed_bits(min(v, self.orders.pace.next(&committed.span)));
-        committed.pace != self.orders.pace && (v != committed.limit || slower())
+        committed.pace != self.orders.pace.key() && (v != committed.limit || slower())
     }
 
     /// Laws of now in place of those in the queue, from the first one that differs on.

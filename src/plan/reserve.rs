@@ -330,7 +330,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     return false;
                 }
                 committed.begin(self.reserve.distance);
-                self.reserve.next += committed.span.blocks;
+                self.reserve.next += usize::from(committed.span.blocks);
                 self.reserve.distance = Distance::from_bits(committed.end());
                 self.committed.push();
             }
@@ -439,7 +439,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if committed.end().wrapping_sub(stands) <= NOTHING {
             // It has begun: a command does not change it.
             committed.first = self.frontier.end.wrapping_sub(clock::TICK);
-            self.frontier.pending_dwell = committed.rest;
+            self.frontier.pending_dwell = u64::from(committed.rest);
             return true;
         }
         committed.restore();

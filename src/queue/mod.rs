@@ -28,12 +28,11 @@ use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: two ticks of the shortest blocks.
-/// Each takes the room of a curve in the channel, beside those of the look-ahead, and that of a law in the
-/// planner.
-pub const SEGMENTS: usize = 64;
-/// Pieces of time handed over.
-pub const PHASES: usize = 256;
+/// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: one and a half ticks of the shortest
+/// blocks. Each takes the room of a curve in the channel, beside those of the look-ahead.
+pub const SEGMENTS: usize = 48;
+/// Pieces of time handed over. A block takes seven at most, a short one two or three.
+pub const PHASES: usize = 128;
 
 /// Events handed over.
 pub const EVENTS: usize = 32;
@@ -66,8 +65,9 @@ pub struct Segment<const AXES: usize> {
 }
 
 /// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
-/// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)).
+/// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)). Packed: there are many of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, packed(4))]
 pub struct Phase {
     /// Path distance at its first tick.
     pub distance: Distance,
