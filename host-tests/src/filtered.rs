@@ -56,9 +56,22 @@ pub fn run<const AXES: usize>(
     acts: &[(usize, Act)],
     polls: usize,
 ) -> Result<Filtered, String> {
+    run_from(text, [Position::ZERO; AXES], machine, acts, polls)
+}
+
+/// The same from `start` on.
+///
+/// # Errors
+/// The same.
+pub fn run_from<const AXES: usize>(
+    text: &str,
+    start: [Position; AXES],
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Filtered, String> {
     let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
     let mut filters: Box<Filters<AXES, TAPS>> = Box::new(Filters::new());
-    let start = [Position::ZERO; AXES];
     let handles = channel.split_filtered(&mut filters, machine, start, text.as_bytes());
     let FilteredHandles { mut planner, mut interpolator, operator } = handles.map_err(|e| e.to_string())?;
     let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
@@ -67,8 +80,8 @@ pub fn run<const AXES: usize>(
         drives: Trace::empty(cycle, AXES),
         ..Filtered::default()
     };
-    run.path.push([0; AXES]);
-    run.drives.push([0; AXES]);
+    run.path.push(start.map(Position::to_bits));
+    run.drives.push(start.map(Position::to_bits));
     run.states.push(State::Idle);
     let mut acts = acts.iter().peekable();
     let (mut stalled_until, mut held, mut rests) = (0, false, 0);

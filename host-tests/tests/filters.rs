@@ -1,8 +1,15 @@
 //! FIR filters behind the path (D3-004, D3-223…D3-234).
 use glidepath::machine::{FilterType, MachineData};
+use glidepath::quantity::Position;
 use glidepath::tick::State;
 use host_tests::cases::machines;
-use host_tests::filtered::{Filtered, run, with_filter};
+use host_tests::cases::random::{Mix, Random, program};
+use host_tests::cases::set_point;
+use host_tests::check;
+use host_tests::filtered::{Filtered, run, run_from, with_filter};
+use host_tests::operate::{Act, POLLS, random_acts};
+use host_tests::properties::axis_limits;
+use host_tests::seeds::seeds;
 
 const ONE: f64 = 4_294_967_296.0;
 
@@ -197,4 +204,195 @@ fn opposite_passes_have_mirrored_shapes() {
             assert!(both.map(|(a, b)| (a + b).abs()).max().unwrap() <= 1);
         }
     }
+}
+
+/// A random program and machine, filters of all types and orders, an operator; what the judge says.
+fn random_run(seed: u64) {
+    let mut random = Random::new(seed);
+    let mut machine = machines::arbitrary::<3>(seed);
+    machine.channel.slope_profile = (seed % 4) as u8;
+    for axis in &mut machine.axes {
+        axis.filter.enable = true;
+        axis.filter.kind = FilterType::of_number((random.bits() % 5) as u8);
+        axis.filter.order = match axis.filter.kind {
+            FilterType::Delay => random.bits() % 101,
+            _ => random.bits() % 201,
+        } as u8;
+        axis.filter.share = if random.once_in(2) { 100 } else { (random.bits() % 101) as u8 };
+    }
+    let tolerance = random.magnitude(1e-4, 1.0);
+    let program = program(seed, Mix::general(3, 20));
+    let mut text = program.text(&machine);
+    let watched = seed % 3 != 0;
+    if watched {
+        text = text.replacen("N1 G90\n", &format!("N1 G90\n#FILTER [AX_DEV={tolerance:.7}]\n"), 1);
+    }
+    let start: [Position; 3] = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+    let undisturbed = match run_from(&text, start, &machine, &[], 1000) {
+        Err(why) if why == "too long" || why.contains("ticks; raise F") => return,
+        other => other.unwrap_or_else(|why| panic!("{why}\n{text}")),
+    };
+    let mut acts = random_acts(&mut random, undisturbed.path.ticks());
+    for _ in 0..random.bits() % 4 {
+        let at = (random.unit() * undisturbed.path.ticks() as f64) as usize;
+        acts.push((at, Act::Override(200 + (random.bits() % 1800) as u16)));
+        acts.push((at / 2, Act::Stall((random.bits() % 400) as usize)));
+    }
+    acts.sort_by_key(|(tick, _)| *tick);
+    let polls = POLLS[(random.bits() % 3) as usize];
+    let disturbed = match run_from(&text, start, &machine, &acts, polls) {
+        Err(why) if why == "too long" || why.contains("ticks; raise") => return,
+        other => other.unwrap_or_else(|why| panic!("{why}\n{text}")),
+    };
+    let limits = axis_limits(&machine, &program.contour(&machine));
+    let aborted = acts.iter().any(|(_, act)| *act == Act::Abort);
+    let ends: Vec<i64> = program.end().iter().map(|nm| set_point(*nm)).collect();
+    let delay = machine.axes.iter().map(|axis| {
+        let order = usize::from(axis.filter.order);
+        match axis.filter.kind {
+            FilterType::None => 0,
+            FilterType::Delay => 2 * order,
+            _ if axis.filter.share == 0 => 0,
+            _ => order,
+        }
+    });
+    let delay = delay.max().unwrap();
+    for (run, may_end) in [(&undisturbed, false), (&disturbed, aborted)] {
+        let last = run.path.ticks() - 1;
+        for axis in 0..3 {
+            let (path, drives) = (&run.path.columns[axis], &run.drives.columns[axis]);
+            assert_eq!(path[last], drives[last]);
+            assert!(may_end || drives[last] == ends[axis], "ends at {}", drives[last]);
+            let peaks = check::peaks(drives, run.drives.cycle);
+            let limit = limits[axis];
+            for (order, limit) in [limit.v, limit.a, limit.jerk].into_iter().enumerate() {
+                // A filtered set point may be rounded by a whole unit.
+                let allowance = 2.0 * check::allowance(order as i32 + 1, run.drives.cycle);
+                let value = peaks.values[order];
+                assert!(
+                    value <= limit * (1.0 + 1e-9) + allowance,
+                    "axis {axis} order {order}: {value} above {limit} at {} {:?}",
+                    peaks.ticks[order],
+                    machine.axes[axis].filter
+                );
+            }
+            if watched {
+                let largest = run.largest(axis, delay) / ONE;
+                assert!(
+                    largest <= tolerance + 1e-9,
+                    "axis {axis}: {largest} beyond {tolerance}, {:?}",
+                    machine.axes[axis].filter
+                );
+            }
+        }
+        assert!(run.deviated.is_empty());
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn random_programs_with_an_operator_keep_everything() {
+    // D3-232, D3-234: filters differ per axis.
+    for seed in seeds(0..12, 4) {
+        random_run(seed);
+    }
+}
+
+/// `cargo test -p host-tests --release --test filters -- --ignored sweep`
+#[test]
+#[ignore = "takes minutes"]
+fn sweep_of_random_programs() {
+    for seed in 10_000..13_000 {
+        if std::panic::catch_unwind(|| random_run(seed)).is_err() {
+            println!("seed {seed}");
+        }
+    }
+}
+
+fn even(kind: FilterType, order: u8) -> MachineData<3> {
+    let mut machine = with_filter(machines::even::<3>(1000), kind, order);
+    machine.channel.slope_profile = 1;
+    machine
+}
+
+#[test]
+fn filters_change_at_a_standstill_and_nothing_steps() {
+    // D3-223, D3-225, D3-231, D3-233: on, off and other parameters in the program; the type is the axis' own.
+    let mut machine = even(FilterType::Average, 20);
+    machine.axes[1].filter.kind = FilterType::Gauss;
+    machine.axes[2].filter.kind = FilterType::None;
+    for axis in &mut machine.axes {
+        axis.filter.enable = false;
+    }
+    let text = "N10 G01 X10 Y10 Z10 F6000\n#FILTER ON\nN20 X20 Y0\n#FILTER [ORDER=50 SHARE=80]\nN30 X0 Z0\n\
+                #FILTER OFF\nN40 Y10\n#FILTER ON [HSC]\nN50 X0 Y0\nM30\n";
+    let run_of = |text: &str| run(text, &machine, &[], 1000).unwrap();
+    let filtered = run_of(text);
+    // ISG's default of jerk: B is a/ramp.
+    for axis in 0..3 {
+        let peaks = check::peaks(&filtered.drives.columns[axis], 1e-3);
+        assert!(peaks.values[0] <= 200.001 && peaks.values[1] <= 2000.01, "{:?}", peaks.values);
+        assert!(peaks.values[2] <= 40_001.0, "{:?}", peaks.values);
+    }
+    assert!(filtered.states.contains(&State::Settling));
+    // Off at first: the drives get the path.
+    let first = (0..50).all(|tick| filtered.drives.columns[0][tick] == filtered.path.columns[0][tick]);
+    assert!(first);
+    // ORDER_TIME is an order: 5500 µs are 5 cycles. Of both, ORDER counts.
+    let times = ["ORDER_TIME=5500", "ORDER=5", "ORDER=5 ORDER_TIME=90000"];
+    let runs = times.map(|given| run_of(&format!("#FILTER ON [{given}]\n{SQUARE}")).drives.columns);
+    assert!(runs[0] == runs[1] && runs[1] == runs[2]);
+    assert!(runs[0] != run_of(&format!("#FILTER ON [ORDER=6]\n{SQUARE}")).drives.columns);
+    // Less than a cycle: not filtered, and that is said.
+    let off = run_of(&format!("#FILTER ON [ORDER_TIME=999]\n{SQUARE}"));
+    assert!(off.drives.columns == off.path.columns && off.warnings.len() == 1, "{:?}", off.warnings);
+}
+
+#[test]
+fn what_cannot_be_filtered_is_refused() {
+    // D3-229, D3-231: ACC_FACT needs P-AXIS-00013, #FILTER ON a type.
+    let refused = |text: &str, machine: &MachineData<3>| run(text, machine, &[], 1000).unwrap_err();
+    let square = |options: &str| format!("#FILTER ON [{options}]\n{SQUARE}");
+    let none = machines::even::<3>(1000);
+    assert!(refused(&square("ORDER=8"), &none).contains("P-AXIS-00586"));
+    let average = even(FilterType::Average, 20);
+    assert!(refused(&square("ACC_FACT=2"), &average).contains("P-AXIS-00013"));
+    assert!(refused(&square("AX_DEV=0.000001"), &average).contains("AX_DEV"));
+    let delay = even(FilterType::Delay, 20);
+    assert!(refused(&square("ORDER=101"), &delay).contains("at most 100"));
+    // With it, no corner is slower, and the axes keep their limits.
+    let mut weighted = even(FilterType::Average, 40);
+    for axis in &mut weighted.axes {
+        axis.a_trans_weight = 1000;
+    }
+    let [slow, fast] =
+        ["ACC_FACT=1", "ACC_FACT=10"].map(|given| run(&square(given), &weighted, &[], 1000).unwrap());
+    assert!(fast.path.ticks() <= slow.path.ticks(), "{} {}", fast.path.ticks(), slow.path.ticks());
+    for axis in 0..2 {
+        let peaks = check::peaks(&fast.drives.columns[axis], 1e-3);
+        assert!(peaks.values[1] <= 2000.01, "{:?}", peaks.values);
+    }
+}
+
+#[test]
+fn exact_stops_dwells_and_functions_wait_for_the_axes() {
+    // D3-004: a corner with G60 is reached to the bit; M and H come when the axes are there.
+    let mut machine = even(FilterType::Gauss, 64);
+    machine.channel.m_synch = glidepath::machine::SynchTable::NONE;
+    let text = "N10 G01 G60 X10 F6000\nN20 Y10\nN30 M7\nN40 G04 0.1\nN50 X0 Y0\nN60 M9\nM30\n";
+    let run = run(text, &machine, &[(300, Act::Hold), (900, Act::Resume)], 1000).unwrap();
+    let at = |axis: usize, tick: usize| run.drives.columns[axis][tick] as f64 / ONE;
+    let corner = (0..run.drives.ticks()).any(|tick| at(0, tick) == 10.0 && at(1, tick) == 0.0);
+    assert!(corner, "not in the corner");
+    let stands = (0..run.drives.ticks()).filter(|tick| at(0, *tick) == 10.0 && at(1, *tick) == 10.0).count();
+    assert!((100..105).contains(&stands), "dwells {stands} ticks");
+    for (tick, place) in run.outputs.iter().map(|(tick, _)| *tick).zip([[10.0, 10.0], [0.0, 0.0]]) {
+        assert_eq!([at(0, tick), at(1, tick)], place, "at {tick}");
+        assert_ne!([at(0, tick - 1), at(1, tick - 1)], place);
+    }
+    assert_eq!(run.outputs.len(), 2);
+    // It says that it stands when the axes do.
+    let hold = run.holds[0];
+    assert_eq!(run.drives.columns[0][hold], run.drives.columns[0][hold + 50]);
+    assert_eq!(run.drives.columns[0][hold], run.path.columns[0][hold]);
 }
