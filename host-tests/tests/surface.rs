@@ -110,9 +110,11 @@ fn arc(from: &[f64], to: &[f64], radius: f64) -> Vec<Vec<f64>> {
     let centre = [from[0] + 0.5 * dx + height * dy / chord, from[1] + 0.5 * dy - height * dx / chord];
     let begin = (from[1] - centre[1]).atan2(from[0] - centre[0]);
     let sweep = 2.0 * (0.5 * chord / radius).min(1.0).asin();
-    (1..40)
+    // Points within a tenth of a micrometre of the arc.
+    let count = (sweep * (radius / 8e-4).sqrt()).ceil().max(4.0);
+    (1..count as u32)
         .map(|k| {
-            let part = f64::from(k) / 40.0;
+            let part = f64::from(k) / count;
             let angle = begin - part * sweep;
             let mut point: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + (b - a) * part).collect();
             point[0] = centre[0] + radius * angle.cos();
