@@ -63,7 +63,7 @@ impl<const AXES: usize> Source<AXES> {
         if let Some(chord) = chord {
             let most = max(to_f32(length) / max(chord * (1u64 << 44) as f32, 1.0), 0.0);
             // Two at least, so that a circle is one.
-            step = length / (2 + (min(most, 1e6) as i64)) + 1;
+            step = length / (2 + i64::from(min(most, 1e6) as u32)) + 1;
         }
         let next = Distance::ZERO;
         let (block, from, step) = (*block, block.from, Distance::from_bits(step));
