@@ -58,6 +58,7 @@
 //! | whether a corner without a curve is passed or a standstill | `lookahead/worth.rs` |
 //! | which curve a corner gets | `smooth/contour/choice.rs` |
 //! | which curve a row of short blocks gets | `smooth/surface/mod.rs` |
+//! | which curve points of a spline get | `smooth/spline/mod.rs` |
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs` |
