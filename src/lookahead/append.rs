@@ -177,10 +177,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Some(last) if self.tail.row.is_brief() => last.behind,
             _ => *piece.exit,
         };
-        let exit = *piece.exit;
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
         self.tail.last = Some(Last {
-            exit,
+            exit: *piece.exit,
             length,
             share,
             rapid,
@@ -199,6 +198,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.counts.long += usize::from(long);
+        let hsc = slope == SlopeType::Hsc;
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
             length: distance,
@@ -209,10 +209,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             override_range,
-            joint: AnchorMarks::new(
-                !anchor && slope == SlopeType::Hsc,
-                piece.flows && slope == SlopeType::Hsc,
-            ),
+            joint: AnchorMarks::new(!anchor && hsc, flows && hsc),
             marks,
             continued: false,
             trades,
