@@ -150,7 +150,6 @@ fn hsc_methods_take_their_keywords_and_no_others() {
 #[test]
 fn what_is_not_available_is_refused_where_it_stands() {
     let commands = [
-        "#FILTER ON [ORDER=20]",
         "#VECTOR LIMIT ON [RADIAL_ACC=1000]",
         "#VECTOR LIMIT ON [VEL=1000 RADIAL_JERK]",
         "#VECTOR LIMIT ON [JERK=1000]",
@@ -172,13 +171,22 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#RT WHILE",
         "#CONTOUR LOOKAHEAD LOG ON",
         "#DISTANCE PROG START CLEAR",
-        "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]",
-        "X[INDP_SYN G01 G90 POS=1 FEED=100]",
     ];
     for command in commands {
         let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
         assert_eq!(error.place().line, 2, "{command}: {error}");
         assert!(error.to_string().ends_with("known, not available in this version"), "{command}: {error}");
+    }
+    // What needs memory of its own is refused by a channel without it.
+    for command in [
+        "#FILTER ON [ORDER=20]",
+        "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]",
+        "X[INDP_SYN G01 G90 POS=1 FEED=100]",
+    ] {
+        let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
+        assert_eq!(error.place().line, 2, "{command}: {error}");
+        let said = error.to_string();
+        assert!(said.contains("this channel") || said.contains("not available"), "{command}: {said}");
     }
     // What switches off has nothing to do.
     for command in ["G260", "#CONTOUR MODE OFF", "G150", "#SPLINE OFF", "#SLOPE DEFAULT", "#TRAFO OFF"] {

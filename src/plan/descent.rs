@@ -170,7 +170,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
         }
-        if fits && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0) {
+        if fits
+            && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)
+        {
             match self.verify(start, motion, &brake, &limits) {
                 Ok(descent) => return Some(descent),
                 Err(whole) => spans = whole,
