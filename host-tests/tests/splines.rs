@@ -202,7 +202,7 @@ fn d3_184_the_hsc_b_spline_keeps_path_dev_and_passes_first_and_last() {
     let machine = machines::even::<3>(1000);
     let mut used = 0.0_f64;
     for seed in 0..300 {
-        let program = points(seed, 16, [[1e-3, 100.0], [1.0, 20.0]][seed as usize % 2], 3.14);
+        let program = points(seed, 16, [[1e-3, 100.0], [1.0, 20.0]][seed as usize % 2], 3.125);
         let deviation = Random::new(seed).magnitude(1e-3, 1.0);
         let hsc = Hsc {
             switch: Some(true),

@@ -137,6 +137,7 @@ pub trait Smoother<const AXES: usize> {
 
 /// The kinds, in one memory.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "one kind is at work at a time, in static memory")]
 enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
     Contour(Contouring<AXES>),
@@ -221,7 +222,7 @@ impl<const AXES: usize> Smoothing<AXES> {
             measure,
             contour: contouring.settings(),
             kind: Kind::Contour(contouring),
-            spline: DirectParameters::new(),
+            spline: DirectParameters::at_start(),
             hsc: HscParameters::new(rounds),
             surface: surface::Parameters::new(check_jerk),
             selected: Selected::None,
@@ -441,7 +442,7 @@ impl<const AXES: usize> Smoothing<AXES> {
                 Kind::Contour(Contouring::with(self.measure, &self.contour.on_with(&dev)))
             }
             Wanted::Spline(start) => {
-                Kind::Spline(Splining::new(self.measure, self.contour.check_jerk(), start))
+                Kind::Spline(Splining::new(self.measure, self.contour.check_jerk_of_channel(), start))
             }
             Wanted::Surface => Kind::Surface(Surface::new(self.measure, &self.surface)),
         };
@@ -497,7 +498,7 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     fn restart(&mut self) {
         self.wanted = None;
         self.selected = Selected::None;
-        self.spline = DirectParameters::new();
+        self.spline = DirectParameters::at_start();
         self.hsc = self.hsc.restarted();
         self.surface.restart();
         self.contour = self.contour.restarted();

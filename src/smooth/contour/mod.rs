@@ -149,7 +149,7 @@ impl Settings {
     }
 
     /// P-CHAN-00110.
-    pub const fn check_jerk(&self) -> u8 {
+    pub const fn check_jerk_of_channel(&self) -> u8 {
         self.parameters.of_channel
     }
 

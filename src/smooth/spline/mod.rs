@@ -16,7 +16,7 @@
 //!
 //! An Akima spline is continuous in direction; its curvature steps in its points. Where machine data limit the
 //! jerk of such a step (P-CHAN-00009), the curvature is made to agree: both sides get the mean, along so much
-//! of them that the curve moves by at most [`cut::BENT`].
+//! of them that the curve moves by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;
@@ -233,7 +233,7 @@ impl<const AXES: usize> Splining<AXES> {
         let share = crate::smooth::contour::curve::dot(axes, &way, &whole) / max(square, f32::MIN_POSITIVE);
         let off = plus(&way, -share, &whole);
         let stray = max(size(axes, &off), aside(axes, &off));
-        if !same || !(share > 0.0 && share < 1.0) || self.stray + stray > MERGED * path_dev {
+        if !(same && share > 0.0 && share < 1.0) || self.stray + stray > MERGED * path_dev {
             return false;
         }
         self.stray += stray;
@@ -385,7 +385,7 @@ impl<const AXES: usize> Splining<AXES> {
             || is_off(i)
             || beyond(rules.off_path, false)
             || beyond(rules.off_track, true);
-        let kept = (stops && rules.off_stop) || (off && !(rules.rounds && !turns(REVERSAL)));
+        let kept = (stops && rules.off_stop) || (off && (turns(REVERSAL) || !rules.rounds));
         (!kept).then_some(room)
     }
 
@@ -423,7 +423,8 @@ impl<const AXES: usize> Splining<AXES> {
             _ => Joint::Smooth,
         };
         let data = Data { stop: to.data.stop && is_last, ..to.data };
-        if !(is_first && before.is_some()) && !(is_last && behind.is_some()) {
+        let rounded = (is_first && before.is_some()) || (is_last && behind.is_some());
+        if !rounded {
             // Along the leg all the way.
             self.go_straight(&begins, &end, (data, data.number));
             (self.course.here, self.course.joint) = (cut::at(end), joint);

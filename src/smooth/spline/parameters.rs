@@ -31,7 +31,7 @@ pub struct DirectParameters<const AXES: usize> {
 
 impl<const AXES: usize> DirectParameters<AXES> {
     /// As at program start.
-    pub const fn new() -> Self {
+    pub const fn at_start() -> Self {
         Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
     }
 

@@ -1,10 +1,10 @@
-//! #HSC [SURFACE]: short blocks become one curve that is continuous in direction and curvature, inside a
+//! #HSC \[SURFACE\]: short blocks become one curve that is continuous in direction and curvature, inside a
 //! tolerance, and much the same whatever points of the surface the blocks go through.
 //!
 //! The contour is a row of vertices. Each has a kernel of its own width that rounds the polygon over a stretch
-//! of path ([`mod@knot`]), as wide as the tolerance permits; the vertices are moved out by as much as the kernels
-//! would cut, so that the curve behind the chords comes back ([`mod@window`]). What is handed on are quintics through
-//! position, direction and curvature at knots about half a kernel apart ([`mod@cell`]): far fewer than there are
+//! of path (`knot.rs`), as wide as the tolerance permits; the vertices are moved out by as much as the kernels
+//! would cut, so that the curve behind the chords comes back (`window.rs`). What is handed on are quintics through
+//! position, direction and curvature at knots about half a kernel apart (`cell.rs`): far fewer than there are
 //! blocks. Whatever all of that finds in `f32`, an element goes on only after a proof in integers that it is inside
 //! the tolerance. Where the proof fails the kernels become narrower; at last the motion goes straight to the next
 //! vertex, where it stands still.
@@ -300,7 +300,7 @@ impl<const AXES: usize> Surface<AXES> {
         let length = self.window.way(&front.spot, spot);
         let mut hull = Hull::new(&front.knot, &knot, length)?;
         let fastest = max(hull.fastest(length, space), 1.0);
-        if !(fastest < FASTEST && length > 0.0) || !self.is_inside(front, spot, &mut hull) {
+        if !(fastest < FASTEST && length > 0.0 && self.is_inside(front, spot, &mut hull)) {
             return None;
         }
         let (mut element, draft) = Draft::new(&front.knot, &knot, length, fastest)?;
