@@ -205,7 +205,10 @@ fn opposite_passes_have_mirrored_shapes() {
     }
 }
 
-/// A random program and machine, filters of all types and orders, an operator; what the judge says.
+/// A random program and machine, filters of all types and orders, an operator.
+///
+/// # Panics
+/// What is wrong.
 fn random_run(seed: u64) {
     let mut random = Random::new(seed);
     let mut machine = machines::arbitrary::<3>(seed);
@@ -265,8 +268,10 @@ fn random_run(seed: u64) {
             let peaks = check::peaks(drives, run.drives.cycle);
             let limit = limits[axis];
             for (order, limit) in [limit.v, limit.a, limit.jerk].into_iter().enumerate() {
-                // A filtered set point may be rounded by a whole unit.
-                let allowance = 2.0 * check::allowance(order as i32 + 1, run.drives.cycle);
+                // The path is rounded by half a unit at most, what its filter makes of that by a quarter more
+                // at most. A filtered set point gets the remainder of the one before: its own error is the
+                // difference of two, of one unit each.
+                let allowance = 3.25 * check::allowance(order as i32 + 1, run.drives.cycle);
                 let value = peaks.values[order];
                 assert!(
                     value <= limit * (1.0 + 1e-9) + allowance,
@@ -289,10 +294,11 @@ fn random_run(seed: u64) {
 }
 
 #[test]
-#[ignore = "takes minutes"]
 fn random_programs_with_an_operator_keep_everything() {
-    // D3-232, D3-234: filters differ per axis.
-    for seed in seeds(0..12, 4) {
+    // D3-227, D3-232, D3-234: filters differ per axis, with holds, changes of the override and stalls. The
+    // first ones went beyond AX_DEV once: curves beside a step of speed, a step that is almost a standstill.
+    let once = [10_558, 11_308, 11_432, 11_858, 11_863, 12_472, 12_865];
+    for seed in seeds(once.into_iter().chain(0..12), 4) {
         random_run(seed);
     }
 }
@@ -301,11 +307,11 @@ fn random_programs_with_an_operator_keep_everything() {
 #[test]
 #[ignore = "takes minutes"]
 fn sweep_of_random_programs() {
-    for seed in 10_000..13_000 {
-        if std::panic::catch_unwind(|| random_run(seed)).is_err() {
-            println!("seed {seed}");
-        }
-    }
+    let faults: Vec<u64> = (10_000..13_000)
+        .filter(|seed| std::panic::catch_unwind(|| random_run(*seed)).is_err())
+        .inspect(|seed| println!("seed {seed}"))
+        .collect();
+    assert!(faults.is_empty(), "{faults:?}");
 }
 
 fn even(kind: FilterType, order: u8) -> MachineData<3> {

@@ -4,7 +4,7 @@
 //! of AX_DEV ([`crate::fir::Watch`]): acceleration everywhere, a step that is alone in the window of the
 //! filter what that leaves, steps that are closer a tenth each and together what a curve of the same
 //! acceleration would take.
-use super::{Axis, Dynamics, LSB_40, Permitted};
+use super::{Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, SHORT, Watch};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -144,6 +144,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         Some(limits)
     }
 
+    /// Largest acceleration along the path with this direction.
+    fn along(&self, end: &End<AXES>) -> f32 {
+        let axes = self.axes.iter().zip(&end.tangent).filter(|(_, tangent)| **tangent != 0);
+        axes.fold(f32::MAX, |a, (axis, tangent)| min(a, axis.a_max / (magnitude(to_f32(*tangent)) * LSB_40)))
+    }
+
     /// Highest speed at which the steps of speed at a transition stay inside their part of AX_DEV, if that is
     /// below `fastest`. `shorter` is the length of the shorter neighbour, mm.
     pub(super) fn watched(
@@ -153,46 +159,53 @@ impl<const AXES: usize> Dynamics<AXES> {
         shorter: f32,
         fastest: f32,
     ) -> f32 {
+        // In a curve every axis of it may accelerate as much as it may, whatever its direction at the end.
+        let bends = |end: &End<AXES>| end.curvature.iter().any(|curvature| *curvature != 0.0);
+        let bends = bends(from) || bends(to);
+        let along = [self.along(from), self.along(to)];
         let mut v = f32::MAX;
         for (k, (axis, ends)) in self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).enumerate() {
             if ends.0 == ends.1 || self.watched.axes >> k.min(31) & 1 == 0 {
                 continue;
             }
-            let mut knee = axis.set(rapid).joint.knee;
+            let TransitionLimits { mut knee, budget, .. } = axis.set(rapid).joint;
             if let Some(before) = self.before.as_ref().and_then(|axes| axes.get(k)) {
                 knee = min(knee, before[usize::from(rapid)].knee);
             }
-            v = min(
-                v,
-                self.watched.speed(axis, (*ends.0, *ends.1), knee, axis.set(rapid).joint.budget, shorter),
-            );
+            let step = magnitude(to_f32(ends.1.wrapping_sub(*ends.0))) * LSB_40;
+            let [before, behind] = [(ends.0, along[0]), (ends.1, along[1])]
+                .map(|(tangent, along)| magnitude(to_f32(*tangent)) * LSB_40 * along);
+            let part = if bends { 1.0 } else { min(1.0, min(before, behind) / axis.a_max) };
+            let most = 1.0 - (1.0 - GOING_ON) * part;
+            let faster = max(along[0], along[1]);
+            v = min(v, self.watched.speed((axis.a_max, budget), (step, knee, most), faster, shorter));
         }
         if v < fastest { v } else { f32::MAX }
     }
 }
 
 impl Watched {
-    /// The same of one axis, whose direction (LSB 2^-40) goes from one to the other; `permitted` is the step
-    /// of its speed where it ends there.
-    fn speed(&self, axis: &Axis, (t0, t1): (i64, i64), permitted: f32, budget: f32, shorter: f32) -> f32 {
-        let step = to_f32(t1.wrapping_sub(t0)) * LSB_40;
-        let (step, t0, t1) = (magnitude(step), magnitude(to_f32(t0)), magnitude(to_f32(t1)));
-        let (least, most) = (min(t0, t1), max(t0, t1));
-        let passes = axis.a_max * step <= PASSING_JERK * budget;
-        let alone = if passes { min(permitted, PASSING * axis.a_max * self.ratio) } else { permitted };
-        let alone = alone * (1.0 - (1.0 - GOING_ON) * least / most) / step;
-        // Along the path no faster than the axis permits.
-        let a = axis.a_max / (most * LSB_40);
+    /// The same of one axis, whose direction changes by `step`. Its speed may change by `knee`, of which
+    /// acceleration on both sides leaves the part `most`; the path has at most the acceleration `along`.
+    fn speed(
+        &self,
+        (a_max, budget): (f32, f32),
+        (step, knee, most): (f32, f32, f32),
+        along: f32,
+        shorter: f32,
+    ) -> f32 {
+        let passes = a_max * step <= PASSING_JERK * budget;
+        let alone = if passes { min(knee, PASSING * a_max * self.ratio) } else { knee } * most / step;
         // A block that takes the whole window, should it speed up from its end on.
-        let long = (shorter - 0.5 * a * self.window * self.window) / self.window;
+        let long = (shorter - 0.5 * along * self.window * self.window) / self.window;
         if long >= alone {
             return alone;
         }
         // Steps v·step every length/√(v² + 2·a·length) ticks at least: v·√(v² + 2·a·length) ≤ s.
-        let s = SHORT * axis.a_max * shorter / step;
-        let gained = a * shorter;
+        let s = SHORT * a_max * shorter / step;
+        let gained = along * shorter;
         let both = gained + sqrt_f32(gained * gained + s * s);
         let dense = if both > 0.0 { s / sqrt_f32(both) } else { 0.0 };
-        min(alone, max(long, min(dense, CLOSE * permitted / step)))
+        min(alone, max(long, min(dense, CLOSE * knee / step)))
     }
 }

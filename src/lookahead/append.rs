@@ -247,7 +247,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if way == Way::Standing {
             // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish
             // beside it: it waits.
-            let unseen = || dynamics.unseen(&last.exit, piece.entry, rapid);
+            let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;
         } else if v.is_some() || (brief && slope == SlopeType::Step) {
