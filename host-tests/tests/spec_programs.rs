@@ -191,9 +191,17 @@ impl Run {
         (0..self.trace.len()).map(|row| self.trace.mm(row))
     }
 
-    /// Smallest distance of a set point from a point of X and Y.
+    /// Smallest distance of a point of X and Y from the lines between set points.
     fn near(&self, point: [f64; 2]) -> f64 {
-        self.rows().map(|q| (q[0] - point[0]).hypot(q[1] - point[1])).fold(f64::INFINITY, f64::min)
+        let rows: Vec<_> = self.rows().collect();
+        let distance = |w: &[Vec<f64>]| {
+            let [dx, dy] = [w[1][0] - w[0][0], w[1][1] - w[0][1]];
+            let [px, py] = [point[0] - w[0][0], point[1] - w[0][1]];
+            let square = dx * dx + dy * dy;
+            let part = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+            (px - part * dx).hypot(py - part * dy)
+        };
+        rows.windows(2).map(distance).fold(f64::INFINITY, f64::min)
     }
 
     /// Path speeds of X and Y in the ticks in which both rows are this near to a point.
@@ -330,9 +338,9 @@ fn corners_are_cut_by_0_2_mm(run: &Run) -> Result<(), String> {
         run,
         &[[3.0, 25.0], [25.0, 25.0], [30.0, 35.0], [55.0, 32.5], [58.0, 12.0], [90.0, 35.0]],
         0.199,
-        0.205,
+        0.2005,
     )?;
-    corners(run, &[[15.0, 15.0], [23.0, 12.0], [50.0, 37.5], [70.0, 12.0], [77.5, 10.0]], 0.05, 0.2)?;
+    corners(run, &[[15.0, 15.0], [23.0, 12.0], [50.0, 37.5], [70.0, 12.0], [77.5, 10.0]], 0.05, 0.2005)?;
     sharp(run, &[[0.0, 0.0], [100.0, 37.5]])
 }
 
