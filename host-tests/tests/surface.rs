@@ -165,8 +165,18 @@ fn seeds(default: u64) -> std::ops::Range<u64> {
 /// D3-162, D3-164, D3-166: tolerances, limits and exact ends of random paths.
 #[test]
 fn random_paths_keep_tolerance_limits_and_ends() {
+    paths_are_inside(seeds(60));
+}
+
+/// D3-162: where the control polygon itself leaves the tolerance and nothing turns, a line is refused.
+#[test]
+fn lines_between_kernels_are_proven_too() {
+    paths_are_inside([5908, 1830, 11_295, 15_789]);
+}
+
+fn paths_are_inside(seeds: impl IntoIterator<Item = u64>) {
     let mut faults = 0;
-    for seed in seeds(60) {
+    for seed in seeds {
         let slope = [3, 3, 1, 2, 0][seed as usize % 5];
         let ramp = [50_000, 150_000][seed as usize / 5 % 2];
         let judge = if seed % 3 == 0 { judge::<4> } else { judge::<3> };

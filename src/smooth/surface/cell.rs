@@ -1,4 +1,4 @@
-//! A cell of the path: the quintic between two knots, and the proof in integers that it stays
+//! A cell of the path: the quintic between two knots, and the proof in integers that it, or a line, stays
 //! inside the tolerance.
 //!
 //! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell beside each chord of
@@ -7,6 +7,7 @@
 //! keeps to the order of the contour too.
 use super::parameters::Tolerance;
 use crate::math::float::{max, to_f32};
+use crate::math::wide::mul_shift;
 use crate::path::poly::Knot;
 use crate::quantity::Position;
 
@@ -51,6 +52,11 @@ fn part_of(x: f32) -> i32 {
     } else {
         x as i32
     }
+}
+
+/// A tolerance less rounding, LSB 2^-26 mm.
+fn most(tolerance: f32) -> i64 {
+    ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
 /// A chord beside a cell, or the part of it that is: its ends, what may be deviated from it, and the path
@@ -129,8 +135,7 @@ impl<const AXES: usize> Hull<AXES> {
     pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = part_of(chord.part);
         let own = if part == i32::MAX { *self } else { self.cut(part) };
-        let path = ((chord.tolerance.path * ONE_26) as i64 - ROUNDING).max(0);
-        let track = ((chord.tolerance.track * ONE_26) as i64 - ROUNDING).max(0);
+        let (path, track) = (most(chord.tolerance.path), most(chord.tolerance.track));
         let mut squares = [0i64; 6];
         for k in 0..AXES {
             let (Some(origin), Some(from), Some(to)) =
@@ -156,5 +161,44 @@ impl<const AXES: usize> Hull<AXES> {
             }
         }
         squares.iter().all(|square| *square <= path * path)
+    }
+}
+
+/// A line that is proven, one chord after the other.
+pub struct Straight<'a, const AXES: usize> {
+    at: [Position; AXES],
+    to: &'a [Position; AXES],
+}
+
+impl<'a, const AXES: usize> Straight<'a, AXES> {
+    pub fn new(from: &[Position; AXES], to: &'a [Position; AXES]) -> Self {
+        Self { at: *from, to }
+    }
+
+    /// Whether the part of it beside a chord is inside the tolerance. What is behind is left. The distance of a
+    /// line from a chord, in parts of both, is largest at an end.
+    pub fn keeps(&mut self, chord: &Beside<'_, AXES>, main: u32) -> bool {
+        let part = i64::from(part_of(chord.part));
+        let mut end = self.at;
+        for (end, to) in end.iter_mut().zip(self.to) {
+            let d = to.to_bits().wrapping_sub(end.to_bits());
+            let d = if chord.part >= 1.0 { d } else { mul_shift(d, part, 31) };
+            *end = Position::from_bits(end.to_bits().wrapping_add(d));
+        }
+        let ends = [(&self.at, chord.ends[0]), (&end, chord.ends[1])];
+        let inside = ends.into_iter().all(|(at, beside)| {
+            let mut square = 0i64;
+            let tracks = at.iter().zip(beside).enumerate().all(|(k, (at, beside))| {
+                let d = i64::from(coarse(*at, *beside));
+                if main >> (k & 31) & 1 == 1 {
+                    square = square.saturating_add(d * d);
+                    return d.abs() < i64::from(BEYOND);
+                }
+                chord.tolerance.track <= 0.0 || d.abs() <= most(chord.tolerance.track)
+            });
+            tracks && square <= most(chord.tolerance.path) * most(chord.tolerance.path)
+        });
+        self.at = end;
+        inside
     }
 }

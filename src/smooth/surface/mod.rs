@@ -22,7 +22,7 @@ mod window;
 
 pub use parameters::Parameters;
 
-use self::cell::{Beside, Hull};
+use self::cell::{Beside, Hull, Straight};
 use self::chords::{BETWEEN, Between, Chord, Source};
 use self::knot::{Aim, Spot};
 use self::window::{Programmed, Vertex, Window};
@@ -89,6 +89,10 @@ pub struct Surface<const AXES: usize> {
 const HALVED: u8 = 2;
 const NARROWED: u8 = 14;
 const NARROWER: f32 = 0.7;
+
+/// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
+/// Beyond it the path would be much shorter than its polygon.
+const SHARPEST: f32 = 1.55;
 
 /// A cell may be so much faster than its path.
 const FASTEST: f32 = 1.5;
@@ -172,7 +176,8 @@ impl<const AXES: usize> Surface<AXES> {
         if let Some(pending) = &self.pending {
             let turn = pending.turn(&next);
             let is_arc = source.block.form != Form::Line;
-            if !is_arc && self.parameters.is_beyond(self.window.length(&turn)) {
+            let turn = self.window.length(&turn);
+            if turn > SHARPEST || !is_arc && self.parameters.is_beyond(turn) {
                 self.ending = Some(false);
                 return true;
             }
@@ -255,11 +260,16 @@ impl<const AXES: usize> Surface<AXES> {
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
 
-    /// A line, where nothing turns.
+    /// A line, where nothing turns. The polygon itself may leave the tolerance: then what is there is narrowed.
     #[inline(never)]
     fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim) {
         let spot = self.window.advance(&front.spot, aim.way);
         let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
+            let mut straight = Straight::new(&front.knot.position, &knot.position);
+            let main = self.window.main;
+            if !self.is_inside(&front.spot, &spot, |chord| straight.keeps(chord, main)) {
+                return None;
+            }
             let element = line(&front.knot.position, &knot.position, &self.measure).ok()??;
             Some((knot, element))
         });
@@ -300,7 +310,11 @@ impl<const AXES: usize> Surface<AXES> {
         let length = self.window.way(&front.spot, spot);
         let mut hull = Hull::new(&front.knot, &knot, length)?;
         let fastest = max(hull.fastest(length, space), 1.0);
-        if !(fastest < FASTEST && length > 0.0 && self.is_inside(front, spot, &mut hull)) {
+        if !(fastest < FASTEST && length > 0.0) {
+            return None;
+        }
+        let (origin, main) = (&front.knot.position, self.window.main);
+        if !self.is_inside(&front.spot, spot, |chord| hull.keeps(origin, chord, main)) {
             return None;
         }
         let (mut element, draft) = Draft::new(&front.knot, &knot, length, fastest)?;
@@ -310,13 +324,11 @@ impl<const AXES: usize> Surface<AXES> {
         Some((knot, element, draft))
     }
 
-    /// Whether all of a cell is inside the tolerance.
-    fn is_inside(&self, front: &Front<AXES>, to: &Spot, hull: &mut Hull<AXES>) -> bool {
-        let from = front.spot;
-        let origin = &front.knot.position;
-        let mut left = self.window.way(&from, to);
+    /// Whether all of an element is inside the tolerance: `keeps` looks at one chord beside it after the other.
+    fn is_inside(&self, from: &Spot, to: &Spot, mut keeps: impl FnMut(&Beside<'_, AXES>) -> bool) -> bool {
+        let mut left = self.window.way(from, to);
         let mut x = from.x;
-        let mut at = self.on_contour(&from);
+        let mut at = self.on_contour(from);
         for k in from.vertex..=to.vertex {
             let last = k == to.vertex;
             if last && to.x <= 0.0 {
@@ -327,8 +339,7 @@ impl<const AXES: usize> Surface<AXES> {
             let end = if last { self.on_contour(to) } else { vertex.at };
             let is_last = last || k + 1 == to.vertex && to.x <= 0.0;
             let part = if is_last { 1.0 } else { way / max(left, f32::MIN_POSITIVE) };
-            let chord = Beside { ends: [&at, &end], tolerance: self.tolerance(k + 1), part };
-            if !hull.keeps(origin, &chord, self.window.main) {
+            if !keeps(&Beside { ends: [&at, &end], tolerance: self.tolerance(k + 1), part }) {
                 return false;
             }
             left -= way;
@@ -439,7 +450,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// A cell that cannot be made becomes a line.
+    /// A cell that cannot be made becomes a line. That does not come: a cell in the range of a hull is made.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, draft: &Draft<AXES>) {
