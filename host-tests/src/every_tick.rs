@@ -47,6 +47,9 @@ const STANDS: usize = 3;
 /// behind that.
 pub const REACTION: usize = 5;
 
+/// Ticks of another override.
+const SLOWER: usize = 150;
+
 /// Most ticks of a run.
 const LONGEST: usize = 200_000;
 
@@ -268,6 +271,8 @@ pub enum Disturbance {
     Hold,
     /// An override for all of the run, 0.1 %.
     Override(u16),
+    /// Another override for 150 ticks, 0.1 %; then 100 % again.
+    Slower(u16),
 }
 
 /// A run.
@@ -303,6 +308,8 @@ pub fn run<const AXES: usize>(
         let mut stalled = false;
         match disturbance {
             Disturbance::Override(factor) if tick == 0 => operator.set_override(factor),
+            Disturbance::Slower(factor) if tick == at => operator.set_override(factor),
+            Disturbance::Slower(_) if tick == at + SLOWER => operator.set_override(1000),
             Disturbance::Hold if tick == at => operator.feed_hold(),
             Disturbance::Hold if tick > at && !over && planner.is_holding() && idle >= STANDS => {
                 run.stood = Some((tick - 1).saturating_sub(idle));

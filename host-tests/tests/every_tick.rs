@@ -61,16 +61,32 @@ fn a_stall_before_every_tick_with_trapez() {
     stalls("arcs-dev", "TRAPEZ");
 }
 
-/// D3-159: on the smoothed path too.
+/// The paths of Surface: chords, corners of which some stand, and a rotary axis. The judge finds each set
+/// point on the path that a slow run without disturbance shows, standstills included.
+const SURFACES: [(&str, &str); 3] =
+    [("chords-surface", "HSC"), ("corners-surface", "TRAPEZ"), ("rotary-surface", "HSC")];
+
 #[test]
 fn a_stall_before_every_tick_of_a_surface() {
-    stalls("chords-surface", "HSC");
+    for (case, slope) in SURFACES {
+        stalls(case, slope);
+    }
 }
 
 #[test]
 fn a_hold_before_every_tick_of_a_surface() {
-    let report = all_ticks("chords-surface", "HSC", Disturbance::Hold);
-    assert!(report.used[1] > 0.3, "{:?}", report.used);
+    for (case, slope) in SURFACES {
+        let report = all_ticks(case, slope, Disturbance::Hold);
+        assert!(report.used[1] > 0.3, "{case}: {:?}", report.used);
+    }
+}
+
+#[test]
+fn another_override_before_every_tick_of_a_surface() {
+    for (case, slope) in SURFACES {
+        let report = all_ticks(case, slope, Disturbance::Slower(300));
+        assert!(report.used[1] > 0.3, "{case}: {:?}", report.used);
+    }
 }
 
 #[test]

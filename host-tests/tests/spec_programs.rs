@@ -576,3 +576,105 @@ fn every_example_of_the_sources_runs_or_is_refused() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+/// The folder of the example programs, if it is there.
+fn programs() -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let shared = std::env::var_os("GLIDEPATH_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
+    let folder = shared.join("spec/programs");
+    if !folder.is_dir() {
+        say(&format!("NOT RUN: the example programs are not in {}", folder.display()));
+        return None;
+    }
+    Some(folder)
+}
+
+/// An example without the lines that contain one of these.
+fn without(folder: &Path, name: &str, left_out: &[&str]) -> String {
+    let text = std::fs::read_to_string(folder.join(format!("{name}.nc"))).expect("text");
+    let kept = text.lines().filter(|line| !left_out.iter().any(|words| line.contains(words)));
+    kept.map(|line| format!("{line}\n")).collect()
+}
+
+fn example(name: &str) -> &'static Example {
+    static ALL: [Example; 42] = EXAMPLES;
+    ALL.iter().find(|example| example.name == name).expect("an example")
+}
+
+/// D3-182, D3-196, D3-197: parameters and selection in one command or in two are one path to the bit.
+#[test]
+fn one_command_or_two_is_one_path_ex20_ex21_ex22_ex23() {
+    let Some(folder) = programs() else { return };
+    for (_, slope) in SLOPES {
+        for pair in
+            [["D3-EX20_surface", "D3-EX21_surface_two_step"], ["D3-EX22_bspline", "D3-EX23_bspline_two_step"]]
+        {
+            let [one, two] = pair.map(|name| {
+                run(&without(&folder, name, &[]), &machine(example(name), slope)).expect("runs").trace.columns
+            });
+            assert!(one == two, "{pair:?}");
+        }
+    }
+}
+
+/// D3-EX27: the linear pass stands at each corner; the spline goes round at the feed, tangential at both ends,
+/// in a fraction of the time.
+#[test]
+fn the_spline_takes_a_fraction_of_the_linear_pass_ex27() {
+    let Some(folder) = programs() else { return };
+    let name = "D3-EX27_akima_circle";
+    let machine = machine(example(name), 3);
+    let pass = |left_out: &[&str]| {
+        let run = run(&without(&folder, name, left_out), &machine).expect("runs");
+        let rows: Vec<_> = run.rows().collect();
+        // Of the first way round: its ticks, and its speeds.
+        let from = rows.iter().position(|q| q[1] > 1e-9).expect("a circle") - 1;
+        let to = from + 1 + rows[from + 1..].iter().position(|q| q[1] <= 1e-9).expect("its end");
+        let speed = |w: &[Vec<f64>]| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / 0.001;
+        let speeds: Vec<_> = rows[from - 5..to + 5].windows(2).map(speed).collect();
+        (to - from, speeds)
+    };
+    let (spline, fast) = pass(&[]);
+    let (linear, slow) = pass(&["G151", "G150"]);
+    let least = |speeds: &[f64]| speeds.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = |speeds: &[f64]| speeds.iter().copied().fold(0.0, f64::max);
+    println!(
+        "{spline} and {linear} ticks; {} to {} mm/s, {} to {}",
+        least(&fast),
+        most(&fast),
+        least(&slow),
+        most(&slow)
+    );
+    assert!(linear >= 6 * spline, "{spline} and {linear} ticks");
+    assert!(most(&fast) > 0.999 * 20_000.0 / 60.0 && least(&fast) > 100.0, "{fast:?}");
+    assert!(least(&slow) < 10.0);
+}
+
+/// D3-EX28 without its transformation: the path speed is constant, and what C permits at 120 degrees/s.
+#[test]
+fn the_rotary_axis_alone_limits_the_speed_ex28() {
+    let Some(folder) = programs() else { return };
+    let name = "D3-EX28_five_axis";
+    let mut machine = machine(example(name), 3);
+    machine.channel.feedrate_factor_milli = M_MIN;
+    machine.axes[4].vb_max = 120_000;
+    machine.axes[4].vb_eilgang = 120_000;
+    // The first motion of Main has no feed: as a rapid one.
+    let text = without(&folder, name, &["#KIN ID", "#TRAFO"]).replace("N160 A90", "N160 G00 A90");
+    let speeds = |text: &str| {
+        let run = run(text, &machine).expect("runs");
+        // Between 30 degrees and 330.
+        let rows: Vec<_> = run.rows().filter(|q| q[1] > 11.0).collect();
+        let off = rows.iter().map(|q| (q[0].hypot(q[1] - 80.0) - 80.0).abs()).fold(0.0, f64::max);
+        let all: Vec<_> =
+            rows.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / 0.001).collect();
+        let [least, most] = [f64::min, f64::max].map(|of| all.iter().copied().reduce(of).expect("some"));
+        (least, most, off)
+    };
+    let (least, most, off) = speeds(&text);
+    println!("{least} to {most} mm/s, {off} mm off");
+    let full = 120.0 / 360.0 * std::f64::consts::TAU * 80.0;
+    assert!(least > 0.98 * full && most < 1.002 * full && off < 0.1, "{least} to {most} mm/s, {off} mm off");
+    let (least, most, _) = speeds(&text.replace("#HSC ON[SURFACE PATH_DEV 0.1]", ""));
+    assert!(least < 0.2 * most, "{least} to {most} mm/s without");
+}

@@ -1,5 +1,7 @@
 //! `docs/figures.md`: what was measured and its limits, for people.
-use crate::figures::{CONTOUR, FLASH_OF, Figures, GOALS, HSC, LIMITS, RAM, SHORT_ARCS, SLOPES, STACK_FREE};
+use crate::figures::{
+    CONTOUR, FLASH_OF, Figures, GOALS, HSC, LIMITS, RAM, SHORT_ARCS, SLOPES, SMOOTHED, STACK_FREE,
+};
 use std::fmt::Write;
 
 /// How the firmware is compiled, for the document: profiles of `hil-tests` and `boards`, flags of
@@ -70,10 +72,12 @@ fn instructions(figures: &Figures, text: &mut String) {
     let _ = write!(
         text,
         "\nThe means of all are over all blocks of all programs of so many axes. In contour mode are {}; the planner's mean of plain programs \
-         leaves out\nthose, {} and {}, the worst tick of plain programs only those in contour mode.\n",
+         leaves out\nthose, {}, {} and {}, the worst tick of plain programs only those in contour mode, {}.\n",
         CONTOUR.join(", "),
+        SMOOTHED.join(", "),
         SHORT_ARCS.join(", "),
-        SLOPES.join(", ")
+        SLOPES.join(", "),
+        SMOOTHED.join(", ")
     );
 }
 

@@ -65,8 +65,11 @@ pub(crate) const CONTOUR: [&str; 5] = ["contour", "corners", "cam_dev", "rotary_
 /// Programs without it, with several arcs in a tick.
 pub(crate) const SHORT_ARCS: [&str; 1] = ["short_arcs"];
 
-/// Programs without it, with other slopes than TRAPEZ. The *plain* programs are those in none of these three.
+/// Programs without it, with other slopes than TRAPEZ. The *plain* programs are those in none of these four.
 pub(crate) const SLOPES: [&str; 5] = ["step", "sin2", "hsc", "hsc_opt", "micro"];
+
+/// Programs with curves over many blocks.
+pub(crate) const SMOOTHED: [&str; 2] = ["surface", "splines"];
 
 /// Blocks of look-ahead with which instructions are counted.
 const LOOK_AHEAD: usize = hil_cases::BLOCKS;
@@ -126,7 +129,7 @@ impl Figures {
             let all = || counted().filter(move |run| run.axes == axes);
             let is = |names: &[&str], run: &TargetRun| names.contains(&run.name.as_str());
             let contour = || all().filter(|run| is(&CONTOUR, run));
-            let others = || all().filter(|run| !is(&CONTOUR, run));
+            let others = || all().filter(|run| !is(&CONTOUR, run) && !is(&SMOOTHED, run));
             let plain = || others().filter(|run| !is(&SLOPES, run) && !is(&SHORT_ARCS, run));
             let mut set = |key: &str, value: u64| values.insert(format!("total.{key}_{axes}_axes"), value);
             set("tick_max", all().map(|run| run.tick.max).max().unwrap_or(0));

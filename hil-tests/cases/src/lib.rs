@@ -53,7 +53,9 @@ pub const CASES_3: &[Case] = cases!(
     "hsc",
     "hsc_opt",
     "contour",
-    "corners"
+    "corners",
+    "surface",
+    "splines"
 );
 
 /// Programs for [`AXES_4`].

@@ -39,7 +39,8 @@ const fn rotary(letter: &str) -> AxisData {
 }
 
 /// Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
-const CHANNEL: ChannelData = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
+const CHANNEL: ChannelData =
+    ChannelData { slope_profile: 1, corr_v_trans_jerk: true, surface: true, ..ChannelData::new() };
 
 /// X, Y and Z.
 pub const AXES_3: MachineData<3> =
