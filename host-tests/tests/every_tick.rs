@@ -61,29 +61,26 @@ fn a_stall_before_every_tick_with_trapez() {
     stalls("arcs-dev", "TRAPEZ");
 }
 
-/// The paths of Surface: chords, corners of which some stand, and a rotary axis. The judge finds each set
-/// point on the path that a slow run without disturbance shows, standstills included.
-const SURFACES: [(&str, &str); 3] =
-    [("chords-surface", "HSC"), ("corners-surface", "TRAPEZ"), ("rotary-surface", "HSC")];
-
+/// D3-158 with an operator: on the path of Surface too, the judge finds each set point on what a slow run
+/// without disturbance shows, standstills included.
 #[test]
 fn a_stall_before_every_tick_of_a_surface() {
-    for (case, slope) in SURFACES {
-        stalls(case, slope);
-    }
+    stalls("chords-surface", "HSC");
 }
 
+/// Besides chords, corners of which some stand.
 #[test]
 fn a_hold_before_every_tick_of_a_surface() {
-    for (case, slope) in SURFACES {
+    for (case, slope) in [("chords-surface", "HSC"), ("corners-surface", "TRAPEZ")] {
         let report = all_ticks(case, slope, Disturbance::Hold);
         assert!(report.used[1] > 0.3, "{case}: {:?}", report.used);
     }
 }
 
+/// Besides chords, a rotary axis.
 #[test]
 fn another_override_before_every_tick_of_a_surface() {
-    for (case, slope) in SURFACES {
+    for (case, slope) in [("chords-surface", "HSC"), ("rotary-surface", "HSC")] {
         let report = all_ticks(case, slope, Disturbance::Slower(300));
         assert!(report.used[1] > 0.3, "{case}: {:?}", report.used);
     }
