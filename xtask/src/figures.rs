@@ -9,9 +9,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 27] = [
+pub(crate) const LIMITS: [(&str, u64); 29] = [
     ("total.block_mean_plain_3_axes", 7500),
-    ("total.block_mean_3_axes", 18_000),
+    ("total.block_mean_3_axes", 19_000),
+    ("case.surface.block_mean", 37_000),
+    ("case.splines.block_mean", 110_000),
     ("case.cam_dev.block_mean", 110_000),
     ("total.block_mean_contour_3_axes", 200_000),
     ("total.block_mean_contour_4_axes", 250_000),
@@ -46,8 +48,9 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 10] = [
+pub(crate) const GOALS: [(&str, u64); 11] = [
     ("case.hsc_opt.block_mean", 8000),
+    ("case.surface.block_mean", 25_000),
     ("total.block_mean_plain_3_axes", 6000),
     ("total.poll_max_6_axes", 40_000),
     ("total.poll_max_3_axes", 40_000),
