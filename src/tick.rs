@@ -95,8 +95,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         if let Some((segment, along)) = self.queue.follow(distance) {
             segment.shape.at(along, &segment.base, &mut self.set_points);
         }
-        self.overlay();
-        self.filters.step(&self.set_points, distance);
+        let beside = self.overlay();
+        self.filters.step(&self.set_points, distance, beside);
         self.queue.show(self.filters.set_points(&self.set_points));
         match self.filters.lag() {
             Some((lag, settled)) => self.queue.pass_later(lag, settled),
@@ -109,7 +109,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
     #[inline(never)]
     fn rest(&mut self) -> State {
         let moves = if self.overlay() {
-            self.filters.step(&self.set_points, self.queue.distance());
+            self.filters.step(&self.set_points, self.queue.distance(), true);
             true
         } else {
             self.filters.rest(&self.set_points)

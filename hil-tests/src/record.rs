@@ -4,11 +4,14 @@ use crate::{Counter, Report, UNIT, exit, stack};
 use core::fmt::Write;
 use core::mem::size_of;
 use glidepath::channel::{Channel, Error, Planner, Progress};
+use glidepath::fir::Filters;
 use glidepath::machine::MachineData;
 use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
-use hil_cases::{Case, Failure, Outcome, WINDOW, Watch, run, session};
+use hil_cases::{
+    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, run, session,
+};
 
 /// Number, sum and largest of something counted.
 #[derive(Default)]
@@ -135,6 +138,34 @@ pub fn record_sessions<const AXES: usize, const BLOCKS: usize>(
         report_end(report, &result);
         good &= result.is_ok();
     }
+    report.flush();
+    exit(good)
+}
+
+/// Runs the cases with filters and overlays, and ends.
+pub fn record_beside<const BLOCKS: usize>(
+    channel: &mut Channel<3, BLOCKS, OVERLAYS>,
+    filters: &mut FilterMemory,
+) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let mut good = true;
+    let mut stacks = Stacks::default();
+    for case in &CASES_BESIDE {
+        let _ = writeln!(report, "case {} axes 3 blocks {BLOCKS}", case.name);
+        let (tick, plan, wait) = Default::default();
+        let (report, stacks) = (&mut report, &mut stacks);
+        let mut recorder = Recorder { counter: &counter, report, stacks, tick, plan, wait };
+        let result = beside(channel, filters, case, &mut recorder);
+        let Recorder { tick, plan, wait, .. } = recorder;
+        report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())]);
+        report_end(report, &result);
+        good &= result.is_ok();
+    }
+    let taps = (size_of::<FilterMemory>() - size_of::<Filters<3, 0>>()) / (3 * TAPS);
+    let one = size_of::<Channel<3, BLOCKS, 1>>() - size_of::<Channel<3, BLOCKS, 0>>();
+    let _ = writeln!(report, "beside tap {taps} overlay {one}");
     report.flush();
     exit(good)
 }

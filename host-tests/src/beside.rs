@@ -3,7 +3,8 @@
 use crate::operate::{Act, TOO_LONG};
 use crate::properties::permitted;
 use glidepath::channel::{Channel, Handles, Progress};
-use glidepath::machine::MachineData;
+use glidepath::fir::{FilterPlan, FilterTick, Filters};
+use glidepath::machine::{FilterType, MachineData};
 use glidepath::nc::NcWarning;
 use glidepath::quantity::Position;
 use glidepath::technology::Output;
@@ -15,6 +16,9 @@ pub const OVERLAYS: usize = 3;
 /// Blocks of look-ahead.
 pub const BLOCKS: usize = 120;
 
+/// Samples of a filter: the highest order is 200.
+pub const TAPS: usize = 201;
+
 /// 1 mm or degree.
 pub const ONE: i64 = 1 << 32;
 
@@ -23,6 +27,10 @@ pub const ONE: i64 = 1 << 32;
 pub struct Run {
     /// Set points of every axis, tick by tick; the first are those before the first tick.
     pub axes: Vec<Vec<i64>>,
+    /// The same before filters.
+    pub path: Vec<Vec<i64>>,
+    /// Axes that were said to be beyond AX_DEV.
+    pub deviated: Vec<usize>,
     /// What every tick said.
     pub states: Vec<State>,
     /// What was said.
@@ -51,9 +59,25 @@ pub fn run<const AXES: usize>(
 ) -> Result<Run, String> {
     let mut channel: Box<Channel<AXES, BLOCKS, OVERLAYS>> = Box::new(Channel::new());
     let start = [Position::ZERO; AXES];
-    let Handles { mut planner, mut interpolator, operator } =
-        channel.split(machine, start, text.as_bytes()).map_err(|error| error.to_string())?;
-    let mut run = Run { axes: vec![vec![0]; AXES], ..Run::default() };
+    if machine.axes.iter().all(|axis| axis.filter.kind == FilterType::None) {
+        let handles = channel.split(machine, start, text.as_bytes());
+        return run_with(handles.map_err(|error| error.to_string())?, acts, polls);
+    }
+    let mut filters: Box<Filters<AXES, TAPS>> = Box::new(Filters::new());
+    let handles = channel.split_filtered(&mut filters, machine, start, text.as_bytes());
+    run_with(handles.map_err(|error| error.to_string())?, acts, polls)
+}
+
+/// Those of any channel.
+type Any<'a, P, I, const AXES: usize> = Handles<'a, &'a [u8], AXES, BLOCKS, P, I, OVERLAYS>;
+
+fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
+    handles: Any<'_, P, I, AXES>,
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Run, String> {
+    let Handles { mut planner, mut interpolator, operator } = handles;
+    let mut run = Run { axes: vec![vec![0]; AXES], path: vec![vec![0]; AXES], ..Run::default() };
     let mut acts = acts.iter().peekable();
     let mut stalled = 0;
     for tick in 0..LONGEST {
@@ -68,6 +92,7 @@ pub fn run<const AXES: usize>(
             match planner.poll().map_err(|error| format!("tick {tick}: {error}"))? {
                 Progress::Waiting => break,
                 Progress::Warning(warning) => run.warnings.push(warning),
+                Progress::Deviated(axis) => run.deviated.push(axis),
                 Progress::Done => {
                     done = true;
                     break;
@@ -87,6 +112,9 @@ pub fn run<const AXES: usize>(
         for (column, point) in run.axes.iter_mut().zip(interpolator.set_points()) {
             column.push(point.to_bits());
         }
+        for (column, point) in run.path.iter_mut().zip(interpolator.path_points()) {
+            column.push(point.to_bits());
+        }
         if operator.status().set_points != *interpolator.set_points() {
             return Err(format!("tick {tick}: the operator sees other set points"));
         }
@@ -100,6 +128,10 @@ pub fn run<const AXES: usize>(
             run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
             return Ok(run);
         }
+    }
+    let moved = |x: &Vec<i64>| x.iter().rev().take(LONGEST / 4).any(|at| Some(at) != x.last());
+    if !run.axes.iter().any(moved) {
+        return Err("nothing moves any more".to_owned());
     }
     Err(TOO_LONG.to_owned())
 }
@@ -146,8 +178,11 @@ impl Run {
         for (k, (x, data)) in self.axes.iter().zip(&machine.axes).enumerate() {
             let limits = permitted(data, slope, true, true, curved);
             let most = [limits.v * cycle, limits.a * cycle.powi(2), limits.jerk * cycle.powi(3)];
-            // Set points are rounded to half a step each.
-            let most = [(most[0], 1.0), (most[1], 2.0), (most[2], 4.0)];
+            // Set points are rounded to half a step each. A filter adds what it makes of that and the
+            // difference of two remainders.
+            let filtered = machine.axes.iter().any(|axis| axis.filter.kind != FilterType::None);
+            let rounding = if filtered { 3.25 } else { 1.0 };
+            let most = [(most[0], rounding), (most[1], 2.0 * rounding), (most[2], 4.0 * rounding)];
             let mut differences = x.clone();
             for (order, (most, rounding)) in most.into_iter().enumerate() {
                 differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -6,7 +6,7 @@
 //!
 //! | what the program says | what becomes of an oscillation |
 //! |---|---|
-//! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, the program end, a refused line | ends on the second position, with its cycle |
+//! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | ends on the second position, with its cycle |
 //! | `OFF` | the same, but the program goes on |
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
@@ -167,10 +167,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// Axes whose motion is over go back to the path; whether there is one.
     fn settle_beside(&mut self) -> bool {
+        let settling = self.filters.window();
         let Beside { singles, overlays, pending, .. } = &mut self.beside;
         let mut done = false;
         for (single, overlay) in singles.iter_mut().zip(overlays) {
-            let (Some(axis), Some(stands)) = (single.axis(), single.stands(overlay)) else { continue };
+            let Some(axis) = single.axis() else { continue };
+            let Some(stands) = single.stands(overlay, settling) else { continue };
             if matches!(pending, Some(Pending::Start(starts, ..)) if *starts == axis) {
                 continue;
             }
@@ -223,6 +225,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             self.wait_for(Pending::Join(axes & moved));
         }
         joins
+    }
+
+    /// Axes beside the path come to the ends of their motions; whether there are none.
+    pub(super) fn ends_beside(&mut self) -> bool {
+        let free = OVERLAYS == 0 || self.beside.axes() == 0;
+        if !free {
+            self.beside.finish(u32::MAX);
+        }
+        free
     }
 
     /// Goes on with what waits for the path or for axes beside it.

@@ -1,4 +1,5 @@
-//! #FILTER: at a standstill, when the axes stand too, other kernels are put in force.
+//! #FILTER: at a standstill, when all axes stand too, those beside the path as well, other kernels are put in
+//! force.
 use super::{Error, Planner, Progress};
 use crate::fir::{Fate, FilterPlan};
 use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};
@@ -32,7 +33,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// A part of the change to other kernels, once everything taken in is in the queue.
     #[inline(never)]
     pub(super) fn change_filters(&mut self) -> Progress {
-        if !self.planning.is_at_rest() || !self.filters.is_settled() || !self.filters.work() {
+        if !self.planning.is_at_rest() || !self.ends_beside() {
+            return Progress::Waiting;
+        }
+        if !self.filters.is_settled() || !self.filters.work() {
             return Progress::Waiting;
         }
         if !self.filters.is_pending() {

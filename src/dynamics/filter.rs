@@ -4,7 +4,7 @@
 //! of AX_DEV ([`crate::fir::Watch`]): acceleration everywhere, a step that is alone in the window of the
 //! filter what that leaves, steps that are closer a tenth each and together what a curve of the same
 //! acceleration would take.
-use super::{Dynamics, LSB_40, Permitted};
+use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, SHORT, Watch};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -42,6 +42,21 @@ impl Watched {
     #[inline(always)]
     pub(super) const fn is_some(&self) -> bool {
         self.axes != 0
+    }
+}
+
+impl Axis {
+    /// An axis that moves alone, with the filter of `other` behind it.
+    pub(super) fn filtered_as(mut self, other: &Self) -> Self {
+        let part = 1.0 / other.gain;
+        for set in [&mut self.feed, &mut self.rapid] {
+            if other.gain > 1.0 {
+                set.scale(part);
+            }
+            set.cap(other.cap);
+        }
+        self.v_reduced = if self.v_reduced == f32::MAX { f32::MAX } else { self.v_reduced * part };
+        self
     }
 }
 
@@ -118,8 +133,10 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.a_max = a_max;
+        limits.gain = watch.gain;
         if let Some(accel) = watch.accel {
             limits.a_max = min(a_max, accel);
+            limits.cap = accel;
             self.watched.axes |= 1 << axis.min(31);
             self.watched.window = max(self.watched.window, watch.window);
             self.watched.ratio = min(self.watched.ratio, watch.ratio);

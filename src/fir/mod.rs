@@ -45,10 +45,11 @@ pub const MAX_DELAY: u32 = 100;
 
 /// The interrupt's end of the filters.
 pub trait FilterTick<const AXES: usize> {
-    /// A tick of the path: its set points and its path distance, LSB 2^-44 mm.
-    fn step(&mut self, path: &[Position; AXES], distance: i64);
+    /// A tick: set points of all axes, path distance (LSB 2^-44 mm), and whether an axis moves beside the
+    /// path.
+    fn step(&mut self, points: &[Position; AXES], distance: i64, beside: bool);
 
-    /// A tick in which the path has nothing to do. Whether set points may still move.
+    /// A tick in which no axis has anything to do. Whether set points may still move.
     fn rest(&mut self, path: &[Position; AXES]) -> bool;
 
     /// What goes to the drives.
@@ -113,7 +114,7 @@ pub struct Unfiltered;
 
 impl<const AXES: usize> FilterTick<AXES> for Unfiltered {
     #[inline(always)]
-    fn step(&mut self, _: &[Position; AXES], _: i64) {}
+    fn step(&mut self, _: &[Position; AXES], _: i64, _: bool) {}
 
     #[inline(always)]
     fn rest(&mut self, _: &[Position; AXES]) -> bool {

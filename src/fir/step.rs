@@ -28,6 +28,8 @@ pub(super) struct State<const AXES: usize, const TAPS: usize> {
     distance: i64,
     /// Ticks since then in which the path has rested, and how many it takes to settle.
     rested: u32,
+    /// Ticks since an axis has moved beside the path.
+    alone: u32,
     window: u32,
     /// AX_DEV as in [`Words::tolerance`]; the ages of the delayed set point.
     tolerance: u32,
@@ -57,6 +59,7 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
             at: 0,
             distance: 0,
             rested: 0,
+            alone: 0,
             window: 0,
             tolerance: 0,
             delayed: [0; 2],
@@ -117,7 +120,8 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         state.lag.delay = delay.div_ceil(2);
         state.window = words.window.load(Ordering::Relaxed);
         state.tolerance = words.tolerance.load(Ordering::Relaxed);
-        (state.filled, state.at, state.rested) = (0, 0, state.window);
+        (state.filled, state.at) = (0, 0);
+        (state.rested, state.alone) = (state.window, state.window);
         state.runs = words.runs.load(Ordering::Relaxed) != 0;
         words.done.store(asked, Ordering::Release);
     }
@@ -155,11 +159,17 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
 
 impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXES, TAPS> {
     #[inline(always)]
-    fn step(&mut self, path: &[Position; AXES], distance: i64) {
+    fn step(&mut self, points: &[Position; AXES], distance: i64, beside: bool) {
         let state = &mut *self.state;
         if !state.runs || self.words.runs.load(Ordering::Relaxed) == 0 {
-            state.out = *path;
+            state.out = *points;
             return;
+        }
+        // Of a channel without overlays the compiler knows that it is false.
+        if beside {
+            state.alone = 0;
+        } else if state.alone < state.window {
+            state.alone += 1;
         }
         if distance != state.distance {
             state.distance = distance;
@@ -171,13 +181,13 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
                 self.words.unsettled.store(0, Ordering::Release);
             }
         }
-        self.filter(path);
+        self.filter(points);
     }
 
     fn rest(&mut self, path: &[Position; AXES]) -> bool {
-        if self.state.runs && self.state.rested < self.state.window {
-            let distance = self.state.distance;
-            self.step(path, distance);
+        let State { runs, rested, alone, window, distance, .. } = *self.state;
+        if runs && (rested < window || alone < window) {
+            self.step(path, distance, false);
             return true;
         }
         if self.words.done.load(Ordering::Relaxed) != self.words.asked.load(Ordering::Relaxed) {

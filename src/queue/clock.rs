@@ -152,6 +152,11 @@ impl<M: Memory> Clock<M> {
         self.now.load(Ordering::Acquire)
     }
 
+    /// Ticks that took no time of a piece, in units of [`TICK`].
+    pub fn idle(&self) -> u32 {
+        self.idle.load(Ordering::Acquire)
+    }
+
     /// Every tick that ends from here on sees what was written before; none that does not is at hand. On
     /// another core than the interrupt's it waits for the tick at hand.
     pub fn settle(&self) {

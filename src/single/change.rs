@@ -1,16 +1,20 @@
 //! Changes of what the interrupt has: standing still, ending an oscillation with its cycle, another speed.
 //!
 //! One change at a time, and one attempt a tick. A stroke that slows down already ends as it is.
-use super::{Goal, Single, place};
+use super::{Goal, Single, place, stroke};
 use crate::math::float::max;
 use crate::quantity::{Distance, Speed, speed_bits, speed_f32};
 use crate::queue::{Change, OVERLAY_PHASES, OverlaySender, Phase, Slot, TooLate, clock, fine, set_point};
 use crate::slope::brake::{Brake, Motion, SHORT};
+use crate::slope::emit::Emitter;
 use crate::slope::limits::Limits;
 use crate::slope::profile::Profile;
 
 /// Ticks from a wish to the change: what the planner may take for the new law.
 const REACTION: u32 = 4;
+
+/// How often a raised speed is halved at most.
+const SLOWER: usize = 6;
 
 /// A motion ahead, seen in its own direction.
 struct Ahead {
@@ -55,7 +59,7 @@ impl Single {
             self.end_with(overlay, &ahead);
             return false;
         };
-        self.emitter.resume_at(0);
+        self.emit_from_here();
         self.emitter.begin_brake(&profile, &brake);
         let way = if ahead.backward { -brake.end } else { brake.end };
         let stands = fine(set_point(ahead.from.wrapping_add(way)));
@@ -132,18 +136,28 @@ impl Single {
             if rest.plan(length, v_in, Speed::ZERO, &limits).is_err() {
                 return false;
             }
-            self.emitter.resume_at(0);
+            self.emit_from_here();
             self.emitter.begin_brake(&profile, &brake);
             then = Some((rest, brake.end, left));
         } else {
             let v_in = Speed::from_bits(ahead.motion.speed);
-            if ahead.motion.accel > 0
-                || room < SHORT
-                || profile.plan(Distance::from_bits(room), v_in, Speed::ZERO, &limits).is_err()
-            {
+            if ahead.motion.accel > 0 || room < SHORT {
                 return false;
             }
-            self.emitter.resume_at(0);
+            let length = Distance::from_bits(room);
+            let mut planned = profile.plan(length, v_in, Speed::ZERO, &limits);
+            for _ in 0..SLOWER {
+                if planned.is_err() || stroke::is_short(&profile) {
+                    break;
+                }
+                // As far as there is room for its pieces.
+                limits.v = 0.5 * (limits.v + speed_f32(v_in.to_bits()));
+                planned = profile.plan(length, v_in, Speed::ZERO, &limits);
+            }
+            if planned.is_err() {
+                return false;
+            }
+            self.emit_from_here();
             self.emitter.begin(&profile, Distance::ZERO, Distance::from_bits(room));
         }
         let mut goal = self.behind(ahead.k);
@@ -156,6 +170,12 @@ impl Single {
             self.made = v;
         }
         done
+    }
+
+    /// Pieces come from a tick on; those of a change that found no room are forgotten.
+    fn emit_from_here(&mut self) {
+        self.emitter = Emitter::new();
+        self.emitter.resume_at(0);
     }
 
     /// What is to be done behind the stroke `k`.

@@ -28,6 +28,9 @@ use crate::slope::profile::{Profile, Unplannable};
 /// to a standstill behind it. The sine has up to 36.
 const PIECES_OF_A_STROKE: u32 = 36;
 
+/// A motion that takes too long for a stroke is halved so often at most, and rests in between.
+const HALVES: usize = 12;
+
 /// Pieces per call.
 const PIECES: u32 = 8;
 
@@ -176,6 +179,8 @@ pub struct Single {
     emitter: Emitter,
     laying: Option<Laying>,
     handed: Handed,
+    /// The clock's idle ticks when its motion was seen to be over.
+    stood: Option<u32>,
 }
 
 /// What the interrupt has.
@@ -206,6 +211,7 @@ impl Single {
         emitter: Emitter::new(),
         laying: None,
         handed: Handed { strokes: [None; STROKES], end: 0, cut: None, tried: None },
+        stood: None,
     };
 
     /// The axis it moves, also while that stands in a hold.
@@ -266,6 +272,7 @@ impl Single {
     ) -> Result<bool, Unplannable> {
         self.begin(axis, from, limits);
         let [first, second] = how.ends.map(fine);
+        // A stroke of an oscillation is one.
         let length = (second - first).abs();
         let mut profile = Profile::default();
         let v_most = stroke::plan_short(&mut profile, length, &limits.limits)?;
@@ -290,7 +297,7 @@ impl Single {
                 }
             }
         }
-        stroke::plan(&mut profile, length, &Limits { v, ..most })?;
+        stroke::plan_short(&mut profile, length, &Limits { v, ..most })?;
         (self.axis, self.v, self.obeys) = (Some(axis), v, false);
         let within = limited.is_none();
         self.course =
@@ -338,10 +345,17 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Where the axis stands, when its motion is over.
-    pub fn stands(&self, overlay: &OverlaySender<'_>) -> Option<Position> {
+    /// Where the axis stands, when its motion has been over for `settling` ticks: so long filters behind it
+    /// take to settle.
+    pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
-        (over && overlay.clock.now() == self.handed.end).then(|| set_point(self.at))
+        if !over || overlay.clock.now() != self.handed.end {
+            self.stood = None;
+            return None;
+        }
+        let idle = overlay.clock.idle();
+        let rested = idle.wrapping_sub(*self.stood.get_or_insert(idle));
+        (rested >= clock::TICK * settling).then(|| set_point(self.at))
     }
 
     /// The path has the axis again.
@@ -409,6 +423,9 @@ impl Single {
             Goal::To(target) => {
                 self.goal = Goal::Rest;
                 self.lay_stroke(before, target, v, u64::from)?;
+                if self.at != fine(target) {
+                    self.goal = before;
+                }
                 Ok(true)
             }
             Goal::Swing(swing) if swing.rest > 0 => {
@@ -459,13 +476,18 @@ impl Single {
             spare = all & 0xffff_ffff;
             (all >> 32).max(u64::from(ticks))
         })?;
+        if self.at != fine(target) {
+            self.goal = before;
+            return Ok(true);
+        }
         let next = Swing { to_first: !swing.to_first, left, rest, share: spare };
         self.goal = if ends { Goal::Rest } else { Goal::Swing(next) };
         Ok(true)
     }
 
     /// A stroke to `target`; `all` gives its ticks, with those of rest behind it, of those that it takes.
-    /// Ticks of rest that are too many for a piece are left.
+    /// Ticks of rest that are too many for a piece are left. Where it takes too long for one stroke it ends on
+    /// the way, at [`Self::at`].
     fn lay_stroke(
         &mut self,
         before: Goal,
@@ -473,19 +495,27 @@ impl Single {
         v: f32,
         all: impl FnOnce(u32) -> u64,
     ) -> Result<u64, Unplannable> {
-        let (from, to) = (self.at, fine(target));
-        let length = (to - from).abs();
-        if length == 0 {
+        let (from, mut to) = (self.at, fine(target));
+        if to == from {
             return Ok(0);
         }
         let mut profile = Profile::default();
         let limits = Limits { v, ..self.limits.limits };
-        if let Err(error) = stroke::plan_short(&mut profile, length, &limits) {
+        let mut planned = stroke::plan_short(&mut profile, (to - from).abs(), &limits);
+        for _ in 0..HALVES {
+            if planned != Err(Unplannable::TooSlow) {
+                break;
+            }
+            to = fine(set_point(from + (to - from) / 2));
+            planned = stroke::plan_short(&mut profile, (to - from).abs(), &limits);
+        }
+        if let Err(error) = planned {
             self.goal = Goal::Rest;
             return Err(error);
         }
+        let length = (to - from).abs();
         let moves = stroke::ticks(&profile);
-        let all = all(moves);
+        let all = if to == fine(target) { all(moves) } else { moves.into() };
         let ticks = all.min(u64::from(moves) + LONGEST_REST - 1);
         self.emitter = Emitter::new();
         self.emitter.resume_at(TICK);

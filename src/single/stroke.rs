@@ -10,6 +10,10 @@ use crate::slope::ramp_shape::RampShape;
 /// Steps of the search for a speed: it halves its interval.
 const STEPS: usize = 26;
 
+/// Fewest pieces of the slopes of a stroke.
+const PIECES_OF_SINES: u64 = 32;
+const PIECES_OF_SLOPES: u64 = 6;
+
 /// What the limits lose by their rounding, and a law gains in time: less than this part.
 const ROUNDING: u64 = 1 << 17;
 
@@ -46,25 +50,36 @@ pub fn is_short(profile: &Profile) -> bool {
         };
         ramp(first) + hold.div_ceil(512) + ramp(last)
     };
-    let cruise = whole(profile.cruise).div_ceil(65_535);
-    change(&profile.up) + cruise + change(&profile.down) < u64::from(PIECES_OF_A_STROKE)
+    change(&profile.up) + cruise(profile) + change(&profile.down) < u64::from(PIECES_OF_A_STROKE)
 }
 
-/// Makes the law, slower as long as it has too many pieces; the speed it was made for.
+/// Pieces of a law between its slopes.
+const fn cruise(profile: &Profile) -> u64 {
+    profile.cruise.div_ceil(TICK).div_ceil(65_535)
+}
+
+/// Makes the law, slower as long as its slopes have too many pieces; the speed it was made for.
 ///
 /// # Errors
-/// As [`plan`].
+/// As [`plan`], and [`Unplannable::TooSlow`] if it has too many pieces between its slopes: more than about
+/// 196 000 ticks with SIN2, 1 900 000 with the other slopes.
 pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
     let mut limits = *limits;
     plan(profile, length, &limits)?;
     for _ in 0..STEPS {
         if is_short(profile) {
-            break;
+            return Ok(limits.v);
+        }
+        // Slower, they take longer.
+        let sine = matches!(profile.up.form, Form::JerkLimited(RampShape::SineSquare));
+        let slopes = if sine { PIECES_OF_SINES } else { PIECES_OF_SLOPES };
+        if slopes + cruise(profile) >= u64::from(PIECES_OF_A_STROKE) {
+            return Err(Unplannable::TooSlow);
         }
         limits.v = 0.5 * min(limits.v, speed_f32(profile.peak().to_bits()));
         plan(profile, length, &limits)?;
     }
-    Ok(limits.v)
+    Err(Unplannable::TooSlow)
 }
 
 /// The lowest speed at which a stroke over `length` takes no longer than `time` ticks, if the fastest one

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 29] = [
+pub(crate) const LIMITS: [(&str, u64); 34] = [
     ("total.block_mean_plain_3_axes", 7500),
     ("total.block_mean_3_axes", 19_000),
     ("case.surface.block_mean", 37_000),
@@ -39,6 +39,11 @@ pub(crate) const LIMITS: [(&str, u64); 29] = [
     ("stack.bound_start_3_axes", 8704),
     ("stack.bound_poll_3_axes", 7424),
     ("stack.bound_poll_6_axes", 12_288),
+    ("beside.tick_32_taps", 160),
+    ("beside.tick_moving_average", 40),
+    ("beside.tick_oscillating_axis", 120),
+    ("beside.bytes_per_tap", 10),
+    ("beside.bytes_per_overlay", 3584),
 ];
 
 /// Bytes of stack that are never in use.
@@ -104,6 +109,45 @@ pub struct MemoryFigures {
     pub flash: u64,
     /// The same by module.
     pub modules: BTreeMap<String, u64>,
+    /// Filters and overlays.
+    pub beside: Beside,
+}
+
+/// What filters behind the path and axes beside it cost: instructions per tick and axis beyond those of the
+/// same path without them, rounded up, and bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beside {
+    taps: u64,
+    average: u64,
+    oscillation: u64,
+    bytes: [u64; 2],
+}
+
+impl Beside {
+    /// From the runs of `beside`, the path alone first.
+    pub fn of(runs: &[TargetRun], bytes: [u64; 2]) -> Result<Self, String> {
+        let [nothing, taps, average, oscillation, ..] = runs else {
+            return Err(format!("{} runs with filters and overlays", runs.len()));
+        };
+        let mean = |run: &TargetRun| run.tick.sum as f64 / run.tick.calls.max(1) as f64;
+        let more = |run: &TargetRun, axes: f64| ((mean(run) - mean(nothing)) / axes).ceil().max(0.0) as u64;
+        let (taps, average, oscillation) = (more(taps, 3.0), more(average, 3.0), more(oscillation, 1.0));
+        Ok(Self { taps, average, oscillation, bytes })
+    }
+
+    /// Every figure.
+    pub fn each(&self, mut show: impl FnMut(&str, u64)) {
+        let [tap, overlay] = self.bytes;
+        for (key, value) in [
+            ("beside.tick_32_taps", self.taps),
+            ("beside.tick_moving_average", self.average),
+            ("beside.tick_oscillating_axis", self.oscillation),
+            ("beside.bytes_per_tap", tap),
+            ("beside.bytes_per_overlay", overlay),
+        ] {
+            show(key, value);
+        }
+    }
 }
 
 /// All figures, named `section.key`.
@@ -235,6 +279,9 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
         values.insert("ram.stack_size".into(), row.stack);
         channels.insert((row.axes, row.blocks), row.channel);
     }
+    memory.beside.each(|key, value| {
+        values.insert(key.into(), value);
+    });
     let deepest = memory.interrupted.iter().map(|row| row.depth).max().ok_or("no stack was measured")?;
     values.insert("ram.interrupted.stack".into(), deepest);
     values.insert("flash.reference".into(), memory.flash);

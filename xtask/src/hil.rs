@@ -1,5 +1,5 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
-use crate::figures::{self, Figures, MemoryFigures};
+use crate::figures::{self, Beside, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact};
 use crate::host::{self, HostRun};
 use crate::shell::step;
@@ -48,7 +48,7 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    let tests = binaries(&[&SAME[..], &COUNTED, &["session", "interrupt", "overflow"]].concat());
+    let tests = binaries(&[&SAME[..], &COUNTED, &["session", "beside", "interrupt", "overflow"]].concat());
     firmware.build(TESTS, &[&tests, features].concat(), &[])?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
@@ -56,6 +56,8 @@ pub fn all(place: Place) -> Result<(), String> {
     counter(&firmware.report("counts")?)?;
     step("one channel from power-up to power-off");
     sessions(&firmware.report("session")?)?;
+    step("filters behind the path, axes beside it");
+    memory.beside = beside(&firmware.report("beside")?)?;
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
     interrupt(&report, &host)?;
@@ -83,9 +85,10 @@ pub fn all(place: Place) -> Result<(), String> {
 pub fn bench(accept: bool) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
-    firmware.build(TESTS, &binaries(&[&SAME[..], &COUNTED, &["interrupt"]].concat()), &[])?;
+    firmware.build(TESTS, &binaries(&[&SAME[..], &COUNTED, &["beside", "interrupt"]].concat()), &[])?;
     let (runs, mut memory) = measure(&firmware, &host::run_all()?)?;
     counter(&firmware.report("counts")?)?;
+    memory.beside = beside(&firmware.report("beside")?)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
@@ -97,6 +100,17 @@ pub fn bench(accept: bool) -> Result<(), String> {
 pub fn panic_proof() -> Result<(), String> {
     step("no panicking path");
     no_panic(&Firmware::prepare(Place::Emulator)?)
+}
+
+/// Filters and overlays only: `cargo xtask hil --beside`.
+pub fn only_beside() -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    firmware.build(TESTS, &binaries(&["beside"]), &[])?;
+    step("filters behind the path, axes beside it");
+    let figures = beside(&firmware.report("beside")?)?;
+    figures.each(|key, value| eprintln!("   {key:<36} {value:>9}"));
+    Ok(())
 }
 
 /// The programs of all configurations, and what memory they took.
@@ -151,18 +165,32 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, Mem
 
 /// The session is the host's, and text over a line makes no difference.
 fn sessions(report: &str) -> Result<(), String> {
-    let (host, target) = (host::sessions()?, target::read_runs(report)?);
-    if host.len() != target.len() {
-        return Err(format!("the target ran {} of {} sessions", target.len(), host.len()));
+    let host = host::sessions()?;
+    alike(&host, &target::read_runs(report)?)?;
+    if host.iter().any(|run| run.outcome != host[0].outcome) {
+        return Err("text over a line led to other set points than text in memory".into());
     }
-    for (ours, theirs) in host.iter().zip(&target) {
+    Ok(())
+}
+
+/// The cases with filters and overlays are the host's; what each of them costs.
+fn beside(report: &str) -> Result<Beside, String> {
+    let runs = target::read_runs(report)?;
+    alike(&host::beside_all()?, &runs)?;
+    static_memory("beside")?;
+    Beside::of(&runs, target::read_beside(report)?)
+}
+
+/// Every set point of every tick is the host's.
+fn alike(host: &[HostRun], target: &[TargetRun]) -> Result<(), String> {
+    if host.len() != target.len() {
+        return Err(format!("the target ran {} of {} cases", target.len(), host.len()));
+    }
+    for (ours, theirs) in host.iter().zip(target) {
         if let Some(what) = difference(ours, theirs) {
             return Err(format!("{} DIFFERS: {what}", ours.name));
         }
         eprintln!("   {:<16} {:>7} ticks  {:016x}  same", ours.name, theirs.ticks, theirs.digest);
-    }
-    if host.iter().any(|run| run.outcome != host[0].outcome) {
-        return Err("text over a line led to other set points than text in memory".into());
     }
     Ok(())
 }

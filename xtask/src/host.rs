@@ -4,8 +4,9 @@ use glidepath::machine::MachineData;
 use glidepath::nc::Window;
 use glidepath::quantity::Position;
 use hil_cases::{
-    AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, CASES_3, CASES_3_OTHER, CASES_4,
-    CASES_6, CASES_6_OTHER, Case, DEEP, Outcome, SHORT, Watch, run, session,
+    AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
+    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, Case, DEEP, FilterMemory, Outcome, SHORT,
+    Watch, beside, run, session,
 };
 
 /// A case as the host ran it.
@@ -67,4 +68,17 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
     let outcome = session(&mut channel, &AXES_3, window, Collector(&mut set_points))
         .map_err(|failure| format!("{name} on the host: {failure:?}"))?;
     Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
+}
+
+/// The cases with filters and overlays.
+pub fn beside_all() -> Result<Vec<HostRun>, String> {
+    let run_one = |case: &BesideCase| {
+        let mut set_points = Vec::new();
+        let mut channel = Box::new(Channel::new());
+        let mut filters = Box::new(FilterMemory::new());
+        let outcome = beside::<BLOCKS, _>(&mut channel, &mut filters, case, &mut Collector(&mut set_points))
+            .map_err(|failure| format!("{} on the host: {failure:?}", case.name))?;
+        Ok(HostRun { name: case.name, axes: 3, blocks: BLOCKS, set_points, outcome })
+    };
+    CASES_BESIDE.iter().map(run_one).collect()
 }

@@ -22,6 +22,7 @@ cargo xtask COMMAND
   test --host   host tests only
   hil           the target in the emulator: digests, interrupt, figures, panic proof
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
+  hil --beside  only filters and axes beside the path: digests, and what each of them costs
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         ["test", "--host"] => host_tests(),
         ["hil"] => hil::all(firmware::Place::Emulator),
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
+        ["hil", "--beside"] => hil::only_beside(),
         ["hil", "--panic"] => hil::panic_proof(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

@@ -48,7 +48,7 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
     let mut runs: Vec<TargetRun> = Vec::new();
     for line in report.lines() {
         let (kind, rest) = line.split_once(' ').unwrap_or((line, ""));
-        if kind == "unit" || kind == "memory" || kind == "stacks" {
+        if kind == "unit" || kind == "memory" || kind == "stacks" || kind == "beside" {
             continue;
         }
         if kind == "case" {
@@ -92,6 +92,13 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
         }
     }
     Ok(runs)
+}
+
+/// Bytes of a tap of the filters and of an overlay, as the target reports them.
+pub fn read_beside(report: &str) -> Result<[u64; 2], String> {
+    let line = report.lines().find_map(|line| line.strip_prefix("beside ")).ok_or("no bytes of a tap")?;
+    let values = fields(line);
+    Ok([number(&values, "tap", line)?, number(&values, "overlay", line)?])
 }
 
 /// What RAM a configuration needs, as the target reports it.

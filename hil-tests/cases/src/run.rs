@@ -1,6 +1,7 @@
 //! The loop that runs a case. Target and host share it, so that nothing but the arithmetic can differ.
 use glidepath::channel::{Channel, Error, Handles, MachineError, Planner, Progress};
 use glidepath::digest::Digest;
+use glidepath::fir::{FilterPlan, FilterTick};
 use glidepath::machine::MachineData;
 use glidepath::nc::Text;
 use glidepath::quantity::Position;
@@ -107,10 +108,25 @@ pub fn run<const AXES: usize, const BLOCKS: usize, W: Watch<AXES>>(
     watch.starting();
     let mut handles = split(channel, machine, text);
     watch.started();
-    let Handles { planner, interpolator, .. } = match &mut handles {
-        Ok(handles) => handles,
-        Err(error) => return Err(Failure::Machine(*error)),
-    };
+    match &mut handles {
+        Ok(handles) => drive(handles, watch),
+        Err(error) => Err(Failure::Machine(*error)),
+    }
+}
+
+/// Runs what is split.
+#[inline(always)]
+pub(crate) fn drive<T, P, I, W, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
+    handles: &mut Handles<'_, T, AXES, BLOCKS, P, I, OVERLAYS>,
+    watch: &mut W,
+) -> Result<Outcome, Failure>
+where
+    T: Text,
+    P: FilterPlan<AXES>,
+    I: FilterTick<AXES>,
+    W: Watch<AXES>,
+{
+    let Handles { planner, interpolator, .. } = handles;
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
     let mut done = false;
     for _ in 0..TICK_LIMIT {
@@ -163,13 +179,19 @@ fn split<'a, const AXES: usize, const BLOCKS: usize>(
 }
 
 #[inline(never)]
-pub(crate) fn poll<T: Text, const AXES: usize, const BLOCKS: usize>(
-    planner: &mut Planner<'_, T, AXES, BLOCKS>,
-) -> Result<Progress, Error> {
+pub(crate) fn poll<T, P, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
+    planner: &mut Planner<'_, T, AXES, BLOCKS, P, OVERLAYS>,
+) -> Result<Progress, Error>
+where
+    T: Text,
+    P: FilterPlan<AXES>,
+{
     planner.poll()
 }
 
 #[inline(never)]
-pub(crate) fn tick<const AXES: usize>(interpolator: &mut Interpolator<'_, AXES>) -> State {
+pub(crate) fn tick<I: FilterTick<AXES>, const AXES: usize, const OVERLAYS: usize>(
+    interpolator: &mut Interpolator<'_, AXES, I, OVERLAYS>,
+) -> State {
     interpolator.tick()
 }
