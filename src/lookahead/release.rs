@@ -205,8 +205,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
         }
         if first.is(Marks::FLAT) {
+            let ends = speed_f32(v_in.max(v_out).to_bits());
             // Entered slower than planned it may still be as fast as all of its blocks.
-            limits.v = min(limits.v, max(v_least, speed_f32(v_in.max(v_out).to_bits())));
+            let known = if first.is(Marks::CHECKED) { ends } else { max(v_least, ends) };
+            limits.v = min(limits.v, known);
         }
         (release.blocks, release.slow.cruise) = (blocks, 0.0);
         release.length = Distance::from_bits(length);
