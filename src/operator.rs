@@ -21,8 +21,7 @@ pub struct Status<const AXES: usize> {
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,
-    /// Path speed: the mean over the last tick, 0 at rest. In the first tick of motion behind an abort it has no
-    /// meaning: path distance begins anew there.
+    /// Path speed: the mean over the last tick, 0 at rest.
     pub speed: Speed,
     /// What the last tick said.
     pub state: State,

@@ -184,3 +184,43 @@ fn a_tick_counts_whether_the_path_moves_or_not() {
     let status = operator.status();
     assert_eq!((status.state, status.speed.to_bits(), status.queued), (State::Idle, 0, 0));
 }
+
+/// Behind an abort inside a block the path goes on from where it stands: in the first tick of the next motion
+/// too, the speed is that of the set points.
+#[test]
+fn speed_is_that_of_the_set_points_behind_an_abort() {
+    for slope in 0..4 {
+        let mut machine = machines::even(1000);
+        machine.channel.slope_profile = slope;
+        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+        let text: &[u8] = b"N10 G01 X100 F6000\nN20 X200\nM30\n";
+        let handles = channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
+        let Handles { mut planner, mut interpolator, operator } = handles;
+        let (mut before, mut compared) = (0, 0);
+        for tick in 0..8000 {
+            let aborts = [300, 310, 2500].contains(&tick);
+            if aborts {
+                operator.abort();
+            }
+            if [1000, 3500].contains(&tick) {
+                operator.resume();
+                assert!(planner.is_at_rest() && planner.load(&b"N10 G91 G01 X100 F6000\nM30\n"[..]).is_ok());
+            }
+            while !matches!(planner.poll().expect("a program"), Progress::Waiting | Progress::Done) {}
+            let state = interpolator.tick();
+            let [x, _, _] = interpolator.set_points().map(Position::to_bits);
+            let seen = operator.status().speed.to_bits() >> 26;
+            if state == State::Active {
+                // Path distance has finer bits than a set point.
+                assert!(
+                    (seen - (x - before)).abs() <= 1,
+                    "slope {slope}, tick {tick}: {seen}, {}",
+                    x - before
+                );
+                compared += 1;
+            }
+            before = x;
+        }
+        assert!(compared > 2000, "{compared}");
+    }
+}

@@ -1,8 +1,10 @@
 //! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out,
 //! stands on its path, goes on when the planner is called again, and loses nothing. What does not last as
 //! long as the queue is not felt.
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
+use glidepath::tick::State;
 use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines, named};
 use host_tests::check;
@@ -11,6 +13,7 @@ use host_tests::operate::{
     with_stalls,
 };
 use host_tests::properties::permitted;
+use host_tests::trace::Trace;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -540,4 +543,78 @@ fn a_way_through_blocks_of_60_metres_is_known() {
         }
     }
     faults.none(tried);
+}
+
+/// A command changes what is in the queue and takes the reserve with it. A planner that gets no time from the
+/// same tick on leaves the next one: whatever the room in the queue, however few the calls before.
+fn a_stall_behind_a_command(slope: u8, polls: &[usize]) {
+    let acts = [Act::Override(50), Act::Override(1), Act::Override(2000), Act::Reduced(true), Act::Hold];
+    let text = "G01 X400 F20000\nY30\nX300 Y60 F3000\nX0\nY0 F9000\nM30\n";
+    let mut machine = machines::mill(1000);
+    machine.channel.slope_profile = slope;
+    for axis in &mut machine.axes {
+        axis.vb_max_red = 20_000;
+    }
+    let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+    for tick in (0..2000).step_by(83) {
+        for act in acts {
+            for &polls in polls {
+                stall_behind(text, &machine, &limits, (tick, act), polls).unwrap_or_else(|fault| {
+                    panic!("slope {slope}, {act:?} at {tick}, {polls} calls: {fault}")
+                });
+            }
+        }
+    }
+}
+
+fn stall_behind(
+    text: &str,
+    machine: &MachineData<3>,
+    limits: &[check::Limits],
+    (at, act): (usize, Act),
+    polls: usize,
+) -> Result<(), String> {
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let handles = channel.split(machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+    let Handles { mut planner, mut interpolator, operator } = handles;
+    let mut trace = Trace::empty(1e-3, 3);
+    for tick in 0..60_000 {
+        if tick == at {
+            act.give(&operator);
+        }
+        if tick == at + 4000 {
+            operator.resume();
+            operator.set_reduced(false);
+            operator.set_override(1000);
+        }
+        let left = match tick {
+            tick if tick < at || tick >= at + 3000 => KEEPS_UP,
+            tick if tick == at => polls,
+            _ => 0,
+        };
+        let mut done = false;
+        for _ in 0..left {
+            match planner.poll().map_err(|error| error.to_string())? {
+                Progress::Waiting => break,
+                Progress::Done => {
+                    done = true;
+                    break;
+                }
+                _ => {}
+            }
+        }
+        let state = interpolator.tick();
+        trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
+        if done && state == State::Idle {
+            return check::limits(&trace, limits).map(|_| ());
+        }
+    }
+    Err("does not end".to_owned())
+}
+
+#[test]
+fn a_stall_behind_a_command_with_every_slope() {
+    for slope in 0..4 {
+        a_stall_behind_a_command(slope, &[1, 2, 3, 5, 8, KEEPS_UP]);
+    }
 }

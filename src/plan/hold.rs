@@ -31,6 +31,9 @@ pub const REACTION: u32 = 4;
 /// it, and there is one change at a time.
 const NEAR: u32 = 64;
 
+/// How often the call that changes the laws in the queue goes on with the way to a standstill behind them.
+const WAYS: u32 = 2;
+
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
 
@@ -369,6 +372,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if !drops && made.is_ok() {
             self.changed(k);
+            self.secure_change();
             return Some(Work::Working);
         }
         // Nothing was handed out for a law that failed.
@@ -377,6 +381,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
             self.changed(k);
             self.orders.mode.cut = Some(cut);
+            self.secure_change();
             return Some(Work::Working);
         }
         // Everything as before; again at the next tick.
@@ -392,6 +397,34 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn changed(&mut self, k: usize) {
         self.committed.from(k + 1).for_each(CommittedSpan::restore);
         self.note_passed();
+    }
+
+    /// The reserve is gone with what was in the queue. The next one, or the tick of the standstill, follows
+    /// before the planner may be kept from its work.
+    fn secure_change(&mut self) {
+        self.end_law();
+        if self.orders.mode.halting && self.frontier.emitter.is_done() {
+            self.stand_inside();
+        } else if self.secure(self.reserve.near) {
+            for _ in 0..WAYS {
+                if !self.reserve.is_made() {
+                    break;
+                }
+                self.look_after();
+            }
+        }
+    }
+
+    /// The law with the emitter, which ended inside a span, is handed out: a tick shows where it stands.
+    fn stand_inside(&mut self) {
+        self.orders.mode.halting = false;
+        self.orders.mode.standing = true;
+        let stands = self.reserve.behind.map(Distance::from_bits);
+        if let Some(stands) =
+            self.committed.get(self.frontier.planned).map(|committed| committed.start).or(stands)
+        {
+            self.put_rest(stands, 1);
+        }
     }
 
     /// Makes the law of the next span that has none.
@@ -580,14 +613,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
         if self.orders.mode.halting {
-            self.orders.mode.halting = false;
-            self.orders.mode.standing = true;
-            let stands = self.reserve.behind.map(Distance::from_bits);
-            if let Some(stands) =
-                self.committed.get(self.frontier.planned).map(|committed| committed.start).or(stands)
-            {
-                self.put_rest(stands, 1);
-            }
+            self.stand_inside();
             return Ok(Some(Work::Working));
         }
         if self.frontier.pending_dwell > 0 {
@@ -655,8 +681,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.report.begun = segment.block.wrapping_add(1);
             }
         }
-        // The interrupt keeps the curve it is on, somewhere in it. Behind it comes the point where it stands.
-        self.queue.segments.withdraw(number);
+        // The interrupt keeps the curve it is on, somewhere in it. The point where it stands comes next.
+        self.queue.segments.end_at(stands);
         self.handed = self.queue.segments.end();
         self.stay_here(self.report.begun.wrapping_sub(1));
         let is_due = |point: Distance| stands.wrapping_sub(point.to_bits()) >= 0;

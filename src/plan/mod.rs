@@ -328,20 +328,35 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if let Some(work) = self.attend() {
             return Ok(work);
         }
+        // Also where the queue has no room: the interrupt may come to the standstill before the next call.
+        self.end_law();
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own
         // cost.
         if self.queue.phases.room() < PIECES + RESERVE {
             return Ok(self.wait_a_while());
         }
-        if !self.frontier.emitter.is_done() && self.hand_out() {
-            return Ok(Work::Working);
+        if !self.frontier.emitter.is_done() {
+            if self.hand_out() {
+                // From a standstill there is none yet.
+                if !self.reserve.is_kept() {
+                    self.secure(self.reserve.near);
+                }
+                return Ok(Work::Working);
+            }
+            self.end_law();
         }
-        if self.frontier.stops {
+        self.go_on()
+    }
+
+    /// Where a law that ends in a standstill is handed out, what follows begins at a tick, and the end itself
+    /// is in reserve.
+    #[inline(always)]
+    fn end_law(&mut self) {
+        if self.frontier.stops && self.frontier.emitter.is_done() {
             self.frontier.emitter.settle();
             self.frontier.stops = false;
             self.keep_end();
         }
-        self.go_on()
     }
 
     /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out.

@@ -437,6 +437,13 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         Some(unsafe { &*slot.get() })
     }
 
+    /// Takes back the curves behind the one that the interrupt is on. It stands there, at the path distance
+    /// `stands`: the next one begins at that, and all that are left are handed on.
+    pub fn end_at(&mut self, stands: i64) {
+        self.withdraw(self.taken());
+        self.end = stands;
+    }
+
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
     /// does not get further before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
