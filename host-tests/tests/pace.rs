@@ -314,7 +314,7 @@ fn the_override_does_not_raise_rapid_motion_in_curves() {
 /// nothing of it stays slow.
 #[test]
 fn an_override_that_fell_leaves_nothing_slow_behind() {
-    for seed in (7..400).step_by(12).chain([499, 847, 1183]) {
+    for seed in (7..400).step_by(12).chain([499, 847, 1183, 1375]) {
         let (program, machine, _) = random_setup(seed);
         assert_eq!((machine.channel.slope_profile, machine.channel.override_weight_prog_feed), (3, 1));
         let alone = run(&program, &machine, &[], 1000).distances.len();
@@ -323,6 +323,6 @@ fn an_override_that_fell_leaves_nothing_slow_behind() {
             dips.flat_map(|at| [(at, Act::Override(1)), (at + 40, Act::Override(1000))]).collect();
         let ticks = run(&program, &machine, &acts, 1000).distances.len();
         // What the changes to and fro take.
-        assert!(ticks < 3 * alone + 12 * 100, "seed {seed}: {ticks} ticks, alone {alone}");
+        assert!(2 * ticks < 3 * alone + 2 * 12 * 100, "seed {seed}: {ticks} ticks, alone {alone}");
     }
 }

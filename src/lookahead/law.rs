@@ -200,7 +200,7 @@ impl Law {
     }
 
     /// Where it reaches a speed below its peak, and where it leaves it.
-    fn passes(&mut self, v: f32) -> [f32; 2] {
+    pub fn passes(&mut self, v: f32) -> [f32; 2] {
         if self.asked[0] != v {
             let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
             let left = self.length - self.down.passes(self.v_out, self.peak - self.v_out, v - self.v_out);

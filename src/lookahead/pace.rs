@@ -21,8 +21,10 @@
 //! override below the level it is that law at a part of its speed, s(t · part): all accelerations are smaller
 //! then, and no block is faster than its part. That needs the span to be entered at the same part of its
 //! planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is left of a span when the
-//! override changes, or after a hold, it is the law from where it cruises on. Entered at another speed,
-//! before and behind its cruise, and while the speed is reduced, its slowest block is the limit.
+//! override changes, or after a hold, it is the law from where it cruises on. At the full speed again it is
+//! so before the cruise too, if the span was begun no faster than it goes on: mostly from a standstill
+//! ([`ReleasedSpan::rises`]). Entered at another speed otherwise, behind its cruise, and while the speed is
+//! reduced, its slowest block is the limit.
 //!
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
 //! that are known may be. So there is always time to get as slow as the next one needs.

@@ -108,6 +108,21 @@ impl ReleasedSpan {
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
+    /// Its highest speed, if a law may be as fast as the one planned for it, over `length` from the speed
+    /// `v_in` on, that goes on without acceleration at the distance `at` with the speed `v`. Otherwise 0.
+    ///
+    /// That is so where the planned law speeds up, is at least as fast, and began no faster than `v`. With
+    /// the same limits the new law then has, at each speed, at most the acceleration of the planned one:
+    /// both begin to accelerate with the same jerk, the new one at a higher speed, and both end it on the
+    /// curve a² = 2j(v_max − v). So it comes to each speed later, up to the highest one.
+    pub fn rises(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> f32 {
+        let span = law::Span { length, limits: self.limits, kept: true };
+        let mut law = law::Law::new(&span, v_in, self.v_out, true);
+        let at = to_f32(at) * law::LSB_44;
+        let speeds_up = v_in <= v && at <= law.reaches_at();
+        if speeds_up && law.passes(speed_f32(v.to_bits()))[0] <= at { law.peak() } else { 0.0 }
+    }
+
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.
     pub const fn braking(&self) -> (&Limits, f32) {
         (&self.limits, self.a_down)

@@ -53,6 +53,15 @@ impl CommittedSpan {
         self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
     }
 
+    /// What is left of it, begun at the speed `v`, may be as fast as that where the law planned for all of it
+    /// speeds up; 0: not known.
+    pub fn rises(&self, v: Speed) -> f32 {
+        let (start, v_in) = self.released;
+        let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(start.to_bits()));
+        let known = self.released_checked && at > 0 && self.span.is_uneven();
+        if known && self.span.length.to_bits() >= SHORT { self.span.rises(length, v_in, at, v) } else { 0.0 }
+    }
+
     /// Its start, up to path distance `start`, is behind: it goes on there, at the speed `v_in`.
     pub fn begin_at(&mut self, start: i64, v_in: Speed) {
         let left = self.end().wrapping_sub(start);

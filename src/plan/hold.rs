@@ -8,8 +8,9 @@
 //! begins with the next one.
 //!
 //! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A
-//! span of several blocks is then run no faster than its slowest block: a law from another speed would have
-//! to be compared with every block again.
+//! span of several blocks is then run no faster than its slowest block, unless the law planned for it shows
+//! that more is possible ([`CommittedSpan::rises`], [`CommittedSpan::look`]): another law would have to be
+//! compared with every block again.
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
 //! before it is complete. An abort ends a dwell.
@@ -517,8 +518,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn suit(&mut self, k: usize) -> Option<Fit> {
         let committed = self.committed.get_mut(k)?;
         let (end, v_in) = (committed.end(), committed.enters);
+        let full = self.orders.pace.is_planned(&committed.span);
+        let risen = if full && !self.orders.mode.stopping { committed.rises(v_in) } else { 0.0 };
         let span = &mut committed.span;
-        let full = self.orders.pace.is_planned(span);
         let mut v = self.orders.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
         let lowered = v_in != expected || !span.checked;
@@ -526,6 +528,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let known = max(span.slow.least, speed_f32(v_in.to_bits()));
             span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));
             v = min(v, span.slow.ceiling);
+        }
+        // As fast as planned, if it ends as planned.
+        let known = (min(risen, span.limits.v) > v).then_some(v);
+        if known.is_some() {
+            v = min(risen, span.limits.v);
+            span.slow.ceiling = max(span.slow.ceiling, v);
         }
         committed.limit = v;
         let motion = Instant { distance: committed.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
@@ -572,6 +580,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         if let Some(committed) = self.committed.get_mut(k) {
+            if let Some(known) = known.filter(|_| v_out < committed.span.v_out) {
+                v = max(known, speed_f32(v_in.max(v_out).to_bits()));
+                committed.span.slow.ceiling = v;
+            }
             (committed.limit, committed.leaves) = (v, v_out);
         }
         Some(if reached { Fit::Whole } else { Fit::Part })
