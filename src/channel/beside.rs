@@ -142,6 +142,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(progress)
     }
 
+    /// Axes that move beside the path, bit i for axis i. For simulators: a controller does not need it.
+    #[doc(hidden)]
+    pub fn beside(&self) -> u32 {
+        self.beside.axes()
+    }
+
     /// A piece of work for an axis; `false` if there is none.
     fn tend(&mut self) -> Result<bool, Error> {
         let commands = self.planning.commands();

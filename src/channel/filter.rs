@@ -70,6 +70,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         F::EXIST && !self.filters.is_settled() && self.planning.is_waiting()
     }
 
+    /// Half cycles by which all axes are delayed, and AX_DEV. For simulators: a controller does not need it.
+    #[doc(hidden)]
+    pub fn filter_in_force(&self) -> (u32, Position) {
+        self.filters.in_force()
+    }
+
     /// Largest deviation of every axis from its set point delayed by the filters, since #FILTER changed them,
     /// mm or degrees, up. Counts while AX_DEV is given.
     pub fn filter_deviation(&self) -> [Position; AXES] {

@@ -272,6 +272,13 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
         shape.corner((&words.layout(), words), (shape.limits(tolerance).0, jerk), tolerance)
     }
 
+    fn in_force(&self) -> (u32, Position) {
+        let [delay, tolerance, runs] = [&self.words.delay, &self.words.tolerance, &self.words.runs]
+            .map(|word| word.load(Ordering::Relaxed));
+        let tolerance = Position::from_bits(i64::from(tolerance) << COARSE);
+        if runs == 0 { (0, Position::ZERO) } else { (delay, tolerance) }
+    }
+
     fn beyond(&mut self) -> Option<usize> {
         let tolerance = self.words.tolerance.load(Ordering::Relaxed);
         if tolerance == 0 || self.told {

@@ -100,6 +100,9 @@ pub trait FilterPlan<const AXES: usize> {
     /// (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
+    /// Half cycles by which all axes are delayed, and AX_DEV, as they are in force; 0: none.
+    fn in_force(&self) -> (u32, Position);
+
     /// The first axis found beyond AX_DEV since the filters were changed, once.
     fn beyond(&mut self) -> Option<usize>;
 
@@ -167,6 +170,10 @@ impl<const AXES: usize> FilterPlan<AXES> for Unfiltered {
 
     fn corner(&self, _: usize, _: f32) -> f32 {
         1.0
+    }
+
+    fn in_force(&self) -> (u32, Position) {
+        (0, Position::ZERO)
     }
 
     fn beyond(&mut self) -> Option<usize> {

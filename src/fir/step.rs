@@ -300,14 +300,17 @@ impl<const TAPS: usize> Axis<TAPS> {
         let both = older.len().min(newer.len());
         let mut sum = Sum { lower: 0, upper: 0 };
         let (apart, inner) = taps.as_slice().split_at_checked(both).unwrap_or((&[], taps));
-        sum.pairs(older, newer, apart);
+        // As many of each: groups of four begin alike.
+        let (first, last) = (older.get(..both), newer.get(newer.len() - both..));
+        sum.pairs(first.unwrap_or(&[]), last.unwrap_or(&[]), apart);
         let run = if older.len() > both {
             older.get(both..).unwrap_or(&[])
         } else {
             newer.get(..newer.len() - both).unwrap_or(&[])
         };
         let half = run.len() / 2;
-        sum.pairs(run, run.get(half..).unwrap_or(&[]), inner.get(..half).unwrap_or(&[]));
+        let behind = run.get(run.len() - half..).unwrap_or(&[]);
+        sum.pairs(run.get(..half).unwrap_or(&[]), behind, inner.get(..half).unwrap_or(&[]));
         if length & 1 == 1
             && let (Some(tap), Some(centre)) = (taps.get(pairs), run.get(half))
         {
@@ -339,12 +342,24 @@ impl Sum {
         self.upper = self.upper.wrapping_add(upper.wrapping_mul(tap));
     }
 
-    /// The first ones of `older` with the last ones of `newer`, as many as there are taps.
-    #[inline(always)]
+    /// The first ones of `older` with the last ones of `newer`, as many as there are taps. Four at a time.
+    #[inline(never)]
     fn pairs(&mut self, older: &[i64], newer: &[i64], taps: &[AtomicU16]) {
-        for ((a, b), tap) in older.iter().zip(newer.iter().rev()).zip(taps) {
-            self.add(tap, a.wrapping_add(*b));
+        let mut sum = Self { ..*self };
+        let ((fours, older), (newer, reversed), (taps_of_fours, taps)) =
+            (older.as_chunks::<4>(), newer.as_rchunks::<4>(), taps.as_chunks::<4>());
+        for (([a0, a1, a2, a3], [b3, b2, b1, b0]), [t0, t1, t2, t3]) in
+            fours.iter().zip(reversed.iter().rev()).zip(taps_of_fours)
+        {
+            sum.add(t0, a0.wrapping_add(*b0));
+            sum.add(t1, a1.wrapping_add(*b1));
+            sum.add(t2, a2.wrapping_add(*b2));
+            sum.add(t3, a3.wrapping_add(*b3));
         }
+        for ((a, b), tap) in older.iter().zip(newer.iter().rev()).zip(taps) {
+            sum.add(tap, a.wrapping_add(*b));
+        }
+        *self = sum;
     }
 
     fn total(&self) -> i64 {

@@ -1,7 +1,7 @@
 //! Changes of what the interrupt has: standing still, ending an oscillation with its cycle, another speed.
 //!
 //! One change at a time, and one attempt a tick. A stroke that slows down already ends as it is.
-use super::{Goal, Single, place, stroke};
+use super::{Goal, Single, has_room, place, stroke};
 use crate::math::float::max;
 use crate::quantity::{Distance, Speed, speed_bits, speed_f32};
 use crate::queue::{Change, OVERLAY_PHASES, OverlaySender, Phase, Slot, TooLate, clock, fine, set_point};
@@ -243,14 +243,15 @@ impl Single {
         law: Option<Law>,
         stands: i64,
     ) -> bool {
-        if overlay.pieces.room() < 2 {
+        // Of the gate and the rest, at least.
+        if !has_room(overlay, 1) {
             return false;
         }
         let change = Change::begin(&mut overlay.pieces);
         let mut end = at;
         let fits = law.is_none_or(|law| self.put_law(overlay, &law, &mut end));
         let rest = Phase { distance: Distance::from_bits(stands), ticks: 1, ..Phase::BLANK };
-        if !fits || overlay.pieces.push(rest).is_err() {
+        if !fits || !has_room(overlay, 0) || overlay.pieces.push(rest).is_err() {
             change.abandon(&mut overlay.pieces, overlay.clock);
             return false;
         }
@@ -274,6 +275,9 @@ impl Single {
         let mut then = law.then.as_ref();
         loop {
             while self.emitter.has_piece() {
+                if !has_room(overlay, 0) {
+                    return false;
+                }
                 let emitter = &mut self.emitter;
                 let put = overlay.pieces.push_with(|phase| {
                     emitter.step(phase);

@@ -531,6 +531,9 @@ impl Single {
         let Self { laying: Some(laying), emitter, .. } = self else { return false };
         let mut done = false;
         for _ in 0..PIECES {
+            if !has_room(overlay, laying.ready) {
+                return done;
+            }
             let is_rest = !emitter.has_piece();
             let Laying { from, backward, to, ticks, left, ready, .. } = laying;
             let filled = overlay.pieces.fill_ahead(*ready, |phase| {
@@ -607,6 +610,12 @@ impl Goal {
             *left = Some(u32::from(!*to_first));
         }
     }
+}
+
+/// Room for another piece behind those that are ready. The place of the piece at hand is not overwritten:
+/// [`Single::motion_at`] reads it.
+fn has_room(overlay: &OverlaySender<'_>, ready: u32) -> bool {
+    overlay.pieces.room() > ready + 1
 }
 
 /// A piece of a stroke as one of the axis, whose position it begins at.

@@ -3,7 +3,11 @@ use crate::machine::Machine;
 use glidepath::machine::{AxisKind, FilterType};
 use glidepath::quantity::Position;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::fmt::{self, Write};
+
+/// Ticks of the longest delay, and one.
+const LONGEST: usize = 202;
 
 /// Largest rates of one filtered axis, and its largest deviation.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -18,6 +22,16 @@ pub struct FilteredAxis {
     deviation: Option<f64>,
     #[serde(skip)]
     before: [i64; 3],
+    /// The path of the last ticks, the newest last.
+    #[serde(skip)]
+    path: VecDeque<i64>,
+    /// From the delayed path in this tick, % of AX_DEV.
+    #[serde(skip)]
+    off: f64,
+    /// AX_DEV, if it was given, and the largest part of it that was used, %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    used: f64,
     /// It was said to be beyond AX_DEV.
     beyond: bool,
 }
@@ -48,9 +62,29 @@ impl Filtered {
         Self { axes, cycle_s: machine.cycle_s() }
     }
 
-    /// A tick: what goes to the drives, and the largest deviations up to now.
-    pub fn add(&mut self, set_points: &[Position], deviations: &[Position]) {
-        for ((axis, point), deviation) in self.axes.iter_mut().zip(set_points).zip(deviations) {
+    /// A tick: the path and what goes to the drives, the largest deviations up to now, and what is in force:
+    /// half cycles of delay, and AX_DEV.
+    pub fn add(
+        &mut self,
+        (path, drives): (&[Position], &[Position]),
+        deviations: &[Position],
+        (delay, tolerance): (u32, Position),
+    ) {
+        let (delay, tolerance) = (delay as usize, tolerance.to_num::<f64>());
+        for (((axis, path), point), deviation) in self.axes.iter_mut().zip(path).zip(drives).zip(deviations) {
+            axis.path.push_back(path.to_bits());
+            if axis.path.len() > LONGEST {
+                axis.path.pop_front();
+            }
+            let newest = axis.path.len() - 1;
+            let ago = |ticks: usize| axis.path[newest.saturating_sub(ticks)];
+            let twice = 2 * point.to_bits() - ago(delay / 2) - ago(delay.div_ceil(2));
+            axis.off = 0.0;
+            if tolerance > 0.0 {
+                axis.off = 50.0 * twice as f64 / LSB_PER_MM / tolerance;
+                axis.tolerance = Some(tolerance);
+                axis.used = axis.used.max(axis.off.abs());
+            }
             let x = point.to_bits();
             let [x1, x2, x3] = axis.before;
             let differences = [x - x1, x - 2 * x1 + x2, x - 3 * x1 + 3 * x2 - x3];
@@ -67,6 +101,11 @@ impl Filtered {
                 axis.deviation = Some(deviation);
             }
         }
+    }
+
+    /// How far all of them are from their delayed path in this tick, % of AX_DEV.
+    pub fn off(&self) -> Vec<f64> {
+        self.axes.iter().map(|axis| axis.off).collect()
     }
 
     /// An axis was beyond AX_DEV.
@@ -88,13 +127,17 @@ impl Filtered {
         }
         writeln!(out)?;
         for axis in axes {
-            let FilteredAxis { name, unit, v_max, a_max, j_max, deviation, beyond, .. } = axis;
+            let FilteredAxis { name, unit, v_max, a_max, j_max, deviation, tolerance, used, beyond, .. } =
+                axis;
             write!(
                 out,
                 "  {name:<4} filtered: {v_max:.1} {unit}/s, {a_max:.1} {unit}/s², {j_max:.0} {unit}/s³ at most"
             )?;
             if let Some(deviation) = deviation {
                 write!(out, ", {deviation:.6} {unit} from the delayed path")?;
+            }
+            if let Some(tolerance) = tolerance {
+                write!(out, ", {used:.0} % of AX_DEV {tolerance:.6} {unit}")?;
             }
             writeln!(out, "{}", if *beyond { ", beyond AX_DEV" } else { "" })?;
         }

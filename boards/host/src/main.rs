@@ -4,6 +4,7 @@
 //! the processor allows.
 
 mod acknowledge;
+mod beside;
 mod contour;
 mod course;
 mod decimal;

@@ -2,6 +2,7 @@
 //!
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and
 //! slope.
+use crate::beside::Told;
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
@@ -114,6 +115,8 @@ pub struct Program {
     pub limits: Vec<Limits>,
     /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
+    /// Motions of axes beside the path, in the order of the program.
+    pub beside: Vec<Told>,
 }
 
 /// Why a program was not decoded to its end.
@@ -217,7 +220,7 @@ fn decode_axes<const AXES: usize>(
                 let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);
                 program.free_curves |= check == 0;
             }
-            Step::Command(_) => {}
+            Step::Command(command) => program.beside.extend(Told::of(&command)),
             Step::End => return Ok(program),
         }
     }
@@ -300,7 +303,16 @@ impl Program {
             warnings: Vec::new(),
             limits: Vec::new(),
             free_curves: false,
+            beside: Vec::new(),
         }
+    }
+
+    /// Axes that move beside the path.
+    pub fn axes_beside(&self) -> Vec<usize> {
+        let mut axes: Vec<usize> = self.beside.iter().map(|told| told.axis).collect();
+        axes.sort_unstable();
+        axes.dedup();
+        axes
     }
 
     /// Takes in what axes are allowed from a block on.

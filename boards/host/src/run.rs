@@ -1,5 +1,6 @@
 //! The board itself: memory, clock and drive loop.
 use crate::acknowledge::{Automatic, Delay};
+use crate::beside::Beside;
 use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
 use crate::events::{Event, Schedule, Script, What, function_name};
@@ -85,12 +86,14 @@ fn simulate_axes<const AXES: usize>(
     statistics.monitor = Monitor::new(machine, program);
     statistics.deviation = (!wanted.quiet).then(|| Deviation::new(machine, program));
     statistics.filtered = Filtered::new(machine);
+    statistics.beside = Beside::new(machine);
     let recorder = Recorder {
         statistics,
         trace,
-        picture: wanted
-            .picture
-            .then(|| Picture::new(machine, program.shown_axes(machine), program.moving_axes(machine))),
+        picture: wanted.picture.then(|| {
+            let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
+            Picture::new(machine, shown, moving, program.axes_beside())
+        }),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
         seen: 0,
@@ -257,7 +260,12 @@ fn drive<const AXES: usize>(
             _ => Pause::None,
         };
         let (path, drives) = (interpolator.path_points(), interpolator.set_points());
-        recorder.statistics.filtered.add(drives, &planner.filter_deviation());
+        recorder.statistics.filtered.add(
+            (path, drives),
+            &planner.filter_deviation(),
+            planner.filter_in_force(),
+        );
+        recorder.statistics.beside.add(recorder.statistics.ticks, path, planner.beside());
         recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
@@ -343,7 +351,8 @@ impl Recorder {
         self.statistics.add(telemetry, set_points, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
-            picture.add(telemetry, set_points, &statistics.axes, self.cycle_s);
+            let off = statistics.filtered.off();
+            picture.add(telemetry, set_points, (&statistics.axes, &off), self.cycle_s);
         }
         match &mut self.trace {
             Some(trace) => {

@@ -1,4 +1,5 @@
 //! What a run was like: peaks by finite differences of the set points, distances, the digest.
+use crate::beside::Beside;
 use crate::course::Course;
 use crate::deviation::Deviation;
 use crate::events::What;
@@ -116,6 +117,8 @@ pub struct Statistics {
     pub deviation: Option<Deviation>,
     /// The axes behind their filters.
     pub filtered: Filtered,
+    /// Those that move beside the path.
+    pub beside: Beside,
     /// Rows at rest up to now.
     pub rest: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
@@ -216,6 +219,7 @@ impl Statistics {
             monitor: Monitor::default(),
             deviation: None,
             filtered: Filtered::default(),
+            beside: Beside::default(),
             transitions: Vec::new(),
             course: Course::default(),
             fastest: Speed::ZERO,

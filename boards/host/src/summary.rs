@@ -1,4 +1,5 @@
 //! What a run comes down to, for people and for programs.
+use crate::beside::{Beside, Oscillation};
 use crate::deviation;
 use crate::events::{Event, function_name};
 use crate::files::Files;
@@ -47,6 +48,8 @@ pub struct Summary {
     digest: String,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     filtered: Vec<FilteredAxis>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    oscillations: Vec<Oscillation>,
     #[serde(serialize_with = "in_order")]
     axes: Vec<(String, Axis)>,
     stops: usize,
@@ -287,6 +290,7 @@ impl Summary {
                 .map(|seen| deviation::Told::new(seen, machine, statistics.blocks())),
             digest: format!("{:016x}", statistics.digest.value()),
             filtered: statistics.filtered.axes(),
+            oscillations: statistics.beside.oscillations(&program.beside, machine),
             axes: axes.collect(),
             stops,
             slowest_corners,
@@ -402,6 +406,7 @@ impl Summary {
             )?;
         }
         Filtered::write(&self.filtered, out)?;
+        Beside::write(&self.oscillations, out)?;
         if !self.events.is_empty() {
             writeln!(out)?;
             writeln!(out, "  {dim}    event at{dim:#}")?;

@@ -156,7 +156,7 @@ mod tests {
         let segments: Vec<Segment> = segments.into_iter().chain(rest).collect();
         let program = Program { motions: segments.len(), segments, ..Program::empty(&machine) };
         let mut statistics = Statistics::new(&[Position::ZERO; 3], 0);
-        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2]);
+        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2], Vec::new());
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
             let at = match s {
@@ -175,7 +175,7 @@ mod tests {
                 ..Telemetry::default()
             };
             statistics.add(&telemetry, &set_points, Pause::None);
-            picture.add(&telemetry, &set_points, &statistics.axes, machine.cycle_s());
+            picture.add(&telemetry, &set_points, (&statistics.axes, &[]), machine.cycle_s());
         }
         let source = Source { name: "a & b.nc".into(), text: Vec::new() };
         let scene = Scene {

@@ -1,4 +1,5 @@
 //! Keeps what a picture needs of a run, in bounded memory however long it takes.
+use crate::filtered::Filtered;
 use crate::machine::Machine;
 use crate::statistics::AxisStatistics;
 use glidepath::machine::AxisKind;
@@ -33,8 +34,12 @@ pub struct Picture {
     low: [f64; 3],
     high: [f64; 3],
     pending: Option<Place>,
-    /// Speed of the path, then acceleration and jerk of each axis that moves.
+    /// Speed of the path, then acceleration and jerk of each axis that moves, then of each axis what its filter
+    /// makes of it in percent of AX_DEV, then positions of axes that move beside the path.
     pub envelope: Envelope,
+    /// How many axes have filters: all or none; and those that move beside the path.
+    filtered: usize,
+    alone: Vec<usize>,
     /// Ticks that enter another block, and that block; several may begin within a tick.
     pub entries: Vec<(u64, u32)>,
     ticks: u64,
@@ -42,8 +47,9 @@ pub struct Picture {
 
 impl Picture {
     /// Nothing recorded yet.
-    pub fn new(machine: &Machine, axes: Vec<usize>, moving: Vec<usize>) -> Self {
-        let envelope = Envelope::new(1 + 2 * moving.len());
+    pub fn new(machine: &Machine, axes: Vec<usize>, moving: Vec<usize>, alone: Vec<usize>) -> Self {
+        let filtered = if Filtered::has(machine) { machine.axes.len() } else { 0 };
+        let envelope = Envelope::new(1 + 2 * moving.len() + filtered + alone.len());
         let linear = axes.iter().all(|&index| machine.axes[index].kind == AxisKind::Linear);
         Self {
             axes,
@@ -55,6 +61,8 @@ impl Picture {
             high: [f64::NEG_INFINITY; 3],
             pending: None,
             envelope,
+            filtered,
+            alone,
             entries: Vec::new(),
             ticks: 0,
         }
@@ -65,7 +73,7 @@ impl Picture {
         &mut self,
         telemetry: &Telemetry,
         set_points: &[Position],
-        seen: &[AxisStatistics],
+        (seen, off): (&[AxisStatistics], &[f64]),
         cycle_s: f64,
     ) {
         const LSB: f64 = (1_u64 << 58) as f64;
@@ -75,6 +83,9 @@ impl Picture {
             let [_, accel, jerk] = axis.latest(cycle_s);
             values.extend([accel as f32, jerk as f32]);
         }
+        values.extend((0..self.filtered).map(|axis| off.get(axis).copied().unwrap_or(0.0) as f32));
+        let at = |axis: &usize| set_points.get(*axis).map_or(0.0, |position| position.to_num());
+        values.extend(self.alone.iter().map(at));
         self.envelope.add(&values);
 
         if self.entries.last().is_none_or(|(_, block)| *block != telemetry.block) {
@@ -87,6 +98,18 @@ impl Picture {
             *value = set_points.get(index).map_or(0.0, |position| position.to_num());
         }
         self.place(Place { at, speed });
+    }
+
+    /// Axes with filters, and their series.
+    pub fn off_series(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let first = 1 + 2 * self.moving.len();
+        (0..self.filtered).map(move |axis| (axis, first + axis))
+    }
+
+    /// Axes beside the path, and theirs.
+    pub fn alone_series(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = 1 + 2 * self.moving.len() + self.filtered;
+        self.alone.iter().enumerate().map(move |(index, axis)| (*axis, first + index))
     }
 
     fn place(&mut self, place: Place) {

@@ -1,6 +1,7 @@
 //! Charts, one below the other: each is a row of its own, with what it shows in a file of its own.
 
 mod axes;
+mod beside;
 mod deviation;
 mod speed;
 mod trace;
@@ -62,6 +63,7 @@ fn rows<'a>(scene: &'a Scene<'a>) -> Vec<Box<dyn Row + 'a>> {
     let mut rows: Vec<Box<dyn Row + 'a>> = vec![Box::new(speed::PathSpeed::new(scene))];
     rows.extend(axes::rows(scene));
     rows.extend(deviation::row(scene));
+    rows.extend(beside::rows(scene));
     rows
 }
 
