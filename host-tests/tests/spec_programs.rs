@@ -601,7 +601,7 @@ fn example(name: &str) -> &'static Example {
     ALL.iter().find(|example| example.name == name).expect("an example")
 }
 
-/// D3-182, D3-196, D3-197: parameters and selection in one command or in two are one path to the bit.
+/// D3-181, D3-182, D3-196, D3-197: parameters and selection in one command or in two are one path to the bit.
 #[test]
 fn one_command_or_two_is_one_path_ex20_ex21_ex22_ex23() {
     let Some(folder) = programs() else { return };
@@ -617,7 +617,7 @@ fn one_command_or_two_is_one_path_ex20_ex21_ex22_ex23() {
     }
 }
 
-/// D3-EX27: the linear pass stands at each corner; the spline goes round at the feed, tangential at both ends,
+/// D3-237, D3-EX27: the linear pass stands at each corner; the spline goes round at the feed, tangential at both ends,
 /// in a fraction of the time.
 #[test]
 fn the_spline_takes_a_fraction_of_the_linear_pass_ex27() {
@@ -650,7 +650,7 @@ fn the_spline_takes_a_fraction_of_the_linear_pass_ex27() {
     assert!(least(&slow) < 10.0);
 }
 
-/// D3-EX28 without its transformation: the path speed is constant, and what C permits at 120 degrees/s.
+/// D3-238, D3-EX28 without its transformation: the path speed is constant, and what C permits at 120 degrees/s.
 #[test]
 fn the_rotary_axis_alone_limits_the_speed_ex28() {
     let Some(folder) = programs() else { return };
