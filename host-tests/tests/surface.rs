@@ -2,6 +2,7 @@
 //! programmed contour alone; what the commands do, and when they are refused.
 use glidepath::machine::{AxisKind, MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;
+use host_tests::cam;
 use host_tests::cases::machines;
 use host_tests::cases::random::Random;
 use host_tests::check::{self, Limits};
@@ -592,5 +593,19 @@ fn the_path_depends_little_on_the_points_d3_158() {
         let other = errors(0.0, &other);
         let most = whole.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(most <= 0.022, "{most}");
+    }
+}
+
+/// D3-159: the two programs of short blocks, s: no slower than it was. The aims are 2.25 and 2.60, 18.0 and
+/// 20.5.
+#[test]
+fn short_blocks_are_fast_d3_159() {
+    let circle = cam::circle("#HSC ON [SURFACE PATH_DEV=0.1]");
+    let rows = cam::rows("#HSC ON [SURFACE PATH_DEV=0.02]");
+    for (ramp, most) in [(50_000, [2.34, 18.0]), (150_000, [3.06, 23.4])] {
+        let machine = machine::<3>(ramp, 3);
+        let times = [&circle, &rows].map(|text| go::<3>(text, &machine).trace.len() as f64 * 1e-3);
+        println!("ramps of {ramp} µs: {times:?} s");
+        assert!(times[0] < most[0] && times[1] < most[1], "ramps of {ramp} µs: {times:?} s");
     }
 }

@@ -182,8 +182,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Limits of an element that is one of many of a curve: the highest of some speeds, each four fifths of the
-    /// one before, that leaves a part of the acceleration with which it is reached. Of the jerk that a speed
-    /// leaves, half is for an acceleration along the path, half for its change.
+    /// one before, that leaves a part of the acceleration with which it is reached.
     fn flow(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
         // A corner that acceleration passes has its highest speed.
         let speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
@@ -204,8 +203,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.lower_accelerations(a);
     }
 
-    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most. What it does not use of its
-    /// half is left to the jerk.
+    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most. Of the jerk left, a part s
+    /// is for an acceleration along the path, the other for its change. With the acceleration A or the jerk J
+    /// if all were for one, a change by v takes v/(sA) + sA/((1−s)J): least for s = 1/(1 + A/√(vJ)). Here v is
+    /// twice the speed, since a law also has stretches without a change. What the acceleration does not use is
+    /// left to the jerk.
     fn left(
         &self,
         bounds: &Bounds<AXES>,
@@ -220,7 +222,10 @@ impl<const AXES: usize> Dynamics<AXES> {
                 most = min(most, max(axis.a_max - second * v * v, 0.0) / first);
             }
             if *second > 0.0 && budget_of(axis) < f32::MAX {
-                most = min(most, 0.5 * left(axis, *third) / (3.0 * second * v));
+                let left = left(axis, *third);
+                let whole = left / (3.0 * second * v);
+                let reached = sqrt_f32(2.0 * v * left / max(*first, TINY));
+                most = min(most, whole / (1.0 + whole / max(reached, TINY)));
             }
         }
         let mut jerk = NO_LIMIT;

@@ -10,7 +10,7 @@
 //! over all vertices nearer than c_i. Q is twice continuously differentiable whatever the widths are. The path
 //! distance of an element is s: |Q'| is 1 but for what the path is shorter than the polygon, so the feed is not
 //! exceeded, and a sharp turn is as gentle as its kernel makes it.
-use super::window::{SLOWEST, Vertex, WIDEST_EVER, Window, step};
+use super::window::{SLOWEST, Vertex, Window, step};
 use crate::math::float::{max, min};
 use crate::math::wide::mul_shift;
 use crate::path::poly::Knot;
@@ -117,7 +117,7 @@ impl<const AXES: usize> Window<AXES> {
         let mut away = spot.x;
         let mut k = spot.vertex;
         while let Some(vertex) = self.get(k)
-            && away < WIDEST_EVER
+            && away < self.widest
         {
             if vertex.turns() && vertex.width > away + NOTHING {
                 ahead.active = true;
@@ -226,7 +226,7 @@ impl<const AXES: usize> Window<AXES> {
         };
         let (mut away, mut k) = (spot.x, spot.vertex);
         while let Some(vertex) = self.get(k)
-            && away < WIDEST_EVER
+            && away < self.widest
         {
             add(vertex, away, true);
             away += vertex.moved_length;
@@ -236,7 +236,7 @@ impl<const AXES: usize> Window<AXES> {
         away = rest;
         for k in spot.vertex + 1..self.moved.saturating_sub(1) {
             let Some(vertex) = self.get(k) else { break };
-            if away >= WIDEST_EVER {
+            if away >= self.widest {
                 break;
             }
             add(vertex, away, false);

@@ -89,7 +89,8 @@ pub struct Window<const AXES: usize> {
     /// Vertices up to which the path was looked at, and how often it was changed for the next one.
     pub checked: usize,
     pub again: u8,
-    /// The widest kernel now, mm: less where the window is full.
+    /// The widest kernel of the row, mm, and now: less where the window is full.
+    pub widest: f32,
     pub reach: f32,
     /// The last vertex is the end of the row.
     pub ended: bool,
@@ -104,8 +105,9 @@ const EDGE: f32 = 0.35;
 /// How much more a kernel may deviate than the tolerance where its vertex is moved out.
 const MORE: f32 = 0.6;
 
-/// Steps of the search for a width.
+/// Steps of the search for a width, and the part of it that ends the search.
 const STEPS: usize = 9;
+const ALIKE: f32 = 1.0 / 64.0;
 
 /// The part of a tolerance that the path is inside where it is looked at, how much narrower kernels become
 /// where it is not, and how often.
@@ -135,6 +137,7 @@ impl<const AXES: usize> Window<AXES> {
             moved: 0,
             checked: 0,
             again: 0,
+            widest: 0.0,
             reach: 0.0,
             ended: false,
             begun: None,
@@ -188,7 +191,7 @@ impl<const AXES: usize> Window<AXES> {
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again) = (1, 0);
-        self.reach = widest;
+        (self.widest, self.reach) = (widest, widest);
     }
 
     pub fn len(&self) -> usize {
@@ -293,7 +296,8 @@ impl<const AXES: usize> Window<AXES> {
         cap = min(cap, before.map_or(0.0, |before| before.width + SLOPE * length));
         let tolerance = self.tolerance(k, parameters);
         let more = 1.0 + MORE * vertex.gain;
-        let width = self.search(k, cap, &tolerance, more);
+        let near = before.map_or(0.0, |before| before.width);
+        let width = self.search((k, near), cap, &tolerance, more);
         if let Some(vertex) = self.vertices.get_mut(k) {
             vertex.width = width;
         }
@@ -317,13 +321,26 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// The largest width up to `cap` with which the deviation at a vertex is inside the tolerance.
-    fn search(&self, k: usize, cap: f32, tolerance: &Tolerance, more: f32) -> f32 {
-        if cap <= 0.0 || self.fits(k, cap, tolerance, more) {
-            return max(cap, 0.0);
+    /// The largest width up to `cap` with which the deviation at a vertex is inside the tolerance; `near`: that
+    /// of the vertex before, which is mostly much the same.
+    fn search(&self, (k, near): (usize, f32), cap: f32, tolerance: &Tolerance, more: f32) -> f32 {
+        let (mut low, mut high) = (0.0, max(cap, 0.0));
+        let above = near * (1.0 + ALIKE);
+        if 0.0 < above && above < high && !self.fits(k, above, tolerance, more) {
+            high = above;
+            let below = near * (1.0 - ALIKE);
+            if self.fits(k, below, tolerance, more) {
+                low = below;
+            } else {
+                high = below;
+            }
+        } else if high <= 0.0 || self.fits(k, high, tolerance, more) {
+            return high;
         }
-        let (mut low, mut high) = (0.0, cap);
         for _ in 0..STEPS {
+            if high - low <= ALIKE * high {
+                break;
+            }
             let middle = 0.5 * (low + high);
             if self.fits(k, middle, tolerance, more) {
                 low = middle;
@@ -409,7 +426,7 @@ impl<const AXES: usize> Window<AXES> {
         let mut away = 0.0;
         let mut j = k;
         while let Some(vertex) = self.vertices.get(j)
-            && away < WIDEST_EVER
+            && away < self.widest
             && j < self.wide
         {
             if away < vertex.width {
@@ -421,7 +438,7 @@ impl<const AXES: usize> Window<AXES> {
         (away, j) = (0.0, k);
         while let Some(vertex) = self.vertices.get(j)
             && let Some(next) = j.checked_sub(1)
-            && away < WIDEST_EVER
+            && away < self.widest
         {
             away += vertex.length;
             j = next;
@@ -510,7 +527,7 @@ impl<const AXES: usize> Window<AXES> {
         };
         let (mut away, mut k) = (spot.x, spot.vertex);
         while let Some(vertex) = self.get(k)
-            && away < WIDEST_EVER
+            && away < self.widest
         {
             add(vertex, away);
             away += vertex.moved_length;
@@ -521,7 +538,7 @@ impl<const AXES: usize> Window<AXES> {
         for k in spot.vertex + 1..self.moved {
             let Some(vertex) = self.get(k) else { break };
             away += vertex.moved_length;
-            if away >= WIDEST_EVER {
+            if away >= self.widest {
                 break;
             }
             add(vertex, away);
@@ -599,9 +616,6 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 }
-
-/// No kernel is wider, mm.
-pub const WIDEST_EVER: f32 = 16.5;
 
 /// From a point of the control polygon to another one, mm.
 #[inline(always)]
