@@ -154,8 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first
     /// block, `None` if there is none.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
-        let (front, back) = self.blocks.as_slices();
-        Self::span_of(front.iter().chain(back), release)?;
+        Self::span_of(self.blocks_from(0, self.blocks.len()), release, true)?;
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
         release.checked &= !self.scope.stale || release.blocks == 1;
@@ -171,12 +170,33 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        Self::span_of(self.blocks.iter().take(self.scope.end).skip(at), release).is_some()
+        Self::span_of(self.blocks_from(at, self.scope.end), release, true).is_some()
+    }
+
+    /// As [`Self::planned`]; unless it `ends` there, [`ReleasedSpan::v_out`] is left open, which takes most of
+    /// the work, and what holds for the whole ring is not told.
+    pub fn scan(&self, at: usize, release: &mut ReleasedSpan, ends: bool) -> bool {
+        Self::span_of(self.blocks_from(at, self.scope.end), release, ends).is_some()
+    }
+
+    /// The blocks from the one `at` behind the front to before the one `end` behind it; no block is gone through
+    /// to get there.
+    #[inline(always)]
+    fn blocks_from(&self, at: usize, end: usize) -> impl Iterator<Item = &Block> {
+        let (front, back) = self.blocks.as_slices();
+        let [front, back] = [(front, 0), (back, front.len())].map(|(slice, before)| {
+            let [from, to] = [at, end].map(|k| k.saturating_sub(before).min(slice.len()));
+            slice.get(from..to).unwrap_or_default()
+        });
+        front.iter().chain(back)
     }
 
     /// The span at the front of these blocks; what the ring has for all of them is left open.
-    #[inline(always)]
-    fn span_of<'a>(mut ring: impl Iterator<Item = &'a Block>, release: &mut ReleasedSpan) -> Option<()> {
+    fn span_of<'a>(
+        mut ring: impl Iterator<Item = &'a Block>,
+        release: &mut ReleasedSpan,
+        ends: bool,
+    ) -> Option<()> {
         let mut ease = Ease::NONE;
         let first = ring.next()?;
         let (mut blocks, mut length, mut kept) = (1u16, first.length, first.is(Marks::KEPT));
@@ -217,7 +237,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(next) = next {
             (release.next.v, release.next.override_range) = (next.limits.v, next.override_range);
             let planned = next.v_in.max(Speed::ZERO);
-            v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
+            v_out = planned;
+            if ends || first.is(Marks::FLAT) {
+                v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
+            }
         }
         if first.is(Marks::FLAT) {
             let ends = speed_f32(v_in.max(v_out).to_bits());

@@ -148,14 +148,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     fn descend_to(&mut self, start: Cursor, motion: &Instant) -> Option<Descent> {
         let (mut start, mut cursor) = (start, start);
-        let mut first = self.ahead(&mut cursor)?;
+        let mut blank = ReleasedSpan::BLANK;
+        let span = &mut blank;
+        let mut first = self.ahead(&mut cursor, span, false)?;
         if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
             start.fall = Some(fall);
-            if let Some(descent) = self.fall_inside(start, motion, &fall) {
+            if let Some(descent) = self.fall_inside(start, span, motion, &fall) {
                 return Some(descent);
             }
             cursor = start;
-            first = self.ahead(&mut cursor)?;
+            first = self.ahead(&mut cursor, span, false)?;
         }
         let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
@@ -165,7 +167,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
                 passes && limits.slows_alike(&next.limits)
             };
-            let Some(next) = self.ahead(&mut cursor).filter(goes_on) else { break };
+            let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
             limits.go_on_braking(&next.limits);
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
@@ -173,14 +175,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if fits
             && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)
         {
-            match self.verify(start, motion, &brake, &limits) {
+            match self.verify(start, span, motion, (&brake, &limits)) {
                 Ok(descent) => return Some(descent),
                 Err(whole) => spans = whole,
             }
         }
         // To the end of so many spans: fewer of them if the law is too fast before.
         loop {
-            let (limits, end, v_out) = self.together(start, spans)?;
+            let (limits, end, v_out) = self.together(start, span, spans)?;
             let braking = (&limits, limits.a_down);
             let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
             if spans == 1 {
@@ -188,11 +190,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let spans = usize::from(end.wrapping_sub(brake.end) <= NOTHING);
                 let mut cursor = start;
                 if spans > 0 {
-                    self.ahead(&mut cursor)?;
+                    self.ahead(&mut cursor, span, false)?;
                 }
                 return Some(Descent { brake, spans, ahead: cursor.ahead });
             }
-            spans = match brake.map(|brake| self.verify(start, motion, &brake, &limits)) {
+            spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, &limits))) {
                 Some(Ok(descent)) => return Some(descent),
                 Some(Err(whole)) => whole.min(spans - 1),
                 None => 1,
@@ -210,25 +212,32 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// With STEP, in a curve: only to a speed at which it leaves more, and the rest has a law of its own. It
     /// slows down at least as hard as the law planned, so that what was possible behind it still is.
-    fn fall_inside(&mut self, start: Cursor, motion: &Instant, fall: &Fall) -> Option<Descent> {
+    fn fall_inside(
+        &mut self,
+        start: Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        fall: &Fall,
+    ) -> Option<Descent> {
         if fall.to <= 0.0 {
             return None;
         }
         let mut cursor = start;
-        let Stretch { limits, end, .. } = self.ahead(&mut cursor)?;
+        let Stretch { limits, end, .. } = self.ahead(&mut cursor, span, false)?;
         let (braking, to) = ((&limits, limits.a_down), speed_bits(fall.to));
         let brake = Brake::down_to(&mut self.profile, motion, end, braking, to)?;
         (brake.v_out == to && end.wrapping_sub(brake.end) > SHORT).then(|| Descent::inside(brake))
     }
 
     /// The next span, if there is one whose path the interrupt knows.
-    fn ahead(&self, cursor: &mut Cursor) -> Option<Stretch> {
+    ///
+    /// Where the motion goes on behind it, the speed planned at its end need not be known: not `ends`.
+    fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             cursor.k += 1;
             return Some(Stretch::new(&committed.span, committed.end(), cursor.fall.as_ref()));
         }
-        let mut span = ReleasedSpan::BLANK;
-        if cursor.ahead.next == usize::MAX || !self.lookahead.ring.planned(cursor.ahead.next, &mut span) {
+        if cursor.ahead.next == usize::MAX || !self.lookahead.ring.scan(cursor.ahead.next, span, ends) {
             return None;
         }
         let end = cursor.ahead.distance.wrapping_add(span.length.to_bits());
@@ -236,15 +245,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         cursor.ahead = Ahead { next: cursor.ahead.next + usize::from(span.blocks), distance: end };
-        Some(Stretch::new(&span, end, cursor.fall.as_ref()))
+        Some(Stretch::new(span, end, cursor.fall.as_ref()))
     }
 
     /// What so many spans permit to a slowing down, the end of the last of them, and the speed planned there.
-    fn together(&self, mut cursor: Cursor, spans: usize) -> Option<(Limits, i64, Speed)> {
-        let mut last = self.ahead(&mut cursor)?;
+    fn together(
+        &self,
+        mut cursor: Cursor,
+        span: &mut ReleasedSpan,
+        spans: usize,
+    ) -> Option<(Limits, i64, Speed)> {
+        let mut last = self.ahead(&mut cursor, span, spans <= 1)?;
         let mut limits = last.limits;
-        for _ in 1..spans {
-            last = self.ahead(&mut cursor)?;
+        for k in 1..spans {
+            last = self.ahead(&mut cursor, span, k + 1 == spans)?;
             limits.go_on_braking(&last.limits);
         }
         Some((limits, last.end, last.v_out))
@@ -255,16 +269,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn verify(
         &self,
         start: Cursor,
+        span: &mut ReleasedSpan,
         motion: &Instant,
-        brake: &Brake,
-        limits: &Limits,
+        (brake, limits): (&Brake, &Limits),
     ) -> Result<Descent, usize> {
         let mut cursor = start;
         let mut spans = 0;
         let mut at = motion.distance;
         loop {
             let ahead = cursor.ahead;
-            let Some(stretch) = self.ahead(&mut cursor) else { return Err(spans.max(1)) };
+            let Some(stretch) = self.ahead(&mut cursor, span, false) else { return Err(spans.max(1)) };
             let mut cap = stretch.cap(limits);
             if spans > 0 {
                 if stretch.trades {

@@ -33,7 +33,7 @@ pub const REACTION: u32 = 4;
 const NEAR: u32 = 64;
 
 /// How often the call that changes the laws in the queue goes on with the way to a standstill behind them.
-const WAYS: u32 = 2;
+const WAYS: u32 = 5;
 
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;

@@ -31,8 +31,8 @@ pub(super) const FAR: u32 = clock::TICK * 256;
 /// A planner that is called rarely makes it so many times the time between its calls ahead.
 const CALLS: u32 = 2;
 
-/// Spans per call.
-const SPANS: u32 = 2;
+/// Laws per call: each may go through many spans.
+const LAWS: u32 = 1;
 
 /// What the interrupt will go on with.
 #[derive(Clone, Copy, Debug)]
@@ -273,7 +273,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// A piece of it; `false` when it is done, or cannot be made.
     fn go_on_stopping(&mut self) -> bool {
-        for _ in 0..SPANS {
+        for _ in 0..LAWS {
             for _ in 0..PIECES {
                 if !self.frontier.emitter.has_piece() {
                     break;
