@@ -28,7 +28,7 @@ pub struct Spot {
 const STRONG: f32 = 0.2;
 
 /// Part of the width of a kernel that an element goes over.
-const CELL: f32 = 0.5;
+const CELL: f32 = 0.9;
 /// No element is made shorter than this part of that, for the end of a kernel.
 const SLIVER: f32 = 0.1;
 /// Longest element, mm.
