@@ -121,6 +121,22 @@ fn every_example_oscillates() {
             let times = run.arrivals(0, (second * ONE as f64) as i64).len();
             assert!(count == 0 && times > 0 || times == count, "{name}: {times} times on position 2");
             assert_eq!(run.warnings, [], "{name}");
+            if name.contains("EX05") {
+                // A8-049: its path, bit for bit, with a stop where the oscillation was commanded.
+                let alone = |line: &str| {
+                    let stop = line.contains("[OSC ON");
+                    if stop { "#FLUSH&WAIT".to_owned() } else { line.to_owned() }
+                };
+                let lines = text.lines().filter(|line| !line.contains("[OSC OFF")).map(alone);
+                let without = good(&(lines.collect::<Vec<_>>().join("\n") + "\n"), &machine);
+                let moves = |run: &Run| {
+                    let mut rows = run.axes[1].clone();
+                    rows.dedup();
+                    rows
+                };
+                assert_eq!(moves(&run), moves(&without), "A8-049, slope {slope}");
+                assert!(moves(&run).len() > 1000, "A8-049: it moves");
+            }
         }
     }
 }

