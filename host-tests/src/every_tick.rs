@@ -362,6 +362,43 @@ pub struct Track<const AXES: usize> {
     pub plain: Run,
     /// So slow that its set points show the path.
     scan: Run,
+    /// The path, from that.
+    places: Vec<Place<AXES>>,
+}
+
+/// A place of the path: how far every axis goes per millimetre of it, and how that changes.
+struct Place<const AXES: usize> {
+    /// Path distance, mm.
+    s: f64,
+    per_mm: [f64; AXES],
+    change: [f64; AXES],
+}
+
+/// Millimetres of path from one place to the next, at least: rounding of set points is far less.
+const APART: f64 = 0.002;
+
+/// The places of a run.
+fn places<const AXES: usize>(run: &Run) -> Vec<Place<AXES>> {
+    let s = |row: usize| (run.distances[row] - run.distances[0]) as f64 / 2.0_f64.powi(44);
+    let mut rows = vec![0];
+    for row in 1..run.distances.len() {
+        if s(row) - s(rows[rows.len() - 1]) >= APART {
+            rows.push(row);
+        }
+    }
+    let mut places: Vec<Place<AXES>> = Vec::new();
+    for pair in rows.windows(2) {
+        let length = s(pair[1]) - s(pair[0]);
+        let column = |k: usize| &run.trace.columns[k];
+        let per_mm: [f64; AXES] = std::array::from_fn(|k| {
+            (column(k)[pair[1]] - column(k)[pair[0]]) as f64 / (1u64 << 32) as f64 / length
+        });
+        let change = places.last().map_or([0.0; AXES], |before| {
+            std::array::from_fn(|k| (per_mm[k] - before.per_mm[k]) / (s(pair[1]) - before.s) * 2.0)
+        });
+        places.push(Place { s: s(pair[0]), per_mm, change });
+    }
+    places
 }
 
 /// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at
@@ -397,8 +434,8 @@ impl<const AXES: usize> Track<AXES> {
         let fault = |what: String| format!("{name}: {what}");
         let plain = run(&text, &machine, 0, Disturbance::None).map_err(fault)?;
         let scan = run(&text, &machine, 0, Disturbance::Override(50)).map_err(fault)?;
-        let track =
-            Self { text, machine, limits: limits(slope, AXES), slope, plain, scan, name: name.clone() };
+        let (limits, places) = (limits(slope, AXES), places(&scan));
+        let track = Self { text, machine, limits, slope, plain, scan, places, name: name.clone() };
         track.judge(&track.plain).map_err(fault)?;
         track.judge(&track.scan).map_err(fault)?;
         Ok(track)
@@ -494,9 +531,36 @@ impl<const AXES: usize> Track<AXES> {
         if main > 0.0 { main } else { length(3..AXES.max(3)) }
     }
 
+    /// With STEP, the shortest stop from a path distance and a speed: at each place and speed with all of the
+    /// deceleration that the curve leaves to every axis there, a ≥ |x′·a + x″·v²|.
+    fn shortest_with_steps(&self, from: i64, v: f64) -> Stop {
+        let from = (from - self.scan.distances[0]) as f64 / 2.0_f64.powi(44);
+        let first = self.places.partition_point(|place| place.s <= from).saturating_sub(1);
+        let (mut squared, mut at, mut stop) = (v * v, from, Stop::default());
+        for pair in self.places[first..].windows(2) {
+            if squared < 1e-9 {
+                break;
+            }
+            let (place, end) = (&pair[0], pair[1].s);
+            let most = STAGES[usize::from(squared.sqrt() > CHANGE_OVER)];
+            let decel = (0..AXES)
+                .map(|k| (most - place.change[k].abs() * squared).max(0.0) / place.per_mm[k].abs())
+                .fold(f64::INFINITY, f64::min);
+            let way = (squared / (2.0 * decel)).min(end - at);
+            let next = (squared - 2.0 * decel * way).max(0.0);
+            stop.way += way;
+            stop.time += 2.0 * way / (squared.sqrt() + next.sqrt());
+            (squared, at) = (next, end);
+        }
+        stop
+    }
+
     /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of
     /// the axis with the largest part of it.
     fn shortest(&self, row: usize, v: f64, a: f64) -> Stop {
+        if self.slope.number == 0 {
+            return self.shortest_with_steps(self.plain.distances[row], v);
+        }
         let (mut share, mut gone) = (0.0_f64, 0.0);
         let mut stop = Stop::default();
         for row in row..self.ticks() - 1 {
@@ -508,12 +572,8 @@ impl<const AXES: usize> Track<AXES> {
                 let part = most.unwrap_or(0) as f64 / (1u64 << 32) as f64 / length;
                 if part > share {
                     share = part;
-                    stop = if self.slope.number == 0 {
-                        Stop::with_steps(v, STAGES.map(|a| a / share), CHANGE_OVER)
-                    } else {
-                        let ramps = Ramps { a: A / share, up: RAMP, down: RAMP };
-                        Stop::with_jerk(v, a, ramps, ramps)
-                    };
+                    let ramps = Ramps { a: A / share, up: RAMP, down: RAMP };
+                    stop = Stop::with_jerk(v, a, ramps, ramps);
                 }
             }
             gone += step;

@@ -49,6 +49,8 @@ fn holds_mostly(case: &str, slope: &str, [mostly, most]: [f64; 2]) {
     let [time, way] = [0, 1].map(worst);
     println!("{case}, {slope}: time {:.2} times the closed form, {time:?}", time.ratios()[0]);
     println!("{case}, {slope}: way {:.2} times the closed form, {way:?}", way.ratios()[1]);
+    let mostly_is = [0, 1].map(|which| report.quantile(which, 0.95));
+    println!("{case}, {slope}: 95 % within {:.2} (time) and {:.2} (way)", mostly_is[0], mostly_is[1]);
     assert!(report.holds.len() > report.tried * 9 / 10, "{} of {}", report.holds.len(), report.tried);
     for which in [0, 1] {
         assert!(report.quantile(which, 0.95) <= mostly, "{case}, {slope}: {}", report.quantile(which, 0.95));
@@ -125,14 +127,16 @@ fn a_hold_before_every_tick_in_corners_with_curves() {
 /// acceleration to knees: there 1.5 times the closed form is the aim, and not reached everywhere.
 #[test]
 fn a_hold_before_every_tick_with_a_rotary_axis() {
-    holds("rotary-dev", "STEP", 2.1);
+    holds("rotary-dev", "STEP", 1.9);
 }
 
-/// With STEP the closed form knows nothing of what an arc or a curve takes of the acceleration.
+/// With STEP the closed form has all that a curve leaves to each axis at each place and speed. The library
+/// leaves a quarter of the acceleration to knees, 1.33 of the closed form, and has one deceleration for each
+/// part of a span: 1.5 is the aim, and not reached everywhere.
 #[test]
 fn a_hold_before_every_tick_in_arcs_and_curves_with_step() {
-    holds_mostly("arcs", "STEP", [1.7, 1.85]);
-    holds_mostly("corners-dev", "STEP", [1.6, 2.2]);
+    holds_mostly("arcs", "STEP", [1.6, 1.7]);
+    holds_mostly("corners-dev", "STEP", [1.6, 2.05]);
 }
 
 #[test]

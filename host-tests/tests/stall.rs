@@ -556,6 +556,11 @@ fn a_stall_behind_a_command(slope: u8, polls: &[usize]) {
         axis.vb_max_red = 20_000;
     }
     let limits: Vec<_> = machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+    // From rest: with any number of calls.
+    for polls in 1..80 {
+        stall_behind(text, &machine, &limits, (0, Act::Resume), polls)
+            .unwrap_or_else(|fault| panic!("slope {slope}, {polls} calls: {fault}"));
+    }
     for tick in (0..2000).step_by(83) {
         for act in acts {
             for &polls in polls {
