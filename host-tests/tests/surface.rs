@@ -526,7 +526,8 @@ fn pass(y: f64, seed: u64) -> Vec<[f64; 2]> {
     let more: Vec<_> = xs
         .windows(2)
         .filter_map(|w| {
-            (r.once_in(16) && w[1] - w[0] > 0.03).then(|| w[0] + (w[1] - w[0]) * r.between(0.02, 0.98))
+            let drops = r.once_in(16) && w[1] - w[0] > 0.03;
+            if drops { Some(w[0] + (w[1] - w[0]) * r.between(0.02, 0.98)) } else { None }
         })
         .collect();
     xs.extend(more);

@@ -23,7 +23,7 @@ pub(crate) const LIMITS: [(&str, u64); 34] = [
     ("total.tick_max_3_axes", 515),
     ("total.tick_max_4_axes", 650),
     ("total.tick_max_6_axes", 800),
-    ("total.poll_max_3_axes", 125_000),
+    ("total.poll_max_3_axes", 40_000),
     ("total.poll_max_4_axes", 40_000),
     ("total.poll_max_6_axes", 47_000),
     ("case.hsc.block_mean", 8000),
@@ -53,12 +53,11 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 13] = [
+pub(crate) const GOALS: [(&str, u64); 12] = [
     ("case.hsc_opt.block_mean", 8000),
     ("case.surface.block_mean", 25_000),
     ("total.block_mean_plain_3_axes", 6000),
     ("total.poll_max_6_axes", 40_000),
-    ("total.poll_max_3_axes", 40_000),
     ("stack.bound_start_3_axes", 4352),
     ("case.short_arcs.block_mean", 8000),
     ("ram.bytes_per_block_3_axes", 160),
