@@ -49,6 +49,23 @@ struct Recorder<'a> {
     wait: Cost,
 }
 
+impl<'a> Recorder<'a> {
+    fn new(counter: &'a Counter, report: &'a mut Report, stacks: &'a mut Stacks) -> Self {
+        let (tick, plan, wait) = Default::default();
+        Self { counter, report, stacks, tick, plan, wait }
+    }
+
+    /// Reports the costs and the end of a case; whether it ended as it should.
+    fn close(self, result: &Result<Outcome, Failure>, decode: Cost) -> bool {
+        let Self { report, tick, plan, wait, .. } = self;
+        for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
+            let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
+        }
+        report_end(report, result);
+        result.is_ok()
+    }
+}
+
 impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
     #[inline(always)]
     fn now(&mut self) -> u32 {
@@ -129,14 +146,9 @@ pub fn record_sessions<const AXES: usize, const BLOCKS: usize>(
     let mut stacks = Stacks::default();
     for (name, window) in [("session", None), ("session_line", Some(line))] {
         let _ = writeln!(report, "case {name} axes {AXES} blocks {BLOCKS}");
-        let (tick, plan, wait) = Default::default();
-        let (report, stacks) = (&mut report, &mut stacks);
-        let mut recorder = Recorder { counter: &counter, report, stacks, tick, plan, wait };
+        let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
         let result = session(channel, machine, window, &mut recorder);
-        let Recorder { tick, plan, wait, .. } = recorder;
-        report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())]);
-        report_end(report, &result);
-        good &= result.is_ok();
+        good &= recorder.close(&result, Cost::default());
     }
     report.flush();
     exit(good)
@@ -154,26 +166,15 @@ pub fn record_beside<const BLOCKS: usize>(
     let mut stacks = Stacks::default();
     for case in &CASES_BESIDE {
         let _ = writeln!(report, "case {} axes 3 blocks {BLOCKS}", case.name);
-        let (tick, plan, wait) = Default::default();
-        let (report, stacks) = (&mut report, &mut stacks);
-        let mut recorder = Recorder { counter: &counter, report, stacks, tick, plan, wait };
+        let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
         let result = beside(channel, filters, case, &mut recorder);
-        let Recorder { tick, plan, wait, .. } = recorder;
-        report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", Cost::default())]);
-        report_end(report, &result);
-        good &= result.is_ok();
+        good &= recorder.close(&result, Cost::default());
     }
     let taps = (size_of::<FilterMemory>() - size_of::<Filters<3, 0>>()) / (3 * TAPS);
     let one = size_of::<Channel<3, BLOCKS, 1>>() - size_of::<Channel<3, BLOCKS, 0>>();
     let _ = writeln!(report, "beside tap {taps} overlay {one}");
     report.flush();
     exit(good)
-}
-
-fn report_costs(report: &mut Report, costs: [(&str, Cost); 4]) {
-    for (name, cost) in costs {
-        let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
-    }
 }
 
 fn report_end(report: &mut Report, result: &Result<Outcome, Failure>) {
@@ -214,14 +215,9 @@ fn record<const AXES: usize, const BLOCKS: usize>(
     stacks: &mut Stacks,
 ) -> bool {
     let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
-    let (tick, plan, wait) = Default::default();
-    let mut recorder = Recorder { counter, report, stacks, tick, plan, wait };
+    let mut recorder = Recorder::new(counter, report, stacks);
     let result = run(channel, machine, case.text, &mut recorder);
-    let Recorder { report, tick, plan, wait, .. } = recorder;
-    let decode = decode(channel, machine, case, counter);
-    report_costs(report, [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)]);
-    report_end(report, &result);
-    result.is_ok()
+    recorder.close(&result, decode(channel, machine, case, counter))
 }
 
 /// The decoder alone, to tell its share of the planner's work.

@@ -1,5 +1,6 @@
 //! Runs a program with axes that move beside the path, and judges what the axes do: nothing here knows how the
 //! library plans it.
+use crate::calls::call;
 use crate::operate::{Act, TOO_LONG};
 use crate::properties::permitted;
 use glidepath::channel::{Channel, Handles, Progress};
@@ -87,19 +88,13 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
                 stalled = stalled.max(tick + ticks);
             }
         }
-        let mut done = false;
-        for _ in 0..if tick < stalled { 0 } else { polls } {
-            match planner.poll().map_err(|error| format!("tick {tick}: {error}"))? {
-                Progress::Waiting => break,
-                Progress::Warning(warning) => run.warnings.push(warning),
-                Progress::Deviated(axis) => run.deviated.push(axis),
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                _ => {}
-            }
-        }
+        let most = if tick < stalled { 0 } else { polls };
+        let said = |progress| match progress {
+            Progress::Warning(warning) => run.warnings.push(warning),
+            Progress::Deviated(axis) => run.deviated.push(axis),
+            _ => {}
+        };
+        let done = call(&mut planner, most, said).map_err(|error| format!("tick {tick}: {error}"))?;
         let state = interpolator.tick();
         if operator.status().state != state {
             return Err(format!(

@@ -12,6 +12,7 @@
 //! - a stall leads to a standstill, and so does a hold.
 //!
 //! What a feed hold needs is compared with the closed form, [`Stop`].
+use crate::calls::call;
 use crate::check::{self, Limits};
 use crate::reference::profile::Ramps;
 use crate::reference::stop::Stop;
@@ -324,20 +325,9 @@ pub fn run<const AXES: usize>(
             Disturbance::ShortStall(ticks) => stalled = (at..at + ticks).contains(&tick),
             _ => {}
         }
-        let mut done = false;
-        if !stalled {
-            loop {
-                match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
-                    Progress::Waiting => break,
-                    Progress::Done => {
-                        done = true;
-                        break;
-                    }
-                    Progress::Late => run.late += 1,
-                    _ => {}
-                }
-            }
-        }
+        let most = if stalled { 0 } else { usize::MAX };
+        let done = call(&mut planner, most, |progress| run.late += usize::from(progress == Progress::Late))
+            .map_err(|e| format!("tick {tick}: {e:?}"))?;
         let state = interpolator.tick();
         idle = if state == State::Idle { idle + 1 } else { 0 };
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));

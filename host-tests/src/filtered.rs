@@ -1,4 +1,5 @@
 //! Runs a program with filters behind the path, tick by tick, while an operator gives commands.
+use crate::calls::call;
 use crate::operate::Act;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, FilteredHandles, Progress};
@@ -92,19 +93,13 @@ pub fn run_from<const AXES: usize>(
                 stalled_until = stalled_until.max(tick + ticks);
             }
         }
-        let mut done = false;
-        for _ in 0..if tick < stalled_until { 0 } else { polls } {
-            match planner.poll().map_err(|e| format!("tick {tick}: {e}"))? {
-                Progress::Waiting => break,
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                Progress::Deviated(axis) => run.deviated.push(axis),
-                Progress::Warning(warning) => run.warnings.push(warning.to_string()),
-                _ => {}
-            }
-        }
+        let most = if tick < stalled_until { 0 } else { polls };
+        let said = |progress| match progress {
+            Progress::Deviated(axis) => run.deviated.push(axis),
+            Progress::Warning(warning) => run.warnings.push(warning.to_string()),
+            _ => {}
+        };
+        let done = call(&mut planner, most, said).map_err(|e| format!("tick {tick}: {e}"))?;
         if planner.is_holding() && !held {
             run.holds.push(tick);
         }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`accept`] | are the figures those of the accepted tables |
 //! | [`beside`] | and what do axes that move beside the path |
+//! | [`calls`] | how is the planner called between two ticks |
 //! | [`cases`] | which programs on which machines |
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
@@ -25,6 +26,8 @@
 pub mod accept;
 
 pub mod beside;
+
+pub mod calls;
 
 pub mod cases;
 

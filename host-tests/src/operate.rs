@@ -1,4 +1,5 @@
 //! Runs a program while an operator gives commands at given ticks, and asks the judge for everything.
+use crate::calls::call;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::{Program, machines, set_point};
 use crate::check;
@@ -182,19 +183,13 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         }
         wire.closed.set(tick < late_until);
         wire.arrived.set(wire.arrived.get().saturating_add(rate));
-        let mut done = false;
-        for _ in 0..if tick < stalled_until { 0 } else { polls } {
-            match planner.poll().map_err(|e| format!("tick {tick}: {e:?}"))? {
-                Progress::Waiting => break,
-                Progress::Starved => run.starved.push(tick),
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                other if says_late(other) => run.late.push(tick),
-                _ => {}
-            }
-        }
+        let most = if tick < stalled_until { 0 } else { polls };
+        let said = |progress| match progress {
+            Progress::Starved => run.starved.push(tick),
+            other if says_late(other) => run.late.push(tick),
+            _ => {}
+        };
+        let done = call(&mut planner, most, said).map_err(|e| format!("tick {tick}: {e:?}"))?;
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         run.distances.push(interpolator.telemetry().distance.to_bits());

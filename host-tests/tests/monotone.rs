@@ -1,8 +1,9 @@
 //! The path distance never runs backward, and no rounding at the end of a block shows in a set point.
-use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::channel::{Channel, Handles};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
+use host_tests::calls::call;
 
 fn machine(cycle_us: u32, v: u32, a: u32, tr: [u32; 4]) -> MachineData<3> {
     let axis = |name| AxisData {
@@ -32,13 +33,7 @@ fn steps(machine: &MachineData<3>, program: &str) -> (i64, i64) {
     let (mut done, mut last) = (false, (0i64, [0i64; 3]));
     let (mut smallest, mut largest) = (i64::MAX, 0);
     loop {
-        while !done {
-            match planner.poll().expect("a program") {
-                Progress::Waiting => break,
-                Progress::Done => done = true,
-                _ => {}
-            }
-        }
+        done = done || call(&mut planner, usize::MAX, |_| {}).expect("a program");
         if interpolator.tick() == State::Idle && done {
             return (smallest, largest);
         }

@@ -1,10 +1,11 @@
 //! Zero offsets G53…G59: machine data, calls at rest, and what programs make of them.
 mod nc_decode;
-use glidepath::channel::{Channel, Handles, MachineError, Planner, Progress, ZeroOffsetError};
+use glidepath::channel::{Channel, Handles, MachineError, Planner, ZeroOffsetError};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Command, Setup};
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
+use host_tests::calls::call;
 use nc_decode::decode_with;
 
 /// X linear and C rotary; G54 is 10 mm and 1°, G56 -0.0001 mm.
@@ -90,17 +91,7 @@ fn finish<'a>(
     mut at_each_tick: impl FnMut(&mut Planner<'a, &'a [u8], 2, 30>),
 ) -> [Position; 2] {
     for _ in 0..100_000 {
-        let mut done = false;
-        loop {
-            match planner.poll().unwrap() {
-                Progress::Waiting => break,
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                _ => {}
-            }
-        }
+        let done = call(planner, usize::MAX, |_| {}).unwrap();
         at_each_tick(planner);
         if interpolator.tick() == State::Idle && done {
             let _ = planner.poll();

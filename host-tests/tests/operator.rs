@@ -4,6 +4,7 @@ use glidepath::operator::{Operator, Status};
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
 use glidepath::tick::{Interpolator, State};
+use host_tests::calls::call;
 use host_tests::cases::machines;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -53,14 +54,7 @@ fn run(mut each: impl FnMut(&Interpolator<'_, 3>, &Operator<'_, 3>, State)) {
         each(&interpolator, &operator, state);
     }
     loop {
-        let mut done = false;
-        while !done {
-            match planner.poll().expect("a program") {
-                Progress::Done => done = true,
-                Progress::Waiting => break,
-                _ => {}
-            }
-        }
+        let done = call(&mut planner, usize::MAX, |_| {}).expect("a program");
         let state = interpolator.tick();
         each(&interpolator, &operator, state);
         if done && state == State::Idle {
@@ -141,13 +135,7 @@ fn another_thread_never_sees_a_mixture() {
             }
             let mut done = false;
             for _ in 5..rows.len() {
-                while !done {
-                    match planner.poll().expect("a program") {
-                        Progress::Done => done = true,
-                        Progress::Waiting => break,
-                        _ => {}
-                    }
-                }
+                done = done || call(&mut planner, usize::MAX, |_| {}).expect("a program");
                 interpolator.tick();
             }
             is_over.store(true, Ordering::Relaxed);

@@ -5,12 +5,13 @@
 //! that the variable GLIDEPATH_SHARED names. Where they are not, the test says so and checks nothing. Where
 //! Python with numpy is (`python3`, or what the variable PYTHON names), `tools/check_trace.py` of the same
 //! folder judges each motion again, from the decoded lines.
-use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::channel::{Channel, Handles};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
 use glidepath::nc::{Command, Decoder, DecoderMemory, MotionKind, Setup, Step};
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
 use glidepath::tick::State;
+use host_tests::calls::call;
 use host_tests::cases::machines;
 use host_tests::check::{self, Limits};
 use host_tests::trace::Trace;
@@ -156,17 +157,7 @@ fn run(text: &str, machine: &Machine) -> Result<Run, String> {
     let mut run = Run { trace: Trace::empty(0.001, 5), outputs: Vec::new() };
     let mut idle = 0;
     for row in 0..1_000_000 {
-        let mut done = false;
-        loop {
-            match planner.poll().map_err(|e| e.to_string())? {
-                Progress::Waiting => break,
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                _ => {}
-            }
-        }
+        let done = call(&mut planner, usize::MAX, |_| {}).map_err(|e| e.to_string())?;
         let state = interpolator.tick();
         run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         while let Some(output) = operator.output() {

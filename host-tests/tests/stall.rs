@@ -1,10 +1,11 @@
 //! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out,
 //! stands on its path, goes on when the planner is called again, and loses nothing. What does not last as
 //! long as the queue is not felt.
-use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::channel::{Channel, Handles};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use glidepath::tick::State;
+use host_tests::calls::call;
 use host_tests::cases::random::Random;
 use host_tests::cases::{Program, machines, named};
 use host_tests::check;
@@ -597,17 +598,7 @@ fn stall_behind(
             tick if tick == at => polls,
             _ => 0,
         };
-        let mut done = false;
-        for _ in 0..left {
-            match planner.poll().map_err(|error| error.to_string())? {
-                Progress::Waiting => break,
-                Progress::Done => {
-                    done = true;
-                    break;
-                }
-                _ => {}
-            }
-        }
+        let done = call(&mut planner, left, |_| {}).map_err(|error| error.to_string())?;
         let state = interpolator.tick();
         trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
         if done && state == State::Idle {

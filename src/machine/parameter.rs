@@ -68,15 +68,9 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00283" "lslope_profil.d_stufe_2" ["mm/s²"] 0..=100_000_000 => d_stufe[1],
     "P-AXIS-00293" "dynamik.tr_w_min" ["µs"] 0..=4_294_967_295 => tr_w_min;
     Parameter {
-        id: "P-CHAN-00011",
-        name: "default_feed_axis",
-        unit: "0 no, 1 the feed counts along it",
-        min_milli: 0,
-        max_milli: 1000,
-        decimals: false,
-        words: &[],
         set: |t, milli| t.default_feed_axis = milli != 0,
         get: |t| t.default_feed_axis as i64 * 1000,
+        ..plain("P-CHAN-00011", "default_feed_axis", "0 no, 1 the feed counts along it", 0, 1000)
     },
     zero_offset::<0>("np_grp.1.versch"),
     zero_offset::<1>("np_grp.2.versch"),
@@ -97,39 +91,39 @@ pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     Parameter {
         set: |t, milli| t.filter.enable = milli != 0,
         get: |t| t.filter.enable as i64 * 1000,
-        ..filter("P-AXIS-00573", "filter_fir.enable", "0 off, 1 on at program start", 0, 1000)
+        ..plain("P-AXIS-00573", "filter_fir.enable", "0 off, 1 on at program start", 0, 1000)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.filter.fcut_milli = milli as u32,
         get: |t| t.filter.fcut_milli as i64,
-        ..filter("P-AXIS-00585", "filter_fir.fcut", "Hz", 1000, 1_000_000_000)
+        ..plain("P-AXIS-00585", "filter_fir.fcut", "Hz", 1000, 1_000_000_000)
     },
     Parameter {
         set: |t, milli| t.filter.kind = FilterType::of_number((milli / 1000) as u8),
         get: |t| t.filter.kind as i64 * 1000,
-        ..filter("P-AXIS-00586", "filter_fir.type", FILTER_TYPES, 0, 4000)
+        ..plain("P-AXIS-00586", "filter_fir.type", FILTER_TYPES, 0, 4000)
     },
     Parameter {
         set: |t, milli| t.filter.order = (milli / 1000) as u8,
         get: |t| t.filter.order as i64 * 1000,
-        ..filter("P-AXIS-00587", "filter_fir.order", "", 0, 200_000)
+        ..plain("P-AXIS-00587", "filter_fir.order", "", 0, 200_000)
     },
     Parameter {
         set: |t, milli| t.filter.share = (milli / 1000) as u8,
         get: |t| t.filter.share as i64 * 1000,
-        ..filter("P-AXIS-00590", "filter_fir.share", "%", 0, 100_000)
+        ..plain("P-AXIS-00590", "filter_fir.share", "%", 0, 100_000)
     },
     Parameter {
         set: |t, milli| t.filter.order_time_us = (milli / 1000) as u32,
         get: |t| t.filter.order_time_us as i64 * 1000,
-        ..filter("P-AXIS-00591", "filter_fir.order_time", "µs", 0, 2_000_000_000)
+        ..plain("P-AXIS-00591", "filter_fir.order_time", "µs", 0, 2_000_000_000)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.filter.quality_milli = milli as u16,
         get: |t| t.filter.quality_milli as i64,
-        ..filter("P-AXIS-00593", "filter_fir.quality", "", 1, 1000)
+        ..plain("P-AXIS-00593", "filter_fir.quality", "", 1, 1000)
     },
 );
 
@@ -138,40 +132,10 @@ const LONGEST_DELAY: u8 = 100;
 
 const FILTER_TYPES: &str = "0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay";
 
-/// A value of the filter that nothing reads or writes yet.
-const fn filter(
-    id: &'static str,
-    name: &'static str,
-    unit: &'static str,
-    min_milli: i64,
-    max_milli: i64,
-) -> Parameter<AxisData> {
-    Parameter {
-        id,
-        name,
-        unit,
-        min_milli,
-        max_milli,
-        decimals: false,
-        words: &[],
-        set: |_, _| {},
-        get: |_| 0,
-    }
-}
-
 /// A software limit: the ends of the range stand for none.
 const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisData> {
-    Parameter {
-        id,
-        name,
-        unit: "0.1 µm or 0.0001°",
-        min_milli: NO_LIMIT as i64 * -1000,
-        max_milli: NO_LIMIT as i64 * 1000,
-        decimals: false,
-        words: &[],
-        set: |_, _| {},
-        get: |_| 0,
-    }
+    const LARGEST: i64 = NO_LIMIT as i64 * 1000;
+    plain(id, name, "0.1 µm or 0.0001°", -LARGEST, LARGEST)
 }
 
 /// Largest zero offset, in 0.1 µm or 0.0001°: a coordinate, 100 000 mm or degrees.
@@ -179,16 +143,11 @@ const ZERO_OFFSET_MAX: i64 = 1_000_000_000;
 
 /// The zero offset of G54…G59 (`SET` 0…5).
 const fn zero_offset<const SET: usize>(name: &'static str) -> Parameter<AxisData> {
+    const LARGEST: i64 = ZERO_OFFSET_MAX * 1000;
     Parameter {
-        id: "P-ZERO-00003",
-        name,
-        unit: "0.1 µm or 0.0001°",
-        min_milli: -ZERO_OFFSET_MAX * 1000,
-        max_milli: ZERO_OFFSET_MAX * 1000,
-        decimals: false,
-        words: &[],
         set: |t, milli| t.versch[SET] = (milli / 1000) as i32,
         get: |t| t.versch[SET] as i64 * 1000,
+        ..plain("P-ZERO-00003", name, "0.1 µm or 0.0001°", -LARGEST, LARGEST)
     }
 }
 
@@ -197,33 +156,33 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     Parameter {
         set: |t, milli| t.cycle_us = (milli / 1000) as u32,
         get: |t| t.cycle_us as i64 * 1000,
-        ..channel("", "cycle_us", "µs", 100_000, 10_000_000)
+        ..plain("", "cycle_us", "µs", 100_000, 10_000_000)
     },
     Parameter {
         set: |t, milli| t.look_ahead = (milli / 1000) as u32,
         get: |t| t.look_ahead as i64 * 1000,
-        ..channel("P-STUP-00071", "look_ahead", "blocks", 10_000, 10_000_000)
+        ..plain("P-STUP-00071", "look_ahead", "blocks", 10_000, 10_000_000)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.feedrate_factor_milli = milli as u32,
         get: |t| t.feedrate_factor_milli as i64,
-        ..channel("P-CHAN-00108", "prog_start.feedrate_factor", "100: mm/min, 0.1: m/min", 1, 1_000_000)
+        ..plain("P-CHAN-00108", "prog_start.feedrate_factor", "100: mm/min, 0.1: m/min", 1, 1_000_000)
     },
     Parameter {
         set: |t, milli| t.slope_profile = (milli / 1000) as u8,
         get: |t| t.slope_profile as i64 * 1000,
-        ..channel("P-CHAN-00071", "prog_start.slope.profile", "0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC", 0, 3000)
+        ..plain("P-CHAN-00071", "prog_start.slope.profile", "0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC", 0, 3000)
     },
     Parameter {
         set: |t, milli| t.acceleration_weight = (milli / 1000) as u8,
         get: |t| t.acceleration_weight as i64 * 1000,
-        ..channel("P-CHAN-00001", "prog_start.slope.acceleration", "0 both, 1 a_beschl, 2 a_brems", 0, 2000)
+        ..plain("P-CHAN-00001", "prog_start.slope.acceleration", "0 both, 1 a_beschl, 2 a_brems", 0, 2000)
     },
     Parameter {
         set: |t, milli| t.ramp_weight = (milli / 1000) as u8,
         get: |t| t.ramp_weight as i64 * 1000,
-        ..channel(
+        ..plain(
             "P-CHAN-00073",
             "prog_start.slope.ramp_time",
             "0 all, 1 tr_beschl_zu, 2 tr_beschl_ab, 3 tr_brems_zu, 4 tr_brems_ab",
@@ -234,30 +193,30 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     Parameter {
         set: |t, milli| t.corr_v_trans_jerk = milli != 0,
         get: |t| t.corr_v_trans_jerk as i64 * 1000,
-        ..channel("P-CHAN-00009", "corr_v_trans_jerk", "0 off, 1 on", 0, 1000)
+        ..plain("P-CHAN-00009", "corr_v_trans_jerk", "0 off, 1 on", 0, 1000)
     },
     Parameter {
         set: |t, milli| t.override_weight_prog_feed = (milli / 1000) as u8,
         get: |t| t.override_weight_prog_feed as i64 * 1000,
-        ..channel("P-CHAN-00066", "override_weight_prog_feed", "", 0, 2000)
+        ..plain("P-CHAN-00066", "override_weight_prog_feed", "", 0, 2000)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.vector_acceleration_milli = milli as u64,
         get: |t| t.vector_acceleration_milli as i64,
-        ..channel("P-CHAN-00002", "vector.acceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
+        ..plain("P-CHAN-00002", "vector.acceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.vector_deceleration_milli = milli as u64,
         get: |t| t.vector_deceleration_milli as i64,
-        ..channel("P-CHAN-00208", "vector.deceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
+        ..plain("P-CHAN-00208", "vector.deceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
     },
     Parameter {
         decimals: true,
         set: |t, milli| t.vector_velocity_milli = milli as u64,
         get: |t| t.vector_velocity_milli as i64,
-        ..channel("P-CHAN-00090", "vector.velocity", "mm/min", 1, VECTOR_MAX_MILLI)
+        ..plain("P-CHAN-00090", "vector.velocity", "mm/min", 1, VECTOR_MAX_MILLI)
     },
     Parameter {
         words: &["MM_M2", "MM_S2"],
@@ -265,17 +224,17 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
             t.vector_unit = if milli == 0 { AccelerationUnit::MmMin2 } else { AccelerationUnit::MmS2 };
         },
         get: |t| (t.vector_unit == AccelerationUnit::MmS2) as i64 * 1000,
-        ..channel("P-CHAN-00351", "vector.acc_dec_unit", "", 0, 1000)
+        ..plain("P-CHAN-00351", "vector.acc_dec_unit", "", 0, 1000)
     },
     Parameter {
         set: |t, milli| t.cir_radial_acc_limit = milli != 0,
         get: |t| t.cir_radial_acc_limit as i64 * 1000,
-        ..channel("P-CHAN-00350", "vector.cir_radial_acc_limit", "0 lines only, 1 arcs too", 0, 1000)
+        ..plain("P-CHAN-00350", "vector.cir_radial_acc_limit", "0 lines only, 1 arcs too", 0, 1000)
     },
     Parameter {
         set: |t, milli| t.check_jerk_on_poly_path = (milli / 1000) as u8,
         get: |t| t.check_jerk_on_poly_path as i64 * 1000,
-        ..channel(
+        ..plain(
             "P-CHAN-00110",
             "check_jerk_on_poly_path",
             "0 no, 1 geometric ramp time, 2 ramp times",
@@ -286,7 +245,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     Parameter {
         set: |t, milli| t.auto_contour_mode = (milli / 1000) as u8,
         get: |t| t.auto_contour_mode as i64 * 1000,
-        ..channel(
+        ..plain(
             "P-CHAN-00239",
             "hsc.bspline.auto_contour_mode",
             "0 off, 1 every deselection, 2 those beside arcs",
@@ -315,12 +274,12 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
             };
         },
         get: |t| t.ptp as i64 * 1000 + t.surface as i64 * 2000,
-        ..channel("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 8000)
+        ..plain("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 8000)
     },
     Parameter {
         set: |t, milli| t.default_index = (milli / 1000) as u8,
         get: |t| t.default_index as i64 * 1000,
-        ..channel("P-ZERO-00002", "default_index", "0 G53, 1…6 G54…G59", 0, 6000)
+        ..plain("P-ZERO-00002", "default_index", "0 G53, 1…6 G54…G59", 0, 6000)
     },
 ];
 
@@ -329,13 +288,13 @@ const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;
 
 /// A whole number that nothing reads or writes yet.
-const fn channel(
+const fn plain<Target>(
     id: &'static str,
     name: &'static str,
     unit: &'static str,
     min_milli: i64,
     max_milli: i64,
-) -> Parameter<ChannelData> {
+) -> Parameter<Target> {
     Parameter {
         id,
         name,

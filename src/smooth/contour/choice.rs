@@ -93,6 +93,37 @@ const CLOSE: f32 = 40.0;
 /// A way is short below this part of the one from rest to the feed.
 const SHORT: f32 = 20.0;
 
+/// A corner, and all that its curve is chosen by.
+#[derive(Clone, Copy)]
+pub struct Choice<'a, const AXES: usize> {
+    /// Before and behind it.
+    pub blocks: [&'a HeldBlock<AXES>; 2],
+    /// Between both.
+    pub corner: &'a Corner<'a, AXES>,
+    /// What the program asks for.
+    pub rule: &'a Parameters,
+    /// Machine, limits and slope.
+    pub setting: &'a Setting<'a, AXES>,
+    /// Largest distance from the corner, mm.
+    pub most: f32,
+    /// What is left of the tolerances.
+    pub tolerance: &'a Tolerance,
+    /// How long the parts beside a curve take.
+    pub approach: &'a Approach,
+}
+
+impl<const AXES: usize> Choice<'_, AXES> {
+    /// Whether it is rapid; none where it is not between two lines of one kind, with nothing left out.
+    fn lines(&self) -> Option<bool> {
+        let [held, next] = self.blocks;
+        let [first, second] = [&held.block, &next.block];
+        let rapid = first.data.feed.is_none();
+        let straight = held.is_line() && next.is_line() && first.to == second.from;
+        let alike = held.skipped.is_none() && rapid == second.data.feed.is_none();
+        (straight && alike).then_some(rapid)
+    }
+}
+
 /// A curve over time for a corner between two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
@@ -103,18 +134,10 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The curve over time between two lines, if the method asks for it or allows for it: the largest
-    /// distance from the corner is `most`.
-    pub fn new<const AXES: usize>(
-        [held, next]: [&HeldBlock<AXES>; 2],
-        corner: &Corner<'_, AXES>,
-        rule: &Parameters,
-        setting: &Setting<'_, AXES>,
-        (most, tolerance): (f32, &Tolerance),
-        approach: &Approach,
-    ) -> Option<Self> {
+    /// The curve over time between two lines, if the method asks for it or allows for it.
+    pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
+        let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
         let dynamics = setting.dynamics;
-        let [first, second] = [&held.block, &next.block];
         let led = corner.follows_master(rule, setting.measure);
         let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {
@@ -122,11 +145,7 @@ impl Candidate {
             ContourMethod::Ptp => true,
             _ => soft,
         };
-        let straight = held.is_line() && next.is_line() && first.to == second.from;
-        let rapid = first.data.feed.is_none();
-        if !quick || !straight || held.skipped.is_some() || rapid != second.data.feed.is_none() {
-            return None;
-        }
+        let rapid = choice.lines().filter(|_| quick)?;
         let [Some([v1, a1, j1]), Some([v2, a2, j2])] = approach.along else { return None };
         let v = min(v1, v2);
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
@@ -197,22 +216,11 @@ pub struct Shallow {
 impl Shallow {
     /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to
     /// pass it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
-    pub fn new<const AXES: usize>(
-        [held, next]: [&HeldBlock<AXES>; 2],
-        corner: &Corner<'_, AXES>,
-        rule: &Parameters,
-        setting: &Setting<'_, AXES>,
-        (most, tolerance): (f32, &Tolerance),
-        approach: &Approach,
-    ) -> Option<Self> {
-        let [first, second] = [&held.block, &next.block];
-        let rapid = first.data.feed.is_none();
-        let straight = held.is_line() && next.is_line() && first.to == second.from && held.skipped.is_none();
+    pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
+        let Choice { blocks: [held, _], corner, rule, setting, most, tolerance, approach } = *choice;
         let dev = rule.method == ContourMethod::Dev && !setting.parameters.const_vel;
         let hsc = setting.dynamics.slope() == SlopeType::Hsc;
-        if !hsc || !dev || !straight || rapid != second.data.feed.is_none() {
-            return None;
-        }
+        let rapid = choice.lines().filter(|_| hsc && dev)?;
         let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
         let turn = size(&setting.measure.main, &change);
         let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance) as f32;

@@ -1,6 +1,6 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
-use super::choice::{Approach, Candidate, Shallow};
+use super::choice::{Approach, Candidate, Choice, Shallow};
 use super::corner::{Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
 use super::curve::Side;
@@ -192,11 +192,19 @@ impl<const AXES: usize> Joining<AXES> {
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
         let approach = Approach::new([held, next], room.most, setting.dynamics);
-        let limits = (room.least(), &tolerance);
-        if let Some(shallow) = Shallow::new([held, next], &corner, rule, setting, limits, &approach) {
+        let choice = Choice {
+            blocks: [held, next],
+            corner: &corner,
+            rule,
+            setting,
+            most: room.least(),
+            tolerance: &tolerance,
+            approach: &approach,
+        };
+        if let Some(shallow) = Shallow::new(&choice) {
             return Some(JoinStep::Bending(shallow));
         }
-        let candidate = Candidate::new([held, next], &corner, rule, setting, limits, &approach);
+        let candidate = Candidate::new(&choice);
         if let Some(Candidate { way, time: None }) = candidate {
             return Some(JoinStep::Overlapping(way));
         }
