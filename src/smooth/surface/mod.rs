@@ -271,7 +271,8 @@ impl<const AXES: usize> Surface<AXES> {
                 return None;
             }
             let element = line(&front.knot.position, &knot.position, &self.measure).ok()??;
-            Some((knot, element))
+            // But for rounding it has the direction of the polygon.
+            Some((Knot { end: element.exit, ..knot }, element))
         });
         let Some((knot, element)) = made else {
             self.bend(front, &Aim { is_straight: false, ..*aim });
