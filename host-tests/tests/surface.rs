@@ -603,7 +603,7 @@ fn the_path_depends_little_on_the_points_d3_158() {
 fn short_blocks_are_fast_d3_159() {
     let circle = cam::circle("#HSC ON [SURFACE PATH_DEV=0.1]");
     let rows = cam::rows("#HSC ON [SURFACE PATH_DEV=0.02]");
-    for (ramp, most) in [(50_000, [2.34, 17.9]), (150_000, [2.95, 22.9])] {
+    for (ramp, most) in [(50_000, [2.28, 18.0]), (150_000, [2.84, 21.8])] {
         let machine = machine::<3>(ramp, 3);
         let times = [&circle, &rows].map(|text| go::<3>(text, &machine).trace.len() as f64 * 1e-3);
         println!("ramps of {ramp} µs: {times:?} s");

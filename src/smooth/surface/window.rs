@@ -121,6 +121,14 @@ const NARROWED_BULGE: f32 = 0.97;
 /// Change of width over distance.
 pub const SLOPE: f32 = 0.5;
 
+/// A vertex is moved when so many times the widest kernel is known behind it. A kernel behind that may make
+/// others narrower over twice the widest: what that is is known to within a slope of 0.8, where 1 would do.
+const KNOWN: f32 = 1.25;
+
+/// What is left of the widest kernel where the window is full. Less at once, and kernels would be narrower
+/// than the window demands for long.
+const HURRIED: f32 = 0.92;
+
 /// The least speed of the point over the distance along the polygon.
 pub const SLOWEST: f32 = 0.6;
 
@@ -398,7 +406,7 @@ impl<const AXES: usize> Window<AXES> {
         let k = self.moved;
         let known = self.wide.checked_sub(1);
         let is_known = self.ended && self.wide == self.len()
-            || known.is_some_and(|known| known > k && self.between(k, known) >= 2.0 * self.reach);
+            || known.is_some_and(|known| known > k && self.between(k, known) >= KNOWN * self.reach);
         if k >= self.wide || !is_known {
             return false;
         }
@@ -474,7 +482,7 @@ impl<const AXES: usize> Window<AXES> {
 
     /// The window is full and nothing can be made of it: kernels become narrower.
     pub fn hurry(&mut self) {
-        self.reach *= 0.75;
+        self.reach *= HURRIED;
         for k in self.moved..self.wide {
             if let Some(vertex) = self.vertices.get_mut(k) {
                 vertex.width = min(vertex.width, self.reach);
