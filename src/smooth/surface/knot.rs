@@ -24,9 +24,6 @@ pub struct Spot {
     pub x: f32,
 }
 
-/// A turn that makes an element end at its vertex and where its kernel ends.
-const STRONG: f32 = 0.2;
-
 /// Part of the width of a kernel that an element goes over.
 const CELL: f32 = 0.9;
 /// No element is made shorter than this part of that, for the end of a kernel.
@@ -119,9 +116,9 @@ impl<const AXES: usize> Window<AXES> {
         while let Some(vertex) = self.get(k)
             && away < self.widest
         {
-            if vertex.turns() && vertex.width > away + NOTHING {
+            if vertex.is(Vertex::<AXES>::TURNS) && vertex.width > away + NOTHING {
                 ahead.active = true;
-                if self.length(&vertex.moved_turn) > STRONG {
+                if vertex.is(Vertex::<AXES>::STRONG) {
                     note(&mut ahead.strong, vertex.width - away);
                 }
             }
@@ -134,9 +131,9 @@ impl<const AXES: usize> Window<AXES> {
             let Some(vertex) = self.get(k) else { break };
             away += vertex.moved_length;
             let last = self.ended && k + 1 == self.len();
-            if vertex.turns() && !last {
+            if vertex.is(Vertex::<AXES>::TURNS) && !last {
                 ahead.start = min(ahead.start, away - vertex.width);
-                if self.length(&vertex.moved_turn) > STRONG {
+                if vertex.is(Vertex::<AXES>::STRONG) {
                     note(&mut ahead.strong, away - vertex.width);
                     note(&mut ahead.strong, away);
                     note(&mut ahead.strong, away + vertex.width);
@@ -208,7 +205,7 @@ impl<const AXES: usize> Window<AXES> {
         let mut bend = [0.0; AXES];
         let mut count = 0;
         let mut add = |vertex: &Vertex<AXES>, away: f32, behind: bool| {
-            if away >= vertex.width || !vertex.turns() {
+            if away >= vertex.width || !vertex.is(Vertex::<AXES>::TURNS) {
                 return;
             }
             count += 1;

@@ -64,6 +64,10 @@ impl Tried {
     const NOTHING: Self = Self { halved: 0, narrowed: 0 };
 }
 
+/// What was known when it was not enough for the next element: vertices that are looked at, the widest kernel,
+/// and whether the row has its end.
+type Waits = Option<(usize, f32, bool)>;
+
 /// The stage.
 #[derive(Debug)]
 pub struct Surface<const AXES: usize> {
@@ -81,6 +85,7 @@ pub struct Surface<const AXES: usize> {
     ending: Option<bool>,
     front: Option<Front<AXES>>,
     tried: Tried,
+    waits: Waits,
     made: Option<Made<AXES>>,
     place: Place,
 }
@@ -112,6 +117,7 @@ impl<const AXES: usize> Surface<AXES> {
             ending: None,
             front: None,
             tried: Tried::NOTHING,
+            waits: None,
             made: None,
             place: Place::default(),
         }
@@ -123,7 +129,7 @@ impl<const AXES: usize> Surface<AXES> {
         (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
         self.window.ended = false;
         (self.pending, self.passed, self.heading, self.front, self.ending) = (None, None, None, None, None);
-        self.tried = Tried::NOTHING;
+        (self.tried, self.waits) = (Tried::NOTHING, None);
     }
 
     /// Takes a chord, or the end of the row, into the window. `false` if nothing is to be done.
@@ -239,7 +245,15 @@ impl<const AXES: usize> Surface<AXES> {
             self.end_row();
             return true;
         }
-        let Some(aim) = self.window.aim(&front.spot) else { return false };
+        // Asked again where more is known, not with each vertex that comes in, gets its width or is moved.
+        let known = Some((self.window.checked, self.window.reach, self.window.ended));
+        if self.waits == known {
+            return false;
+        }
+        let Some(aim) = self.window.aim(&front.spot) else {
+            self.waits = known;
+            return false;
+        };
         if aim.is_straight {
             self.go_straight(&front, &aim);
         } else {
@@ -385,7 +399,7 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// The front is there now; what lies far behind is forgotten.
     fn reach(&mut self, mut front: Front<AXES>) {
-        self.tried = Tried::NOTHING;
+        (self.tried, self.waits) = (Tried::NOTHING, None);
         let widest = self.parameters.widest();
         if self.window.reach < widest {
             self.window.reach = min(widest, self.window.reach * 1.02);
@@ -442,7 +456,7 @@ impl<const AXES: usize> Surface<AXES> {
             let (data, due) = self.data(&from, &Spot { vertex: next, x: 0.0 });
             self.made = Some(Made { element, data, due, is_curve: false, draft: None });
         }
-        self.tried = Tried::NOTHING;
+        (self.tried, self.waits) = (Tried::NOTHING, None);
         self.front = None;
         if self.window.ended && next + 1 >= self.window.len() {
             self.end_row();

@@ -58,6 +58,9 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const FORCED: u8 = 2;
     /// The chord up to it is a part of an arc.
     pub const ARC: u8 = 4;
+    /// The control polygon turns here, above rounding; sharply.
+    pub const TURNS: u8 = 8;
+    pub const STRONG: u8 = 16;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -68,11 +71,21 @@ impl<const AXES: usize> Vertex<AXES> {
         self.offset.iter().all(|x| *x == 0.0)
     }
 
-    /// A turn above rounding.
-    pub fn turns(&self) -> bool {
-        self.moved_turn.iter().any(|d| magnitude(*d) > STRAIGHT)
+    /// The step of the direction of the control polygon, which is so long, becomes another one.
+    fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
+        self.moved_turn = turn;
+        self.marks &= !(Self::TURNS | Self::STRONG);
+        if turn.iter().any(|d| magnitude(*d) > STRAIGHT) {
+            self.marks |= Self::TURNS;
+        }
+        if length > STRONG {
+            self.marks |= Self::STRONG;
+        }
     }
 }
+
+/// A turn that makes an element end at its vertex and where its kernel ends.
+const STRONG: f32 = 0.2;
 
 /// Rounding of a direction.
 const STRAIGHT: f32 = 1.0 / 1_048_576.0;
@@ -475,8 +488,9 @@ impl<const AXES: usize> Window<AXES> {
         if let Some(vertex) = self.vertices.get_mut(k) {
             vertex.moved_length = length;
         }
+        let length = self.length(&turn);
         if let Some(vertex) = k.checked_sub(1).and_then(|k| self.vertices.get_mut(k)) {
-            vertex.moved_turn = turn;
+            vertex.turn_by(turn, length);
         }
     }
 
@@ -599,7 +613,8 @@ impl<const AXES: usize> Window<AXES> {
             let Some(vertex) = self.vertices.get_mut(k) else { break };
             if k == 0 {
                 (vertex.width, vertex.offset) = (0.0, [0.0; AXES]);
-                (vertex.turn, vertex.moved_turn) = ([0.0; AXES], [0.0; AXES]);
+                vertex.turn = [0.0; AXES];
+                vertex.turn_by([0.0; AXES], 0.0);
                 self.begun = Some(vertex.distance);
                 continue;
             }
@@ -612,7 +627,7 @@ impl<const AXES: usize> Window<AXES> {
             self.settle(k);
         }
         if let Some(vertex) = self.vertices.front_mut() {
-            vertex.moved_turn = [0.0; AXES];
+            vertex.turn_by([0.0; AXES], 0.0);
         }
     }
 
