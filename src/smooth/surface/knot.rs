@@ -112,10 +112,10 @@ impl<const AXES: usize> Window<AXES> {
             }
         };
         let mut away = spot.x;
-        let mut k = spot.vertex;
-        while let Some(vertex) = self.get(k)
-            && away < self.widest
-        {
+        for vertex in self.before(spot.vertex + 1) {
+            if away >= self.widest {
+                break;
+            }
             if vertex.is(Vertex::<AXES>::TURNS) && vertex.width > away + NOTHING {
                 ahead.active = true;
                 if vertex.is(Vertex::<AXES>::STRONG) {
@@ -123,12 +123,10 @@ impl<const AXES: usize> Window<AXES> {
                 }
             }
             away += vertex.moved_length;
-            let Some(before) = k.checked_sub(1) else { break };
-            k = before;
         }
         away = -spot.x;
-        for k in spot.vertex + 1..self.moved {
-            let Some(vertex) = self.get(k) else { break };
+        let first = spot.vertex + 1;
+        for (k, vertex) in (first..self.moved).zip(self.from(first)) {
             away += vertex.moved_length;
             let last = self.ended && k + 1 == self.len();
             if vertex.is(Vertex::<AXES>::TURNS) && !last {
@@ -221,23 +219,24 @@ impl<const AXES: usize> Window<AXES> {
                 *bend += turn * k;
             }
         };
-        let (mut away, mut k) = (spot.x, spot.vertex);
-        while let Some(vertex) = self.get(k)
-            && away < self.widest
-        {
+        let mut away = spot.x;
+        for vertex in self.before(spot.vertex + 1) {
+            if away >= self.widest {
+                break;
+            }
             add(vertex, away, true);
             away += vertex.moved_length;
-            let Some(before) = k.checked_sub(1) else { break };
-            k = before;
         }
         away = rest;
-        for k in spot.vertex + 1..self.moved.saturating_sub(1) {
-            let Some(vertex) = self.get(k) else { break };
+        let first = spot.vertex + 1;
+        let mut ahead = self.from(first).take(self.moved.saturating_sub(first)).peekable();
+        // The last vertex that is moved does not turn yet.
+        while let (Some(vertex), Some(next)) = (ahead.next(), ahead.peek()) {
             if away >= self.widest {
                 break;
             }
             add(vertex, away, false);
-            away += self.get(k + 1).map_or(0.0, |next| next.moved_length);
+            away += next.moved_length;
         }
         if count == 0 && from.is_on_contour() && to.is_on_contour() {
             return on_chord((from, to), (spot.x, rest), measure);

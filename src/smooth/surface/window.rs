@@ -227,6 +227,22 @@ impl<const AXES: usize> Window<AXES> {
         self.vertices.get(k)
     }
 
+    /// The vertices from one on.
+    #[inline(always)]
+    pub fn from(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
+        let (front, back) = self.vertices.as_slices();
+        let rest = back.get(k.saturating_sub(front.len())..).unwrap_or(&[]);
+        front.get(k..).unwrap_or(&[]).iter().chain(rest)
+    }
+
+    /// The vertices before one, the nearest first.
+    #[inline(always)]
+    pub fn before(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
+        let (front, back) = self.vertices.as_slices();
+        let rest = back.get(..k.saturating_sub(front.len())).unwrap_or(&[]);
+        rest.iter().rev().chain(front.get(..k.min(front.len())).unwrap_or(&[]).iter().rev())
+    }
+
     /// From one vertex of the control polygon to the next one, `k`: the vector and its length.
     #[inline(always)]
     pub fn chord(&self, k: usize) -> Option<([f32; AXES], f32)> {
@@ -390,26 +406,20 @@ impl<const AXES: usize> Window<AXES> {
         };
         // The direction before the vertex: what is there counts ahead.
         let mut away = 0.0;
-        let mut j = k;
-        while let Some(vertex) = self.vertices.get(j)
+        let mut ahead = self.from(k).peekable();
+        while let Some(vertex) = ahead.next()
             && away < width
         {
             add(vertex, away, false);
-            j += 1;
-            away += self.vertices.get(j).map_or(width, |next| next.length);
+            away += ahead.peek().map_or(width, |next| next.length);
         }
-        (away, j) = (0.0, k);
-        while let Some(vertex) = self.vertices.get(j)
-            && let Some(next) = j.checked_sub(1)
-        {
-            away += vertex.length;
+        away = length_of(self.get(k));
+        for vertex in self.before(k) {
             if away >= width {
                 break;
             }
-            j = next;
-            if let Some(vertex) = self.vertices.get(j) {
-                add(vertex, away, true);
-            }
+            add(vertex, away, true);
+            away += vertex.length;
         }
         self.is_inside(&off, tolerance, more) && self.length(&direction) >= SLOWEST
     }
@@ -445,29 +455,24 @@ impl<const AXES: usize> Window<AXES> {
             }
         };
         let mut away = 0.0;
-        let mut j = k;
-        while let Some(vertex) = self.vertices.get(j)
+        let mut ahead = self.from(k).take(self.wide.saturating_sub(k)).peekable();
+        while let Some(vertex) = ahead.next()
             && away < self.widest
-            && j < self.wide
         {
             if away < vertex.width {
                 add(vertex, away);
             }
-            j += 1;
-            away += self.vertices.get(j).map_or(0.0, |next| next.length);
+            away += ahead.peek().map_or(0.0, |next| next.length);
         }
-        (away, j) = (0.0, k);
-        while let Some(vertex) = self.vertices.get(j)
-            && let Some(next) = j.checked_sub(1)
-            && away < self.widest
-        {
-            away += vertex.length;
-            j = next;
-            if let Some(vertex) = self.vertices.get(j)
-                && away < vertex.width
-            {
+        away = length_of(self.get(k));
+        for vertex in self.before(k) {
+            if away < vertex.width {
                 add(vertex, away);
             }
+            if away >= self.widest {
+                break;
+            }
+            away += vertex.length;
         }
         off
     }
@@ -547,18 +552,16 @@ impl<const AXES: usize> Window<AXES> {
                 }
             }
         };
-        let (mut away, mut k) = (spot.x, spot.vertex);
-        while let Some(vertex) = self.get(k)
-            && away < self.widest
-        {
+        let mut away = spot.x;
+        for vertex in self.before(spot.vertex + 1) {
+            if away >= self.widest {
+                break;
+            }
             add(vertex, away);
             away += vertex.moved_length;
-            let Some(before) = k.checked_sub(1) else { break };
-            k = before;
         }
         away = -spot.x;
-        for k in spot.vertex + 1..self.moved {
-            let Some(vertex) = self.get(k) else { break };
+        for vertex in self.from(spot.vertex + 1).take(self.moved.saturating_sub(spot.vertex + 1)) {
             away += vertex.moved_length;
             if away >= self.widest {
                 break;
@@ -653,6 +656,11 @@ pub fn step<const AXES: usize>(
         *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32 + (offset - before);
     }
     d
+}
+
+/// From the vertex before, mm.
+fn length_of<const AXES: usize>(vertex: Option<&Vertex<AXES>>) -> f32 {
+    vertex.map_or(0.0, |vertex| vertex.length)
 }
 
 /// How smooth a contour is at a turn: 1 to 0.
