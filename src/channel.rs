@@ -48,8 +48,9 @@ pub enum Progress {
     /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said
     /// once for each standstill.
     Late,
-    /// The axis with this index was beyond AX_DEV of #FILTER: a defect of the planner. Said once until #FILTER
-    /// changes the filters; [`Planner::filter_deviation`] says by how much.
+    /// The axis with this index was beyond AX_DEV of #FILTER, or had more than 0.25 mm per cycle² and passed its
+    /// filter: a defect of the planner. Said once until #FILTER changes the filters;
+    /// [`Planner::filter_deviation`] says by how much.
     Deviated(usize),
     /// The program has ended and everything is handed to the interpolator. Commands of the operator still act
     /// on that: go on calling as long as it moves.

@@ -18,7 +18,7 @@ pub const OVERLAYS: usize = 3;
 pub const BLOCKS: usize = 120;
 
 /// Samples of a filter: the highest order is 200.
-pub const TAPS: usize = 201;
+pub const TAPS: usize = 202;
 
 /// 1 mm or degree.
 pub const ONE: i64 = 1 << 32;
@@ -45,7 +45,7 @@ pub struct Run {
 }
 
 /// Most ticks of a run.
-const LONGEST: usize = 1_000_000;
+pub const LONGEST: usize = 1_000_000;
 
 /// Runs `text` from position 0, with `polls` calls of the planner between two ticks; a tick of rest more at
 /// the end.
@@ -80,7 +80,7 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
     let Handles { mut planner, mut interpolator, operator } = handles;
     let mut run = Run { axes: vec![vec![0]; AXES], path: vec![vec![0]; AXES], ..Run::default() };
     let mut acts = acts.iter().peekable();
-    let mut stalled = 0;
+    let (mut stalled, mut ended) = (0, false);
     for tick in 0..LONGEST {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
             act.give(&operator);
@@ -116,13 +116,18 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
         while let Some(output) = operator.output() {
             run.outputs.push(output);
         }
-        if done && state == State::Idle && acts.peek().is_none() {
-            if !planner.is_at_rest() {
-                return Err(format!("tick {tick}: done, and not at rest"));
-            }
+        ended = done && state == State::Idle;
+        if ended && !planner.is_at_rest() {
+            return Err(format!("tick {tick}: done, and not at rest"));
+        }
+        if ended && acts.peek().is_none() {
             run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
             return Ok(run);
         }
+    }
+    if ended {
+        // It would be told something later still.
+        return Err(TOO_LONG.to_owned());
     }
     let moved = |x: &Vec<i64>| x.iter().rev().take(LONGEST / 4).any(|at| Some(at) != x.last());
     if !run.axes.iter().any(moved) {

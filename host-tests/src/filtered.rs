@@ -4,13 +4,13 @@ use crate::operate::Act;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, FilteredHandles, Progress};
 use glidepath::fir::Filters;
-use glidepath::machine::{FilterData, FilterType, MachineData};
+use glidepath::machine::{AxisData, FilterData, FilterType, MachineData};
 use glidepath::quantity::Position;
 use glidepath::technology::Output;
 use glidepath::tick::State;
 
 /// Samples per axis: the highest order is 200.
-pub const TAPS: usize = 201;
+pub const TAPS: usize = 202;
 
 /// A filtered run. All traces begin with a row at rest and hold every tick, those of rest included.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +43,18 @@ pub fn with_filter<const AXES: usize>(
         axis.filter = FilterData { enable: true, kind, order, ..FilterData::NONE };
     }
     machine
+}
+
+/// Not above the acceleration that filters permit: 0.25 mm per cycle².
+pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
+    let most = (240_000_000_000 / (u64::from(cycle_us) * u64::from(cycle_us))).min(u32::MAX.into()) as u32;
+    let AxisData {
+        a_max, a_beschl, a_brems, a_grenz, a_stufe, d_stufe, a_grenz_stufe, d_grenz_stufe, ..
+    } = axis;
+    let stages = a_stufe.iter_mut().chain(d_stufe).chain(a_grenz_stufe).chain(d_grenz_stufe);
+    for a in [a_max, a_beschl, a_brems, a_grenz].into_iter().chain(stages) {
+        *a = (*a).min(most);
+    }
 }
 
 const LONGEST: usize = 3_000_000;

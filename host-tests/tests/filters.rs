@@ -1,4 +1,5 @@
 //! FIR filters behind the path (D3-004, D3-223…D3-234).
+use glidepath::fir::{FilterPlan, FilterTick, Filters};
 use glidepath::machine::{FilterData, FilterType, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
@@ -6,7 +7,7 @@ use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::set_point;
 use host_tests::check;
-use host_tests::filtered::{Filtered, run, run_from, with_filter};
+use host_tests::filtered::{Filtered, permit_filters, run, run_from, with_filter};
 use host_tests::operate::{Act, POLLS, random_acts};
 use host_tests::properties::axis_limits;
 use host_tests::seeds::seeds;
@@ -123,12 +124,13 @@ fn kernels_are_those_of_their_types() {
     }
 }
 
-/// A machine that passes corners of 90° at full feed: 100 m/s² within a cycle of 1 ms.
+/// A machine that passes corners of 90° at full feed: 200 m/s² with a cycle of 1 ms.
 fn stiff(cycle_us: u32) -> MachineData<3> {
     let mut machine = machines::even::<3>(cycle_us);
     for axis in &mut machine.axes {
-        (axis.a_max, axis.a_beschl, axis.a_brems, axis.a_grenz) =
-            (1_000_000, 1_000_000, 1_000_000, 1_000_000);
+        // As fast as filters permit.
+        let a = (249_000_000_000 / u64::from(cycle_us * cycle_us)) as u32;
+        (axis.a_max, axis.a_beschl, axis.a_brems, axis.a_grenz) = (a, a, a, a);
         axis.a_trans_weight = 1000;
     }
     machine
@@ -205,6 +207,35 @@ fn opposite_passes_have_mirrored_shapes() {
     }
 }
 
+#[test]
+fn what_no_axis_can_do_passes_a_filter_and_is_said() {
+    // D3-004: a path that jumps is a defect, and no filter makes more of it: the axis ends where it ends.
+    let machine = with_filter(machines::even::<3>(1000), FilterType::Gauss, 33);
+    let mut filters: Box<Filters<3, 40>> = Box::new(Filters::new());
+    for jump in [1i64 << 29, (1 << 30) + 1, 1 << 40] {
+        let (mut bank, mut tick) = filters.split(&machine, &[Position::ZERO; 3]).unwrap();
+        let (mut off, mut last) = (0, [Position::ZERO; 3]);
+        for (number, at) in (0..200).map(|number| (number, if number < 50 { 0 } else { jump })) {
+            let points = [Position::from_bits(at), Position::ZERO, Position::from_bits(-at)];
+            tick.step(&points, at, false);
+            last = *tick.set_points(&points);
+            assert!((0..=jump).contains(&last[0].to_bits()), "{jump} {number}: {last:?}");
+            assert_eq!(last[0].to_bits() + last[2].to_bits(), 0, "{jump} {number}");
+            off = off.max((last[0].to_bits() - at).abs());
+        }
+        assert_eq!(last, [Position::from_bits(jump), Position::ZERO, Position::from_bits(-jump)]);
+        let passes = jump > 1 << 30;
+        assert_eq!(off > 0, !passes, "{jump}: {off}");
+        assert_eq!(bank.beyond(), passes.then_some(0));
+        assert_eq!(bank.beyond(), None);
+    }
+    // Nor is it planned.
+    let mut fast = machine;
+    fast.axes[1].a_max = 250_001;
+    let error = run("M30\n", &fast, &[], 1000).unwrap_err();
+    assert!(error.contains("P-AXIS-00008") && error.contains("0.25 mm"), "{error}");
+}
+
 /// A random program and machine, filters of all types and orders, an operator.
 ///
 /// # Panics
@@ -214,6 +245,7 @@ fn random_run(seed: u64) {
     let mut machine = machines::arbitrary::<3>(seed);
     machine.channel.slope_profile = (seed % 4) as u8;
     for axis in &mut machine.axes {
+        permit_filters(axis, machine.channel.cycle_us);
         axis.filter.enable = true;
         axis.filter.kind = FilterType::of_number((random.bits() % 5) as u8);
         axis.filter.order = match axis.filter.kind {

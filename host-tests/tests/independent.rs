@@ -1,8 +1,9 @@
 //! Independent axes: D3-271, and random programs in which axes move beside the path.
 use glidepath::machine::{FilterType, MachineData};
-use host_tests::beside::{ONE, Run, run};
+use host_tests::beside::{LONGEST, ONE, Run, run};
 use host_tests::cases::machines::{self, even};
 use host_tests::cases::random::Random;
+use host_tests::filtered::permit_filters;
 use host_tests::operate::{Act, TOO_LONG, random_acts, with_overrides, with_stalls};
 
 fn good<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Run {
@@ -199,6 +200,7 @@ fn with_filters(seed: u64, machine: &mut MachineData<3>) -> Option<f64> {
     }
     // One filter at least.
     for (k, axis) in machine.axes.iter_mut().enumerate() {
+        permit_filters(axis, machine.channel.cycle_us);
         axis.filter.enable = true;
         axis.filter.kind = FilterType::of_number(if k == 0 { 1 } else { 0 } + (random.bits() % 4) as u8);
         let highest = if axis.filter.kind == FilterType::Delay { 100 } else { 200 };
@@ -232,7 +234,8 @@ fn keeps_ax_dev(run: &Run, machine: &MachineData<3>, tolerance: f64) -> Result<(
     Ok(())
 }
 
-fn check(seed: u64) -> Result<(), String> {
+/// Runs a program alone and with an operator; whether both came to an end.
+fn check(seed: u64) -> Result<bool, String> {
     let mut machine = machines::arbitrary::<3>(seed);
     let tolerance = with_filters(seed, &mut machine);
     let slope = (seed % 4) as u8;
@@ -277,7 +280,7 @@ fn check(seed: u64) -> Result<(), String> {
     };
     let plain = match run(&text, &machine, &[], 40) {
         // An oscillation of some micrometres is as slow on its way to the first position; a narrow AX_DEV.
-        Err(what) if what == TOO_LONG || what.contains("raise F") => return Ok(()),
+        Err(what) if what == TOO_LONG || what.contains("raise F") => return Ok(false),
         run => run.map_err(fault)?,
     };
     all(&plain, &[], true)?;
@@ -290,27 +293,40 @@ fn check(seed: u64) -> Result<(), String> {
     if random.once_in(2) {
         acts = with_stalls(&mut random, ticks, acts);
     }
+    let is_slowed = acts.iter().any(|(_, act)| matches!(act, Act::Override(_)));
     let polls = [12, 40][(seed % 2) as usize];
     let run = match run(&text, &machine, &acts, polls) {
-        // A low override, and no end in sight: no fault.
-        Err(what) if what == TOO_LONG && acts.iter().any(|(_, act)| matches!(act, Act::Override(_))) => {
-            return Ok(());
+        // A low override, or a long program with rests: no end in sight, no fault.
+        Err(what) if what == TOO_LONG && (ticks > LONGEST / 2 || is_slowed) => {
+            return Ok(false);
         }
         run => run.map_err(|what| fault(format!("{what}\n{acts:?}")))?,
     };
-    all(&run, &acts, !aborts)
+    all(&run, &acts, !aborts).map(|()| true)
 }
 
-/// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one.
+/// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one. 20,000 take four minutes:
+/// `GLIDEPATH_FROM=100000 GLIDEPATH_SEEDS=20000 cargo test -p host-tests --release --test independent random`
 #[test]
 fn random_programs_beside_the_path() {
     let number = |name| std::env::var(name).ok().and_then(|number| number.parse().ok());
     let (from, count) = (number("GLIDEPATH_FROM").unwrap_or(0), number("GLIDEPATH_SEEDS").unwrap_or(150));
-    let faults: Vec<String> = (from..from + count).filter_map(|seed| check(seed).err()).collect();
+    // These stood for ever once: a counted oscillation with a wait, slowed down in its last cycle.
+    let once = [21_131, 22_304];
+    let (mut faults, mut ended, mut all) = (Vec::new(), 0, 0);
+    for seed in once.into_iter().chain(from..from + count) {
+        all += 1;
+        match check(seed) {
+            Ok(ends) => ended += u64::from(ends),
+            Err(what) => faults.push(what),
+        }
+    }
+    println!("{ended} of {all} came to an end, {} were too long", all - ended - faults.len() as u64);
     assert!(
         faults.is_empty(),
-        "{} of {count}\n{}",
+        "{} of {all}\n{}",
         faults.len(),
         faults.iter().take(4).cloned().collect::<Vec<_>>().join("\n")
     );
+    assert!(ended * 100 >= all * 90, "too many are too long");
 }

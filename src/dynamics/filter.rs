@@ -6,7 +6,7 @@
 //! acceleration would take.
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
-use crate::fir::{CLOSE, GOING_ON, SHORT, Watch};
+use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
@@ -123,7 +123,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             if set.joint.is_weighted && watch.acc_fact > 1.0 {
                 // What the filter spreads over its window stays inside a_max, beside the slope.
                 let beside = min(max(set.a_up, set.a_down), WINDOW_PART * watch.window * jerk);
-                let spread = max(a_max - beside, 0.0) / watch.tap;
+                let spread = min(max(a_max - beside, 0.0) / watch.tap, REACH - a_max);
                 set.joint.knee = max(set.joint.knee, min(set.joint.knee * watch.acc_fact, spread));
             }
             if let Some(accel) = watch.accel {

@@ -8,7 +8,7 @@
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};
-use super::{FilterPlan, Layout, Words};
+use super::{FilterPlan, Kind, Layout, Words, taps};
 use crate::machine::{FilterData, FilterType, MachineData};
 use crate::nc;
 use crate::quantity::Position;
@@ -33,6 +33,8 @@ pub(super) struct Settings<const AXES: usize> {
     axes: [FilterData; AXES],
     /// Distance of the fastest motion per cycle, mm.
     reach: [f32; AXES],
+    /// Largest second difference, mm.
+    step: [f32; AXES],
     /// P-AXIS-00013 is given.
     weighted: [bool; AXES],
     cycle_us: u32,
@@ -44,6 +46,7 @@ impl<const AXES: usize> Settings<AXES> {
         Self {
             axes: machine.axes.map(|axis| axis.filter),
             reach: machine.axes.map(|axis| axis.vb_max as f32 * 1e-9 * cycle_us as f32),
+            step: machine.axes.map(|axis| axis.a_max as f32 * 1e-12 * (cycle_us as f32 * cycle_us as f32)),
             weighted: machine.axes.map(|axis| axis.a_trans_weight > 0),
             cycle_us,
         }
@@ -83,6 +86,9 @@ pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
+    /// Samples that can have taps.
+    const ROOM: usize = TAPS / 2 * 2;
+
     /// With the filters of the machine data in force, before both sides run.
     pub(super) fn new(words: &'a Words<AXES, TAPS>, settings: Settings<AXES>) -> Result<Self, FilterError> {
         let given = [nc::Filter::default(); 2];
@@ -116,9 +122,14 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
                 return Err(FilterError::Order(axis, design.order, design.highest(), false));
             }
             // The oldest sample is that of the channel's delay and half the own window.
-            if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= TAPS {
-                let most = if design.kind == FilterType::Delay { TAPS / 2 } else { TAPS };
+            if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= Self::ROOM {
+                let most = if design.kind == FilterType::Delay { Self::ROOM / 2 } else { Self::ROOM };
                 return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
+            }
+            let [reach, step] = [&self.settings.reach, &self.settings.step].map(|of| of.get(axis).copied());
+            let kind = kernel::layout(&design, delay, reach.unwrap_or(0.0)).kind;
+            if kind == Kind::Taps && step.unwrap_or(0.0) > taps::REACH {
+                return Err(FilterError::Acceleration(axis));
             }
             let weighted = self.settings.weighted.get(axis).copied().unwrap_or(true);
             if design.order > 0 && design::acc_fact(given) > 1.0 && !weighted {
@@ -280,12 +291,12 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 
     fn beyond(&mut self) -> Option<usize> {
-        let tolerance = self.words.tolerance.load(Ordering::Relaxed);
-        if tolerance == 0 || self.told {
+        if self.told {
             return None;
         }
-        // Both are rounded.
-        let most = tolerance.saturating_add(1);
+        let tolerance = self.words.tolerance.load(Ordering::Relaxed);
+        // Both are rounded. What passes a filter counts without AX_DEV too.
+        let most = if tolerance == 0 { u32::MAX - 1 } else { tolerance.saturating_add(1) };
         let beyond = |words: &super::AxisWords<TAPS>| words.deviation.load(Ordering::Relaxed) > most;
         let axis = self.words.axes.iter().position(beyond);
         self.told = axis.is_some();
@@ -300,4 +311,4 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
 }
 
 /// The layout of an axis that is not filtered in a channel that is not.
-pub(super) const PLAIN: Layout = Layout { kind: super::Kind::Delay, newest: 0, length: 1 };
+pub(super) const PLAIN: Layout = Layout { kind: Kind::Delay, newest: 0, length: 1 };

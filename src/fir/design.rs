@@ -15,6 +15,8 @@ pub enum FilterError {
     /// The order of the axis with this index is above the highest one: the order, the highest one, and
     /// whether that is the memory compiled in.
     Order(usize, u32, u32, bool),
+    /// The acceleration of the axis with this index (P-AXIS-00008) is above 0.25 mm or degrees per cycle².
+    Acceleration(usize),
     /// ACC_FACT above 1, and the axis with this index has no P-AXIS-00013.
     NoTransitionWeight(usize),
     /// AX_DEV is above 0 and below 0.00001 mm, or above 1000 mm.
@@ -25,7 +27,7 @@ impl FilterError {
     /// The axis it is about.
     pub const fn axis(&self) -> Option<usize> {
         match self {
-            Self::Order(axis, ..) | Self::NoTransitionWeight(axis) => Some(*axis),
+            Self::Order(axis, ..) | Self::Acceleration(axis) | Self::NoTransitionWeight(axis) => Some(*axis),
             Self::NoMemory | Self::NoType | Self::Tolerance => None,
         }
     }
@@ -44,6 +46,9 @@ impl core::fmt::Display for FilterError {
             Self::Order(_, order, most, true) => {
                 write!(f, "filter order {order}; expected at most {most}, the memory compiled in")
             }
+            Self::Acceleration(_) => f.write_str(
+                "a filter needs dynamik.a_max (P-AXIS-00008) of at most 0.25 mm or degrees per cycle²; lower it, or cycle_us",
+            ),
             Self::NoTransitionWeight(_) => f.write_str(
                 "ACC_FACT above 1 needs dynamik.a_trans_weight (P-AXIS-00013) above 0 on every filtered axis",
             ),

@@ -16,43 +16,48 @@ use super::{AxisWords, Kind, Layout, ONE};
 use crate::machine::FilterType;
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
-use core::sync::atomic::Ordering;
 
 /// Most taps of one side, and the one in the centre; one more for half a cycle.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// A tap that still fits its word.
-const LARGEST: i32 = 32_766;
-
 /// Distance of the window over which a mean is a running sum, LSB 2^-32 mm: 4096 mm or degrees.
 pub(super) const LONGEST_SUM: f32 = 4096.0;
 
-/// Lays out the samples of an axis, for a channel that delays by half of `delay` cycles; `reach` is the
-/// distance of its fastest motion per cycle, mm. Writes its taps.
+/// Which samples of an axis count, for a channel that delays by half of `delay` cycles; `reach` is the
+/// distance of its fastest motion per cycle, mm.
+pub(super) fn layout(design: &Design, delay: u32, reach: f32) -> Layout {
+    let odd = (delay ^ design.delay()) & 1;
+    let order = own_order(design);
+    if order == 0 && odd == 0 {
+        return Layout { kind: Kind::Delay, newest: delay / 2, length: 1 };
+    }
+    let length = order + 1 + odd;
+    let newest = (delay - order - odd) / 2;
+    let mean = design.kind == FilterType::Average && design.share >= 1.0;
+    let runs = mean && odd == 0 && order > 1 && reach * (length as f32) < LONGEST_SUM;
+    Layout { kind: if runs { Kind::Mean } else { Kind::Taps }, newest, length }
+}
+
+/// A time delay has no taps of its own: they are half a cycle wide.
+fn own_order(design: &Design) -> u32 {
+    if design.kind == FilterType::Delay { 0 } else { design.order }
+}
+
+/// The same, and writes its taps.
 pub(super) fn build<const TAPS: usize>(
     design: &Design,
     delay: u32,
     reach: f32,
     words: &AxisWords<TAPS>,
 ) -> Layout {
-    let own = design.delay();
-    let odd = (delay ^ own) & 1;
-    let is_delay = design.order == 0 || design.kind == FilterType::Delay;
-    if is_delay && odd == 0 {
-        return Layout { kind: Kind::Delay, newest: delay / 2, length: 1 };
+    let layout = layout(design, delay, reach);
+    if layout.kind == Kind::Taps {
+        let order = own_order(design);
+        let mut weights = [0.0; SIDE];
+        let sum = weigh(design, order, layout.length - 1 - order, &mut weights);
+        quantise(&weights, layout.length, sum, if order == 0 { 1.0 } else { design.share }, words);
     }
-    let order = if is_delay { 0 } else { design.order };
-    let length = order + 1 + odd;
-    // A time delay has no taps of its own: they are half a cycle wide.
-    let newest = (delay - order - odd) / 2;
-    let mean = design.kind == FilterType::Average && design.share >= 1.0;
-    if mean && odd == 0 && order > 1 && reach * (length as f32) < LONGEST_SUM {
-        return Layout { kind: Kind::Mean, newest, length };
-    }
-    let mut weights = [0.0; SIDE];
-    let sum = weigh(design, order, odd, &mut weights);
-    quantise(&weights, length, sum, if is_delay { 1.0 } else { design.share }, words);
-    Layout { kind: Kind::Taps, newest, length }
+    layout
 }
 
 /// Weights of the outer taps and the centre; the sum of all.
@@ -151,29 +156,15 @@ fn quantise<const TAPS: usize>(
     share: f32,
     words: &AxisWords<TAPS>,
 ) {
-    let pairs = (length / 2) as usize;
-    let two = length.is_multiple_of(2);
-    // What goes to the two taps in the centre, or to the one.
-    let last = if two { pairs - 1 } else { pairs };
+    // All but the pair in the centre, or the single tap that is one of halves.
+    let outer = (length.div_ceil(2) as usize).saturating_sub(1);
     let scale = share * ONE as f32 / sum;
-    let mut rest = ONE;
-    for (weight, tap) in weights.iter().zip(&words.taps).take(last) {
+    let mut rest = ONE / 2;
+    for (k, weight) in weights.iter().enumerate().take(outer) {
         let scaled = weight * scale;
         let rounded = if scaled < 0.0 { -((0.5 - scaled) as i32) } else { (scaled + 0.5) as i32 };
-        tap.store(rounded as u16, Ordering::Relaxed);
-        rest -= 2 * rounded;
+        words.set_pair(k, rounded);
+        rest -= rounded;
     }
-    if two {
-        rest /= 2;
-    } else if rest > LARGEST
-        && let Some(next) = last.checked_sub(1).and_then(|next| words.taps.get(next))
-    {
-        // One is more than a word holds: the neighbours take a little.
-        let more = (rest - LARGEST + 1) / 2;
-        next.store((next.load(Ordering::Relaxed) as i16 as i32 + more) as u16, Ordering::Relaxed);
-        rest -= 2 * more;
-    }
-    if let Some(centre) = words.taps.get(last) {
-        centre.store(rest as u16, Ordering::Relaxed);
-    }
+    words.set_pair(outer, rest);
 }

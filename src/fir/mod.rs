@@ -7,35 +7,39 @@
 //! | `shape` | what a kernel does to a motion: how far it deviates, what it makes of the limits |
 //! | `bank` | the planner's end: commands, and the change from one set of kernels to another at a standstill |
 //! | `step` | the interrupt's end: one set point per axis and tick |
+//! | `mean`, `taps` | what comes out in a tick |
 //!
 //! A filter of the order N has N + 1 symmetric taps and delays by N/2 cycles, a time delay by N. Every axis is
 //! delayed as long as the slowest one, so that the contour stays together. Its window are the cycles that one
 //! set point acts in: so long after the last motion the axes stand where the path stands, to the last bit.
 //!
 //! A channel without filters has [`Unfiltered`] in their place: it has no memory, and takes no instruction.
-//! Filters need [`Filters`], static memory of `TAPS` samples per axis: the highest order is `TAPS` − 1.
-//! Each sample takes 8 bytes, each tap of a symmetric pair 2: 10 bytes per tap.
+//! Filters need [`Filters`], static memory of `TAPS` samples per axis: the highest order is `TAPS` − 1, `TAPS`
+//! even. Each sample takes 8 bytes, a tap 1 on either side, as both of a symmetric pair are one: 10 bytes.
 //!
 //! A set point is rounded with what rounding left of the one before: sums are kept, and it is off by less than
 //! an LSB (2^-32 mm). Its third difference is off by less than 8, besides what the filter makes of the path's.
 mod bank;
 mod design;
 mod kernel;
+mod mean;
 mod shape;
 mod step;
+mod taps;
 
 pub use bank::{Bank, Fate};
 pub use design::FilterError;
 pub use shape::Watch;
 pub(crate) use shape::{CLOSE, GOING_ON, SHORT};
 pub use step::Filtered;
+pub(crate) use taps::REACH;
 
 use crate::machine::MachineData;
 use crate::nc;
 use crate::quantity::Position;
 use crate::queue::Lag;
 use bank::Settings;
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use step::State;
 
 /// Sum of the taps of a kernel: one.
@@ -188,7 +192,7 @@ impl<const AXES: usize> FilterPlan<AXES> for Unfiltered {
     }
 }
 
-/// Memory of the filters of a channel with `AXES` axes, of the order `TAPS` − 1 at most. All bits zero when
+/// Memory of the filters of a channel with `AXES` axes, of the order `TAPS` − 1 at most, `TAPS` even. All bits zero when
 /// new, so that a static one lies in `.bss`.
 pub struct Filters<const AXES: usize, const TAPS: usize> {
     words: Words<AXES, TAPS>,
@@ -269,8 +273,8 @@ struct AxisWords<const TAPS: usize> {
     kind: AtomicU32,
     newest: AtomicU32,
     length: AtomicU32,
-    /// The outermost first, up to the one in the centre.
-    taps: [AtomicU16; TAPS],
+    /// Two bytes for each pair of taps, the outermost first. A single tap in the centre is a pair of halves.
+    taps: [AtomicU8; TAPS],
     /// The interrupt's: largest deviation, LSB 2^-32 mm.
     deviation: AtomicU32,
 }
@@ -294,7 +298,24 @@ impl<const AXES: usize, const TAPS: usize> Words<AXES, TAPS> {
 impl<const TAPS: usize> AxisWords<TAPS> {
     const fn new() -> Self {
         let [kind, newest, length, deviation] = [const { AtomicU32::new(0) }; 4];
-        Self { kind, newest, length, taps: [const { AtomicU16::new(0) }; TAPS], deviation }
+        Self { kind, newest, length, taps: [const { AtomicU8::new(0) }; TAPS], deviation }
+    }
+
+    /// A tap of each pair, from the outside in.
+    fn pairs(&self) -> impl Iterator<Item = i32> {
+        let bytes = self.taps.as_chunks::<2>().0.iter();
+        let tap = |bytes: &[AtomicU8; 2]| {
+            i16::from_ne_bytes(bytes.each_ref().map(|byte| byte.load(Ordering::Relaxed)))
+        };
+        bytes.map(move |bytes| tap(bytes).into())
+    }
+
+    fn set_pair(&self, number: usize, tap: i32) {
+        if let Some(bytes) = self.taps.as_chunks::<2>().0.get(number) {
+            for (byte, value) in bytes.iter().zip((tap as i16).to_ne_bytes()) {
+                byte.store(value, Ordering::Relaxed);
+            }
+        }
     }
 
     fn set_layout(&self, layout: &Layout) {

@@ -15,7 +15,6 @@
 //! | | all steps, as the acceleration of a curve: steps per time | 0.455 |
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::math::float::{max, min};
-use core::sync::atomic::Ordering;
 
 /// Part of AX_DEV for acceleration.
 pub(super) const ACCELERATION: f32 = 0.91;
@@ -77,11 +76,12 @@ impl Shape {
         let window = layout.length.saturating_sub(1) as f32;
         let mut shape = Self { window, tap: 1.0 / total, ..Self::NONE };
         if layout.kind == Kind::Taps {
-            let (mut gain, mut largest, pairs) = (0, 0, layout.length / 2);
-            for (k, tap) in (0..layout.length - pairs).zip(&words.taps) {
-                let size = (tap.load(Ordering::Relaxed) as i16 as i32).abs();
-                gain += if k < pairs { 2 * size } else { size };
-                largest = largest.max(size);
+            let (mut gain, mut largest, pairs) = (0, 0, layout.length.div_ceil(2));
+            for (k, tap) in (1..=pairs).zip(words.pairs()) {
+                // The centre of an odd number is a pair of halves.
+                let size = if k == pairs && !layout.length.is_multiple_of(2) { 2 * tap } else { tap };
+                gain += 2 * tap.abs();
+                largest = largest.max(size.abs());
             }
             shape.tap = largest as f32 / ONE as f32;
             shape.gain = if gain > ONE { gain as f32 / ONE as f32 * (2.0 - MARGIN) } else { 1.0 };
@@ -146,8 +146,8 @@ fn second_sums<const TAPS: usize>(
     let outer = if layout.length.is_multiple_of(2) { pairs.saturating_sub(1) } else { pairs };
     let mean = layout.kind == Kind::Mean;
     let (mut first, mut second) = (0, 0);
-    for (k, tap) in words.taps.iter().enumerate().take(outer) {
-        first += if mean { 1 } else { tap.load(Ordering::Relaxed) as i16 as i32 };
+    for (k, tap) in words.pairs().enumerate().take(outer) {
+        first += if mean { 1 } else { tap };
         second += first;
         each(pairs - 1 - k, second);
     }

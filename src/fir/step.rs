@@ -1,22 +1,17 @@
 //! The interrupt's end: one set point per axis and tick, in integers, without a division.
 //!
-//! A mean is a running sum that is never summed up: n·y grows by what the newest sample is more than the
-//! oldest one. Symmetric taps multiply the sum of a pair. What rounding leaves of a set point is added to the
-//! next one: over a motion, the sum of what comes out is that of what went in, and where the path rests the
-//! set point is that of the path to the last bit.
+//! What rounding leaves of a set point is added to the next one: over a motion, the sum of what comes out is
+//! that of what went in, and where the path rests the set point is that of the path to the last bit.
 use super::bank::{COARSE, PLAIN};
-use super::{AxisWords, FilterTick, Kind, Layout, ONE, Words};
+use super::mean::Mean;
+use super::taps::{Taps, Window};
+use super::{AxisWords, FilterTick, Kind, Layout, Words};
 use crate::quantity::Position;
 use crate::queue::Lag;
-use core::sync::atomic::{AtomicU16, Ordering};
+use core::sync::atomic::Ordering;
 
 /// Samples per tick and axis that are filled with a new position.
 const FILLED: usize = 8;
-
-/// Shift of a difference before it is divided, and what is added to a remainder so that it is never negative:
-/// that many divisors.
-const SCALE: u32 = 13;
-const BIAS: u32 = 14;
 
 /// What the interrupt remembers.
 pub(super) struct State<const AXES: usize, const TAPS: usize> {
@@ -42,19 +37,24 @@ pub(super) struct State<const AXES: usize, const TAPS: usize> {
 
 /// One axis.
 struct Axis<const TAPS: usize> {
-    samples: [i64; TAPS],
+    samples: Samples<TAPS>,
+    /// The taps as [`AxisWords`] has them.
+    kernel: [u8; TAPS],
     layout: Layout,
-    /// 2^32 by the length, up.
-    factor: i32,
-    /// Remainders of the last two set points: of a mean with [`BIAS`].
-    rest: [i32; 2],
+    window: Window,
+    mean: Mean,
+    taps: Taps,
 }
+
+/// Memory of the last ticks: positions, or second differences, each of them twice so that any window of them
+/// lies in one piece.
+struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
 
 impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
     /// All bits zero.
     pub const fn new() -> Self {
         Self {
-            axes: [const { Axis { samples: [0; TAPS], layout: PLAIN_ZERO, factor: 0, rest: [0; 2] } }; AXES],
+            axes: [const { Axis::ZERO }; AXES],
             out: [Position::ZERO; AXES],
             at: 0,
             distance: 0,
@@ -69,8 +69,6 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
         }
     }
 }
-
-const PLAIN_ZERO: Layout = Layout { length: 0, ..PLAIN };
 
 /// The interrupt's end of [`super::Filters`].
 pub struct Filtered<'a, const AXES: usize, const TAPS: usize> {
@@ -105,15 +103,22 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         state.runs = false;
         state.out = *path;
         let from = state.filled;
-        for (axis, position) in state.axes.iter_mut().zip(path) {
-            axis.samples.iter_mut().skip(from).take(FILLED).for_each(|sample| *sample = position.to_bits());
+        for ((axis, words), position) in state.axes.iter_mut().zip(&words.axes).zip(path) {
+            let sample = match words.layout().kind {
+                Kind::Taps => 0,
+                _ => position.to_bits(),
+            };
+            axis.samples.0.iter_mut().skip(from).take(FILLED).for_each(|slot| *slot = split(sample));
+            for (own, byte) in axis.kernel.iter_mut().zip(&words.taps).skip(from).take(FILLED) {
+                *own = byte.load(Ordering::Relaxed);
+            }
         }
         state.filled = from + FILLED;
         if state.filled < TAPS {
             return;
         }
-        for (axis, words) in state.axes.iter_mut().zip(&words.axes) {
-            axis.begin(words);
+        for ((axis, words), position) in state.axes.iter_mut().zip(&words.axes).zip(path) {
+            axis.begin(words, position.to_bits());
         }
         let delay = words.delay.load(Ordering::Relaxed);
         state.delayed = [delay / 2, delay.div_ceil(2)];
@@ -132,8 +137,8 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         let State { axes, out, at, .. } = &mut *self.state;
         let next = *at + 1;
         *at = if next >= TAPS { 0 } else { next };
-        for (((axis, words), x), y) in axes.iter_mut().zip(&self.words.axes).zip(path).zip(out) {
-            axis.step(*at, &words.taps, x.to_bits(), y);
+        for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {
+            axis.step(*at, x.to_bits(), y);
         }
         if self.state.tolerance != 0 {
             self.monitor();
@@ -143,9 +148,9 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
     /// Keeps the largest deviations from the delayed set points.
     #[inline(never)]
     fn monitor(&mut self) {
-        let State { axes, out, at, delayed: [later, earlier], .. } = &*self.state;
-        for ((axis, words), y) in axes.iter().zip(&self.words.axes).zip(out) {
-            let [later, earlier] = [later, earlier].map(|age| axis.sample(*at, *age));
+        let State { axes, out, at, delayed, .. } = &mut *self.state;
+        for ((axis, words), y) in axes.iter_mut().zip(&self.words.axes).zip(out) {
+            let [later, earlier] = axis.delayed(*at, *delayed);
             // The mean of both: of half cycles.
             let twice = later.wrapping_add(earlier).wrapping_sub(y.to_bits().wrapping_mul(2));
             let coarse = twice.unsigned_abs().wrapping_add((2 << COARSE) - 1) >> (COARSE + 1);
@@ -178,6 +183,11 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
         } else if state.rested < state.window {
             state.rested += 1;
             if state.rested == state.window {
+                for (axis, words) in state.axes.iter().zip(&self.words.axes) {
+                    if axis.taps.is_passed {
+                        words.deviation.store(u32::MAX, Ordering::Relaxed);
+                    }
+                }
                 self.words.unsettled.store(0, Ordering::Release);
             }
         }
@@ -209,160 +219,105 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
 }
 
 impl<const TAPS: usize> Axis<TAPS> {
-    /// With the kernel written for it, at rest where all samples are.
-    fn begin(&mut self, words: &AxisWords<TAPS>) {
+    const ZERO: Self = Self {
+        samples: Samples([[0; 2]; TAPS]),
+        kernel: [0; TAPS],
+        layout: Layout { length: 0, ..PLAIN },
+        window: Window::ZERO,
+        mean: Mean::ZERO,
+        taps: Taps::ZERO,
+    };
+
+    /// With the kernel written for it, at rest at `x`.
+    fn begin(&mut self, words: &AxisWords<TAPS>, x: i64) {
         self.layout = words.layout();
         words.deviation.store(0, Ordering::Relaxed);
-        let length = self.layout.length.max(1);
-        (self.factor, self.rest) = (0, [0; 2]);
-        if self.layout.kind == Kind::Mean {
-            // Once per change, not in a tick of motion.
-            self.factor = (u32::MAX / length).wrapping_add(1) as i32;
-            self.rest = [(length << BIAS) as i32; 2];
-        }
-    }
-
-    /// The sample of that age; `at` is the place of the newest.
-    #[inline(always)]
-    fn sample(&self, at: usize, age: u32) -> i64 {
-        self.samples.get(Self::place(at, age)).copied().unwrap_or(0)
+        self.window = Window::of::<TAPS>(&self.layout);
+        self.mean = Mean::of(self.layout.length);
+        self.taps = Taps::at(x);
     }
 
     #[inline(always)]
-    const fn place(at: usize, age: u32) -> usize {
-        let place = at.wrapping_sub(age as usize);
-        if place > at { place.wrapping_add(TAPS) } else { place }
-    }
-
-    #[inline(always)]
-    fn step(&mut self, at: usize, taps: &[AtomicU16; TAPS], x: i64, y: &mut Position) {
-        let Layout { kind, newest, length } = self.layout;
-        match kind {
-            Kind::Mean => {
-                // Before the new sample is put in: with the longest window both have one place.
-                let oldest = self.sample(at, newest + length);
-                self.put(at, x);
-                let newest = if newest == 0 { x } else { self.sample(at, newest) };
-                let grows = newest.wrapping_sub(oldest);
-                *y = Position::from_bits(y.to_bits().wrapping_add(self.mean(grows, length)));
-            }
-            Kind::Taps => {
-                self.put(at, x);
-                *y = Position::from_bits(self.multiply(at, taps));
-            }
+    fn step(&mut self, at: usize, x: i64, y: &mut Position) {
+        *y = Position::from_bits(match self.layout.kind {
+            Kind::Mean => y.to_bits().wrapping_add(self.average(at, x)),
+            Kind::Taps => y.to_bits().wrapping_add(self.weigh(at, x)),
             Kind::Delay => {
-                self.put(at, x);
-                *y = Position::from_bits(self.sample(at, newest));
+                self.samples.put_position(at, x);
+                self.samples.position(at, self.layout.newest)
             }
-        }
+        });
     }
 
-    #[inline(always)]
-    fn put(&mut self, at: usize, x: i64) {
-        if let Some(slot) = self.samples.get_mut(at) {
-            *slot = x;
-        }
-    }
-
-    /// How much a mean of `length` samples grows where their sum does by `grows`, below 2^44.
-    ///
-    /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″
-    /// − r. The quotient is found in two steps: of the upper bits, then of what is left.
-    #[inline(always)]
-    fn mean(&mut self, grows: i64, length: u32) -> i64 {
-        let factor = i64::from(self.factor);
-        let [last, before] = self.rest;
-        let upper = ((((grows >> SCALE) as i32 as i64) * factor) >> 32) as i32;
-        let left = (grows as i32)
-            .wrapping_sub((upper << SCALE).wrapping_mul(length as i32))
-            .wrapping_add(2 * last - before);
-        let lower = ((left as i64 * factor) >> 32) as i32 - (1 << BIAS);
-        let rest = left.wrapping_sub(lower.wrapping_mul(length as i32));
-        self.rest = [rest, last];
-        (i64::from(upper) << SCALE).wrapping_add(i64::from(lower))
-    }
-
-    /// Σ h·x.
-    ///
-    /// The samples lie in two runs, behind and before the place of the newest one. A pair may have both in one
-    /// run or one in each: that changes once.
-    #[inline(always)]
-    fn multiply(&mut self, at: usize, taps: &[AtomicU16; TAPS]) -> i64 {
-        let Layout { newest, length, .. } = self.layout;
-        let last = Self::place(at, newest);
-        let first = Self::place(at, newest + length - 1);
-        let pairs = (length / 2) as usize;
-        let (older, newer) = if first <= last {
-            (self.samples.get(first..=last).unwrap_or(&[]), &[][..])
-        } else {
-            (self.samples.get(first..).unwrap_or(&[]), self.samples.get(..=last).unwrap_or(&[]))
-        };
-        let both = older.len().min(newer.len());
-        let mut sum = Sum { lower: 0, upper: 0 };
-        let (apart, inner) = taps.as_slice().split_at_checked(both).unwrap_or((&[], taps));
-        // As many of each: groups of four begin alike.
-        let (first, last) = (older.get(..both), newer.get(newer.len() - both..));
-        sum.pairs(first.unwrap_or(&[]), last.unwrap_or(&[]), apart);
-        let run = if older.len() > both {
-            older.get(both..).unwrap_or(&[])
-        } else {
-            newer.get(..newer.len() - both).unwrap_or(&[])
-        };
-        let half = run.len() / 2;
-        let behind = run.get(run.len() - half..).unwrap_or(&[]);
-        sum.pairs(run.get(..half).unwrap_or(&[]), behind, inner.get(..half).unwrap_or(&[]));
-        if length & 1 == 1
-            && let (Some(tap), Some(centre)) = (taps.get(pairs), run.get(half))
-        {
-            sum.add(tap, *centre);
-        }
-        // Modulo 2^64; about the centre it fits.
-        let about = run.get(half).or(newer.last()).copied().unwrap_or(0);
-        let [rest, _] = self.rest;
-        let left = sum.total().wrapping_sub(about.wrapping_mul(i64::from(ONE))).wrapping_add(i64::from(rest));
-        self.rest[0] = left as i32 & (ONE - 1);
-        about.wrapping_add(left >> ONE.trailing_zeros())
-    }
-}
-
-/// Modulo 2^64: lower + upper·2^32.
-struct Sum {
-    lower: i64,
-    upper: i32,
-}
-
-impl Sum {
-    #[inline(always)]
-    fn add(&mut self, tap: &AtomicU16, x: i64) {
-        let tap = i32::from(tap.load(Ordering::Relaxed) as i16);
-        // Both words signed.
-        let lower = x as i32;
-        let upper = ((x >> 32) as i32).wrapping_add((x as u32 >> 31) as i32);
-        self.lower = self.lower.wrapping_add(i64::from(lower) * i64::from(tap));
-        self.upper = self.upper.wrapping_add(upper.wrapping_mul(tap));
-    }
-
-    /// The first ones of `older` with the last ones of `newer`, as many as there are taps. Four at a time.
+    /// How much the set point of an axis with a mean moves. Its own function, as the next one: the tick has no
+    /// registers left for them.
     #[inline(never)]
-    fn pairs(&mut self, older: &[i64], newer: &[i64], taps: &[AtomicU16]) {
-        let mut sum = Self { ..*self };
-        let ((fours, older), (newer, reversed), (taps_of_fours, taps)) =
-            (older.as_chunks::<4>(), newer.as_rchunks::<4>(), taps.as_chunks::<4>());
-        for (([a0, a1, a2, a3], [b3, b2, b1, b0]), [t0, t1, t2, t3]) in
-            fours.iter().zip(reversed.iter().rev()).zip(taps_of_fours)
-        {
-            sum.add(t0, a0.wrapping_add(*b0));
-            sum.add(t1, a1.wrapping_add(*b1));
-            sum.add(t2, a2.wrapping_add(*b2));
-            sum.add(t3, a3.wrapping_add(*b3));
+    fn average(&mut self, at: usize, x: i64) -> i64 {
+        let Layout { newest, length, .. } = self.layout;
+        // Before the new sample is put in: with the longest window both have one place.
+        let mut grows = x.wrapping_sub(self.samples.position(at, newest + length));
+        self.samples.put_position(at, x);
+        if newest > 0 {
+            grows = grows.wrapping_sub(x).wrapping_add(self.samples.position(at, newest));
         }
-        for ((a, b), tap) in older.iter().zip(newer.iter().rev()).zip(taps) {
-            sum.add(tap, a.wrapping_add(*b));
-        }
-        *self = sum;
+        self.mean.grow(grows, length)
     }
 
-    fn total(&self) -> i64 {
-        self.lower.wrapping_add(i64::from(self.upper) << 32)
+    /// The same of an axis with taps.
+    #[inline(never)]
+    fn weigh(&mut self, at: usize, x: i64) -> i64 {
+        let second = self.taps.take(x);
+        self.samples.put_difference(at, second);
+        let sum = self.window.weigh(self.samples.0.as_flattened(), &self.kernel, at, self.taps.carried());
+        self.taps.give(sum)
+    }
+
+    /// The positions of these ages; `at` is the place of the newest. Once per tick.
+    fn delayed(&mut self, at: usize, ages: [u32; 2]) -> [i64; 2] {
+        if self.layout.kind == Kind::Taps {
+            let [later, earlier] = ages;
+            let second = self.samples.difference(at, later);
+            let [now, before] = self.taps.late(second);
+            [now, if earlier > later { before } else { now }]
+        } else {
+            ages.map(|age| self.samples.position(at, age))
+        }
+    }
+}
+
+const fn split(position: i64) -> [i32; 2] {
+    [position as i32, (position >> 32) as i32]
+}
+
+impl<const TAPS: usize> Samples<TAPS> {
+    #[inline(always)]
+    fn put_position(&mut self, at: usize, x: i64) {
+        if let Some(slot) = self.0.get_mut(at) {
+            *slot = split(x);
+        }
+    }
+
+    /// The position of that age; `at` is the place of the newest.
+    #[inline(always)]
+    fn position(&self, at: usize, age: u32) -> i64 {
+        let place = at.wrapping_sub(age as usize);
+        let place = if place > at { place.wrapping_add(TAPS) } else { place };
+        let [lower, upper] = self.0.get(place).copied().unwrap_or([0; 2]);
+        i64::from(upper) << 32 | i64::from(lower as u32)
+    }
+
+    #[inline(always)]
+    fn put_difference(&mut self, at: usize, second: i32) {
+        if let Some((first, again)) = self.0.as_flattened_mut().split_at_mut_checked(TAPS)
+            && let (Some(slot), Some(copy)) = (first.get_mut(at), again.get_mut(at))
+        {
+            (*slot, *copy) = (second, second);
+        }
+    }
+
+    /// The second difference of that age.
+    #[inline(always)]
+    fn difference(&self, at: usize, age: u32) -> i32 {
+        self.0.as_flattened().get((at + TAPS).wrapping_sub(age as usize)).copied().unwrap_or(0)
     }
 }

@@ -428,6 +428,13 @@ impl Single {
                 }
                 Ok(true)
             }
+            Goal::Swing(swing) if swing.left == Some(0) => {
+                // Before its rest: there is none behind the last stroke. Behind a hold it may stand elsewhere.
+                let is_there = self.at == fine(self.course.ends[1]);
+                let again = Goal::Swing(Swing { left: Some(1), ..swing });
+                self.goal = if is_there { Goal::Rest } else { again };
+                Ok(true)
+            }
             Goal::Swing(swing) if swing.rest > 0 => {
                 let ticks = swing.rest.min(LONGEST_REST);
                 self.goal = Goal::Swing(Swing { rest: swing.rest - ticks, ..swing });
@@ -441,13 +448,6 @@ impl Single {
                     ready: 0,
                 });
                 self.emitter = Emitter::new();
-                Ok(true)
-            }
-            Goal::Swing(swing) if swing.left == Some(0) => {
-                // Behind a hold it may stand elsewhere.
-                let is_there = self.at == fine(self.course.ends[1]);
-                let again = Goal::Swing(Swing { left: Some(1), ..swing });
-                self.goal = if is_there { Goal::Rest } else { again };
                 Ok(true)
             }
             Goal::Swing(swing) => self.lay_swing(before, swing, v),

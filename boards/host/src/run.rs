@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 pub const BLOCKS: usize = 500;
 
 /// Samples of the filter of an axis: the highest order is 200.
-const TAPS: usize = 201;
+const TAPS: usize = 202;
 
 /// Axes that may move beside the path at once.
 pub const OVERLAYS: usize = 6;
