@@ -464,6 +464,29 @@ fn random_programs_stalled() {
     assert!(faults == 0, "{faults} of 200: {first}");
 }
 
+/// Random programs of a slow planner that gets no time within a few ticks behind each command.
+#[test]
+fn random_programs_stalled_behind_commands() {
+    let mut faults = Vec::new();
+    for seed in host_tests::seeds::seeds(0..200, 20) {
+        let (program, machine, mut random) = random_setup(seed);
+        let acts = random_acts(&mut random, 3000);
+        let mut acts = with_overrides(&mut random, 3000, acts);
+        let commands: Vec<_> = acts.iter().map(|(tick, _)| *tick).collect();
+        for tick in commands {
+            let behind = tick + (random.bits() % 10) as usize;
+            acts.push((behind, Act::Stall(400 + (random.bits() % 400) as usize)));
+        }
+        acts.sort_by_key(|(tick, _)| *tick);
+        let polls = 1 + (random.bits() % 3) as usize;
+        let run = operate::<3, 120>(&program, &machine, &acts, polls);
+        if let Err(fault) = run.and_then(|run| judge(&program, &machine, &run)) {
+            faults.push(format!("seed {seed}, {acts:?}, {polls} polls: {fault}"));
+        }
+    }
+    assert!(faults.is_empty(), "{} faults, {}", faults.len(), faults[0]);
+}
+
 #[test]
 fn stalls_with_step() {
     all(0);
@@ -571,6 +594,59 @@ fn a_stall_behind_a_command(slope: u8, polls: &[usize]) {
             }
         }
     }
+}
+
+/// Short spans whose limits differ: the way to a standstill has a law for each, and takes many calls.
+fn short_spans() -> (String, MachineData<3>) {
+    let mut text = String::from("G01 F20000\n");
+    for k in 1..=150 {
+        let [x, y] = [f64::from(k) * 1.9, [0.0, 0.55, 0.7, 0.2, -0.1][k as usize % 5]];
+        text += &match k % 10 {
+            9 => format!("G03 X{x:.3} Y{y:.3} R4\n"),
+            _ => format!("G01 X{x:.3} Y{y:.3} Z{:.3}\n", f64::from(k * k % 7) * 0.1),
+        };
+    }
+    let mut machine = machines::mill(1000);
+    for (axis, a) in machine.axes.iter_mut().zip([1500, 2600, 900]) {
+        (axis.a_max, axis.a_grenz, axis.vb_max_red) = (a, a, 20_000);
+        (axis.a_beschl, axis.a_brems) = (a, a);
+        (axis.a_stufe, axis.a_grenz_stufe) = ([a; 2], [a; 2]);
+    }
+    (text + "M30\n", machine)
+}
+
+/// A slow planner is kept from its work between the calls that it takes to change what is in the queue, or to
+/// start from rest. At each tick there is a way to a standstill all the same.
+#[test]
+fn a_stall_within_a_change() {
+    let mut faults = Vec::new();
+    let (text, mut machine) = short_spans();
+    for slope in 0..4 {
+        machine.channel.slope_profile = slope;
+        let limits: Vec<_> =
+            machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect();
+        for (polls, at) in
+            [1, 2, 3].into_iter().flat_map(|polls| (20..900).step_by(9).map(move |at| (polls, at)))
+        {
+            // It stands, starts, and is stalled. Behind that it starts again, and is stalled again.
+            let act = [Act::Override(1500), Act::Override(50), Act::Resume][at % 3];
+            let behind = at + 400;
+            let first = behind + 1 + at % 7;
+            let acts = [
+                (at, Act::Hold),
+                (behind, Act::Resume),
+                (first, Act::Stall(1000)),
+                (first + 500, act),
+                (first + 1001 + at % 11, Act::Stall(5000)),
+                (first + 6000, Act::Override(1000)),
+            ];
+            let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &acts, polls);
+            if let Err(fault) = run.and_then(|run| check::limits(&run.trace, &limits)) {
+                faults.push(format!("slope {slope}, {act:?} at {at}, {polls} calls: {fault}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{} faults: {:#?}", faults.len(), &faults[..faults.len().min(5)]);
 }
 
 fn stall_behind(

@@ -7,7 +7,7 @@
 //! end differs. Otherwise the old law holds, and the motion goes on from rest.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
-use crate::queue::{Change, PHASES};
+use crate::queue::PHASES;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Before the first block of the look-ahead, a gate.
@@ -114,8 +114,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         {
             return false;
         }
-        let Some(motion) = self.motion_at(at).filter(|_| self.drop_reserve()) else { return false };
-        let before = self.frontier;
+        let Some(motion) = self.motion_at(at).filter(|_| !self.queue.clock.has_left()) else { return false };
+        self.begin_change(at, Some((k, committed)));
         if let Some(committed) = self.committed.get_mut(k) {
             committed.span.v_out = v_out;
             committed.span.checked &= committed.span.blocks == 1;
@@ -128,19 +128,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.frontier.speed > Speed::ZERO
             && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
         {
-            let change = Change::begin(&mut self.queue.phases);
             self.put(rest);
             self.hand_out();
-            if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
-                self.orders.mode.cut = Some(cut);
-                return true;
-            }
+            self.frontier.rests = false;
+            return self.join_change();
         }
-        // Everything as before.
-        self.frontier = before;
-        if let Some(old) = self.committed.get_mut(k) {
-            *old = committed;
-        }
+        self.undo();
         false
     }
 

@@ -86,6 +86,11 @@ impl CommittedSpan {
         ReleasedSpan { length, v_in, ..self.span }.enter()
     }
 
+    /// Speed planned at its start as it was released.
+    pub const fn planned(&self) -> Speed {
+        self.released.1
+    }
+
     /// Path distance of its end.
     pub const fn end(&self) -> i64 {
         self.start.to_bits().wrapping_add(self.span.length.to_bits())

@@ -94,14 +94,14 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn new(span: &ReleasedSpan, end: i64, fall: Option<&Fall>) -> Self {
+    fn new(span: &ReleasedSpan, v_in: Speed, end: i64, fall: Option<&Fall>) -> Self {
         let mut limits = Limits { a_down: span.a_down, ..span.limits };
         if let Some(fall) = fall {
             limits.fall_from(fall);
         }
         Self {
             limits,
-            v_in: span.v_in,
+            v_in,
             v_slow: span.slow.shared,
             v_least: min(span.slow.least, span.limits.v),
             is_uneven: span.is_uneven(),
@@ -235,7 +235,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             cursor.k += 1;
-            return Some(Stretch::new(&committed.span, committed.end(), cursor.fall.as_ref()));
+            let (span, v_in) = (&committed.span, committed.planned());
+            return Some(Stretch::new(span, v_in, committed.end(), cursor.fall.as_ref()));
         }
         if cursor.ahead.next == usize::MAX || !self.lookahead.ring.scan(cursor.ahead.next, span, ends) {
             return None;
@@ -245,7 +246,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         cursor.ahead = Ahead { next: cursor.ahead.next + usize::from(span.blocks), distance: end };
-        Some(Stretch::new(span, end, cursor.fall.as_ref()))
+        Some(Stretch::new(span, span.v_in, end, cursor.fall.as_ref()))
     }
 
     /// What so many spans permit to a slowing down, the end of the last of them, and the speed planned there.

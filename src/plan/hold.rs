@@ -18,7 +18,7 @@ use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
 use super::{
-    Brake, Commands, Control, Distance, Instant, PIECES, Planning, RingStage, Speed, Time, Unplannable, Work,
+    Brake, Commands, Control, Distance, Instant, Planning, RingStage, Speed, Time, Unplannable, Work,
 };
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
@@ -31,9 +31,6 @@ pub const REACTION: u32 = 4;
 /// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before
 /// it, and there is one change at a time.
 const NEAR: u32 = 64;
-
-/// How often the call that changes the laws in the queue goes on with the way to a standstill behind them.
-const WAYS: u32 = 5;
 
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
@@ -48,7 +45,7 @@ pub(super) struct Mode {
     /// Laws in the queue may have been made for another pace.
     pub(super) adjusting: bool,
     /// Spans without a law may have had one before, which began at another speed.
-    uneven: bool,
+    pub(super) uneven: bool,
     /// The law with the emitter ends in it.
     pub(super) halting: bool,
     /// It is handed out.
@@ -271,11 +268,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
         let now = self.queue.clock.now();
         self.trim();
-        if self.orders.mode.tried == Some(now) || self.orders.mode.cut.is_some() {
+        let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
+        if waits || self.orders.mode.tried == Some(now) || self.orders.mode.cut.is_some() {
             return None;
         }
         self.orders.mode.tried = Some(now);
-        let at = now.wrapping_add(clock::TICK * REACTION);
+        let at = now.wrapping_add(clock::TICK * self.orders.lead);
         let at = if clock::is_before(at, self.frontier.end) { at } else { self.frontier.end };
         let begun = |committed: &CommittedSpan| !clock::is_before(at, committed.first);
         let later = (0..self.frontier.planned)
@@ -323,101 +321,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
-    /// from its start. `None`, and nothing has changed, if that came too late.
-    pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
-        let committed = *self.committed.get(k)?;
-        let before = (self.frontier, self.orders.mode);
-        let behind = self.reserve.behind;
-        let drops = at != self.frontier.end;
-        if self.queue.phases.room() < PIECES + 2 || !self.drop_reserve() {
-            return None;
-        }
-        let phases = &mut self.queue.phases;
-        let change = if drops { Change::begin(phases) } else { Change::append(phases) };
-        self.frontier.end = at;
-        self.frontier.planned = k;
-        self.orders.mode.uneven = true;
-        let mut made = Ok(());
-        if let Some(descent) = &descent {
-            self.frontier.emitter.resume_at(0);
-            self.go_down(k, descent);
-            self.hand_out();
-        } else {
-            self.frontier.emitter.resume_at(committed.next);
-            self.frontier.speed = committed.enters;
-        }
-        if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
-            // It stands before the span, and has no law to stand still by.
-            (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
-        } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
-            // So short a slowing down that it has no tick leaves it to the rest.
-            made = self.make_law();
-            if made.is_ok() {
-                self.hand_out();
-            }
-        }
-        if self.frontier.end == at && self.frontier.speed == Speed::ZERO {
-            // It stands there already.
-            // At the end of a law without a tick, or inside the span.
-            let ended = self
-                .frontier
-                .planned
-                .checked_sub(1)
-                .filter(|last| *last >= k)
-                .and_then(|last| self.committed.get(last));
-            let in_span = self.committed.get(k).map_or(committed.start, |committed| committed.start);
-            let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
-            let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
-            self.put_rest(stands.unwrap_or(in_span), 1);
-        }
-        if !drops && made.is_ok() {
-            self.changed(k);
-            self.secure_change();
-            return Some(Work::Working);
-        }
-        // Nothing was handed out for a law that failed.
-        if self.frontier.end == at {
-            change.abandon(&mut self.queue.phases, self.queue.clock);
-        } else if let Ok(cut) = change.commit(at, &mut self.queue.phases, self.queue.clock) {
-            self.changed(k);
-            self.orders.mode.cut = Some(cut);
-            self.secure_change();
-            return Some(Work::Working);
-        }
-        // Everything as before; again at the next tick.
-        (self.frontier, self.orders.mode) = before;
-        self.reserve.behind = behind;
-        if let Some(old) = self.committed.get_mut(k) {
-            *old = committed;
-        }
-        None
-    }
-
-    /// The span `k` has another law: those behind begin anew, but for those that a way down has passed.
-    fn changed(&mut self, k: usize) {
-        self.committed.from(k + 1).for_each(CommittedSpan::restore);
-        self.note_passed();
-    }
-
-    /// The reserve is gone with what was in the queue. The next one, or the tick of the standstill, follows
-    /// before the planner may be kept from its work.
-    fn secure_change(&mut self) {
-        self.end_law();
-        if self.orders.mode.halting && self.frontier.emitter.is_done() {
-            self.stand_inside();
-        } else if self.secure(self.reserve.near) {
-            for _ in 0..WAYS {
-                if !self.reserve.is_made() {
-                    break;
-                }
-                self.look_after();
-            }
-        }
-    }
-
     /// The law with the emitter, which ended inside a span, is handed out: a tick shows where it stands.
-    fn stand_inside(&mut self) {
+    pub(super) fn stand_inside(&mut self) {
         self.orders.mode.halting = false;
         self.orders.mode.standing = true;
         let stands = self.reserve.behind.map(Distance::from_bits);
@@ -437,7 +342,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Makes the law of the next span that has none, and leaves spans behind it as they are
     /// ([`Self::note_passed`]).
-    fn make_law(&mut self) -> Result<(), Unplannable> {
+    pub(super) fn make_law(&mut self) -> Result<(), Unplannable> {
         let (k, v_in) = (self.frontier.planned, self.frontier.speed);
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());
         let Some(mut committed) = self.committed.get_mut(k) else { return Ok(()) };

@@ -1,5 +1,6 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
 mod acknowledge;
+mod change;
 mod committed;
 mod descent;
 mod functions;
@@ -29,7 +30,7 @@ use committed::CommittedSpans;
 use core::mem::MaybeUninit;
 use functions::Functions;
 use held_line::HeldLine;
-use hold::Mode;
+use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
 
@@ -172,6 +173,8 @@ struct Frontier {
     end: u32,
     /// The law ends in a standstill.
     stops: bool,
+    /// What is in the queue ends at rest.
+    rests: bool,
 }
 
 /// The operator's commands, and what they make of the motion.
@@ -184,6 +187,8 @@ struct Orders {
     pace: Pace,
     /// A law could not be made: the motion stops, and what was taken in is forgotten.
     failed: bool,
+    /// Ticks from a command to the change.
+    lead: u32,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -253,7 +258,7 @@ impl Frontier {
     /// At rest; nothing is in the queue.
     fn start() -> Self {
         let emitter = Emitter::new();
-        Self { emitter, planned: 0, speed: Speed::ZERO, pending_dwell: 0, end: 0, stops: false }
+        Self { emitter, planned: 0, speed: Speed::ZERO, pending_dwell: 0, end: 0, stops: false, rests: true }
     }
 }
 
@@ -304,7 +309,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             committed,
             handed: Distance::ZERO,
             supply: Supply { low: 0, seen: 0 },
-            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace, failed: false },
+            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace, failed: false, lead: REACTION },
             functions,
             reserve: reserve.write(Reserve::none()),
             report: Report { begun: 0, planned: Planned::default() },
@@ -336,8 +341,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             return Ok(self.wait_a_while());
         }
         if !self.frontier.emitter.is_done() {
+            if self.frontier.rests && self.frontier.emitter.has_piece() {
+                return Ok(self.start());
+            }
             if self.hand_out() {
-                // From a standstill there is none yet.
                 if !self.reserve.is_kept() {
                     self.secure(self.reserve.near);
                 }
@@ -348,13 +355,39 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.go_on()
     }
 
+    /// The first pieces of a motion. With a plan that is at work it waits: the way to its end is not known.
+    fn start(&mut self) -> Work {
+        if self.task.stage == RingStage::Passing && !self.orders.mode.stopping {
+            self.step_pass();
+            return Work::Working;
+        }
+        if !self.begin_start() {
+            return Work::Waiting;
+        }
+        self.hand_out();
+        if self.reserve.pending.is_some() {
+            self.secure_change();
+        } else if !self.reserve.is_kept() {
+            self.secure(self.reserve.near);
+        }
+        Work::Working
+    }
+
+    /// A piece of the plan of the ring.
+    fn step_pass(&mut self) {
+        if let Some(blocks) = self.lookahead.step_pass() {
+            self.task.stage = RingStage::Releasing(blocks);
+            self.reserve.try_again();
+        }
+    }
+
     /// Where a law that ends in a standstill is handed out, what follows begins at a tick, and the end itself
     /// is in reserve.
     #[inline(always)]
     fn end_law(&mut self) {
         if self.frontier.stops && self.frontier.emitter.is_done() {
             self.frontier.emitter.settle();
-            self.frontier.stops = false;
+            (self.frontier.stops, self.frontier.rests) = (false, true);
             self.keep_end();
         }
     }
@@ -365,6 +398,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let more = self.frontier.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * ticks);
         if ticks > 0 {
+            self.frontier.rests = false;
             self.pass_end();
         }
         more
@@ -382,6 +416,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let now = ticks.min(LONGEST_REST);
         if now > 0 {
             self.put(Phase { distance: at, ticks: now as u16, ..Phase::BLANK });
+            self.frontier.rests = true;
         }
         ticks - now
     }
@@ -399,10 +434,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         match self.task.stage {
             RingStage::Passing => {
-                if let Some(blocks) = self.lookahead.step_pass() {
-                    self.task.stage = RingStage::Releasing(blocks);
-                    self.reserve.try_again();
-                }
+                self.step_pass();
                 Ok(Work::Working)
             }
             // A span of many blocks was handed on at once: what it took of the room of others comes back

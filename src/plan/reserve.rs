@@ -17,8 +17,9 @@
 //! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length
 //! of the blocks.
 //!
-//! A command of the operator that changes the laws in the queue takes the reserve back; the next one follows
-//! within a few calls.
+//! A command of the operator that changes the laws in the queue, and a start from rest, count when the next
+//! reserve is complete ([`super::change`]).
+use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
 use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
@@ -36,9 +37,9 @@ const LAWS: u32 = 1;
 
 /// What the interrupt will go on with.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+pub(super) struct Way {
     /// Its first instant, and the one at which it stands.
-    at: u32,
+    pub at: u32,
     end: u32,
     /// Path distance where it stands.
     stands: i64,
@@ -48,9 +49,9 @@ struct Way {
 
 /// What is put aside while such a way is made.
 #[derive(Clone, Copy, Debug)]
-struct Aside {
+pub(super) struct Aside {
     frontier: Frontier,
-    mode: Mode,
+    pub mode: Mode,
     spans: usize,
     /// A span that has another law meanwhile.
     touched: Option<(usize, CommittedSpan)>,
@@ -58,8 +59,15 @@ struct Aside {
 
 /// The reserve.
 pub(super) struct Reserve {
-    kept: Option<Way>,
-    aside: Option<Aside>,
+    pub kept: Option<Way>,
+    pub aside: Option<Aside>,
+    /// New pieces that count when it is complete.
+    pub pending: Option<Pending>,
+    /// The span that got another law so; the last of them was taken back; the next one waits for a plan of
+    /// the look-ahead.
+    pub changed: Option<usize>,
+    pub undone: bool,
+    pub waits: bool,
     /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that,
     /// and its path distance.
     next: usize,
@@ -73,7 +81,7 @@ pub(super) struct Reserve {
     waited: u32,
     pub near: u32,
     /// There was no room for the one that begins there.
-    failed: Option<u32>,
+    pub failed: Option<u32>,
     /// Path distance of the standstill, where spans up to there are still to be handed on.
     pub behind: Option<i64>,
 }
@@ -83,6 +91,10 @@ impl Reserve {
         Self {
             kept: None,
             aside: None,
+            pending: None,
+            changed: None,
+            undone: false,
+            waits: false,
             next: 0,
             distance: Distance::ZERO,
             as_planned: false,
@@ -104,6 +116,11 @@ impl Reserve {
         self.kept.is_some()
     }
 
+    /// A span that has a law is about to have another one.
+    pub fn renews_law(&self) -> bool {
+        self.pending.as_ref().is_some_and(Pending::is_command)
+    }
+
     /// The next block of the look-ahead, and its path distance.
     pub const fn ahead(&self) -> (usize, Distance) {
         (self.next, self.distance)
@@ -121,7 +138,7 @@ impl Reserve {
 
     /// The plan of the look-ahead is complete: what had no room before it may have some.
     pub const fn try_again(&mut self) {
-        self.failed = None;
+        (self.failed, self.waits) = (None, false);
     }
 
     /// The way being made ends there.
@@ -140,11 +157,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn look_after(&mut self) -> Work {
         if self.queue.clock.has_left() {
+            self.undo();
             self.take_back();
             return self.go_on_late();
         }
-        // Commands come first.
-        if self.queue.control.word() != self.orders.word || !self.go_on_stopping() {
+        // Commands come first, but for pieces that are put in already.
+        let called = self.queue.control.word() != self.orders.word && self.reserve.pending.is_none();
+        if called || !self.go_on_stopping() {
             self.take_back();
         }
         Work::Working
@@ -183,23 +202,39 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
+    /// What is in the queue ends in a rest that is far ahead: a tick of it is the reserve.
+    pub(super) fn keep_rest(&mut self) {
+        let at = self.frontier.end;
+        let Some(motion) = self.motion_at(at).filter(Instant::is_rest) else { return };
+        let rest = Phase { distance: Distance::from_bits(motion.distance), ticks: 1, ..Phase::BLANK };
+        self.queue.reserve.begin();
+        if self.queue.reserve.push(rest) && self.queue.reserve.push(Phase::BLANK) {
+            let (end, stands) = (at.wrapping_add(clock::TICK), motion.distance);
+            self.hand_over(Some(Way { at, end, stands, as_planned: true }));
+        }
+    }
+
     /// Something is in the queue behind that standstill, and shows it.
     #[inline(always)]
     pub(super) fn pass_end(&mut self) {
-        if self.reserve.shows_end() {
+        if self.reserve.shows_end() && self.reserve.pending.is_none() {
             self.drop_reserve();
         }
     }
 
     #[inline(never)]
-    fn begin_reserve(&mut self) -> bool {
+    pub(super) fn begin_reserve(&mut self) -> bool {
         let has_one = self.reserve.kept.is_some_and(|way| way.at == self.frontier.end);
         let failed = self.reserve.failed == Some(self.frontier.end) || has_one;
-        let stands = self.frontier.speed == Speed::ZERO && !self.frontier.emitter.has_piece();
+        let ends = self.frontier.speed == Speed::ZERO;
+        let stands = ends && !self.frontier.emitter.has_piece();
+        // The rest of a law that stops is a way to a standstill.
+        let stops = ends && !stands && self.orders.mode.stopping;
         let unplanned = self.task.stage == RingStage::Passing;
         // One that there is leads further.
         let has_better = unplanned && self.reserve.is_kept();
-        if has_better || self.reserve.behind.is_some() || failed {
+        let refused = (has_better || failed) && self.reserve.pending.is_none();
+        if refused || (self.reserve.behind.is_some() && !stops) {
             return false;
         }
         self.queue.reserve.begin();
@@ -209,8 +244,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.orders.mode = mode.stop();
-        (self.reserve.as_planned, self.reserve.stands) = (stands, None);
-        if self.frontier.emitter.has_piece() {
+        (self.reserve.as_planned, self.reserve.stands) = (stands || stops, None);
+        if stops && mode.halting {
+            let inside = mode.passed.and_then(|passed| passed.stands);
+            self.reserve.stands = inside.or(self.reserve.behind);
+        } else if self.frontier.emitter.has_piece() && !stops {
             self.slow_down();
         }
         if !self.go_on_stopping() {
@@ -248,17 +286,23 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The span of the law with the emitter, which is at this path distance: one that was slowed down may
     /// have no other law yet.
     fn span_at(&self, distance: i64) -> usize {
-        let before = self.frontier.planned.wrapping_sub(1);
-        let within =
-            self.committed.get(before).is_some_and(|committed| distance.wrapping_sub(committed.end()) < 0);
-        if within { before } else { self.frontier.planned }
+        let mut k = self.frontier.planned;
+        let is_within = |committed: &CommittedSpan| distance.wrapping_sub(committed.end()) < 0;
+        while k > 0 && self.committed.get(k - 1).is_some_and(is_within) {
+            k -= 1;
+        }
+        k
     }
 
     /// The span `k` is about to have another law: it will be as it was when this is over.
     fn touch(&mut self, k: usize) {
         self.restore_touched();
-        if let (Some(aside), Some(committed)) = (&mut self.reserve.aside, self.committed.get(k)) {
+        let renews = self.reserve.pending.as_ref().is_some_and(|pending| pending.renews(k));
+        if let (Some(aside), Some(committed)) = (&mut self.reserve.aside, self.committed.get_mut(k)) {
             aside.touched = Some((k, *committed));
+            if renews {
+                committed.restore();
+            }
         }
     }
 
@@ -306,8 +350,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// There is no room for it. The one before would be in the way of what is in the queue behind it.
     fn fail(&mut self) -> bool {
-        self.drop_reserve();
-        self.reserve.failed = self.reserve.aside.map(|aside| aside.frontier.end);
+        let end = self.reserve.aside.map(|aside| aside.frontier.end);
+        if self.reserve.pending.is_some() {
+            self.give_up();
+        } else {
+            self.drop_reserve();
+        }
+        self.reserve.failed = end;
         false
     }
 
@@ -371,15 +420,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.put_aside(rest) || !self.put_aside(Phase::BLANK) {
             return;
         }
-        if self.drop_reserve() {
-            let as_planned = self.reserve.as_planned;
-            self.queue.clock.keep(at, self.queue.reserve.commit());
-            self.reserve.kept = Some(Way { at, end: self.frontier.end, stands, as_planned });
-        }
+        let as_planned = self.reserve.as_planned;
+        self.hand_over(Some(Way { at, end: self.frontier.end, stands, as_planned }));
     }
 
     /// What was put aside goes on.
     fn take_back(&mut self) {
+        self.drop_aside();
+        self.take_over();
+    }
+
+    /// What was put aside is as it was.
+    pub(super) fn drop_aside(&mut self) {
         self.restore_touched();
         let Some(aside) = &self.reserve.aside else { return };
         (self.frontier, self.orders.mode) = (aside.frontier, aside.mode);

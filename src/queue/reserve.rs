@@ -94,6 +94,11 @@ impl<M: Memory> Keeper<'_, M> {
         self.first
     }
 
+    /// The first piece of the way in force.
+    pub const fn first(&self) -> u32 {
+        self.first
+    }
+
     /// None is in force.
     pub const fn clear(&mut self) {
         self.count = 0;

@@ -1,0 +1,245 @@
+//! Another law for what is in the queue, or a start from rest: nothing of it counts before the way to a
+//! standstill behind it is complete.
+//!
+//! New pieces go in behind a gate, which the interrupt does not pass, and the way to a standstill behind them
+//! goes to the reserve, beside the one in force. That may take several calls. Only then the reserve changes
+//! and the cut is published: at each tick there is a way to a standstill, whenever the planner is kept from
+//! its work. If the interrupt is beyond the instant of the change by then, all is as before and the next try
+//! is further ahead.
+//!
+//! Where the standstill before the new pieces has a tick in reserve, that is their gate: a planner that gets
+//! no time lets the motion stand there.
+use super::committed::CommittedSpan;
+use super::descent::Descent;
+use super::hold::{Mode, REACTION};
+use super::reserve::Way;
+use super::{Distance, Frontier, PIECES, Planning, RingStage, Speed, Work};
+use crate::queue::{Change, TooLate};
+
+/// How often the call that puts in new pieces goes on with the way to a standstill behind them.
+const WAYS: u32 = 5;
+
+/// The change furthest ahead, ticks.
+const FURTHEST: u32 = 128;
+
+/// New pieces that do not count yet, and what was before them.
+pub(super) struct Pending {
+    change: Change,
+    at: u32,
+    before: Before,
+}
+
+/// What a change has touched, as it was.
+struct Before {
+    /// The span that gets another law; none at a start.
+    span: Option<(usize, CommittedSpan)>,
+    frontier: Frontier,
+    mode: Mode,
+    behind: Option<i64>,
+}
+
+impl Pending {
+    /// Whether it is another law for a span, not a start.
+    pub const fn is_command(&self) -> bool {
+        self.before.span.is_some()
+    }
+
+    /// Whether the span `k` will begin anew.
+    pub fn renews(&self, k: usize) -> bool {
+        self.before.span.as_ref().is_some_and(|(first, _)| k > *first)
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
+    /// from its start. `None`, and nothing has changed, if that came too late.
+    pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
+        let committed = *self.committed.get(k)?;
+        if self.queue.phases.room() < PIECES + 2 || self.queue.clock.has_left() {
+            return None;
+        }
+        let drops = at != self.frontier.end;
+        self.begin_change(at, Some((k, committed)));
+        self.frontier.end = at;
+        self.frontier.planned = k;
+        self.orders.mode.uneven = true;
+        let mut made = Ok(());
+        if let Some(descent) = &descent {
+            self.frontier.emitter.resume_at(0);
+            self.go_down(k, descent);
+            self.hand_out();
+        } else {
+            self.frontier.emitter.resume_at(committed.next);
+            self.frontier.speed = committed.enters;
+        }
+        if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
+            // It stands before the span, and has no law to stand still by.
+            (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
+        } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
+            // So short a slowing down that it has no tick leaves it to the rest.
+            made = self.make_law();
+            if made.is_ok() {
+                self.hand_out();
+            }
+        }
+        if self.frontier.end == at && self.frontier.speed == Speed::ZERO {
+            // It stands there already: at the end of a law without a tick, or inside the span.
+            let ended = self
+                .frontier
+                .planned
+                .checked_sub(1)
+                .filter(|last| *last >= k)
+                .and_then(|last| self.committed.get(last));
+            let in_span = self.committed.get(k).map_or(committed.start, |committed| committed.start);
+            let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
+            let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
+            self.put_rest(stands.unwrap_or(in_span), 1);
+        }
+        // Nothing was handed out for a law that failed.
+        if made.is_err() || (drops && self.frontier.end == at) {
+            self.undo();
+            return None;
+        }
+        self.secure_change().then_some(Work::Working)
+    }
+
+    /// From here on new pieces, from the instant `at` on, do not count before [`Self::hand_over`]. There is
+    /// room for a gate.
+    pub(super) fn begin_change(&mut self, at: u32, span: Option<(usize, CommittedSpan)>) {
+        let gated = at != self.frontier.end || !self.reserve.is_kept();
+        let phases = &mut self.queue.phases;
+        let change = if gated { Change::begin(phases) } else { Change::append(phases) };
+        let (frontier, mode, behind) = (self.frontier, self.orders.mode, self.reserve.behind);
+        let before = Before { span, frontier, mode, behind };
+        self.reserve.pending = Some(Pending { change, at, before });
+        self.reserve.undone = false;
+        self.frontier.rests = false;
+    }
+
+    /// The first pieces behind a standstill: they count when the motion can end. `false`: not yet.
+    pub(super) fn begin_start(&mut self) -> bool {
+        self.trim();
+        if !self.reserve.is_kept() {
+            // There is one cut at a time: a command may want it before.
+            if self.is_far(self.frontier.end) {
+                self.keep_rest();
+            } else if self.orders.mode.cut.is_some() {
+                return false;
+            }
+        }
+        self.begin_change(self.frontier.end, None);
+        true
+    }
+
+    /// The pieces are in: the way to a standstill behind them, or a piece of it. `false`: nothing has changed.
+    pub(super) fn secure_change(&mut self) -> bool {
+        let ends = self.frontier.speed == Speed::ZERO && self.frontier.emitter.is_done();
+        if ends {
+            if !self.hand_over(None) {
+                return false;
+            }
+            self.take_over();
+            self.end_law();
+            if self.orders.mode.halting {
+                self.stand_inside();
+            }
+            return true;
+        }
+        if !self.begin_reserve() {
+            self.give_up();
+        }
+        for _ in 0..WAYS {
+            if self.reserve.pending.is_none() {
+                break;
+            }
+            self.look_after();
+        }
+        self.reserve.pending.is_some() || !self.reserve.undone
+    }
+
+    /// There is no such way. If it may be found later, all is as before until then.
+    pub(super) fn give_up(&mut self) {
+        if self.task.stage == RingStage::Passing && self.reserve.renews_law() {
+            self.reserve.waits = true;
+            self.undo();
+        } else if self.hand_over(None) && !self.reserve.is_made() {
+            self.take_over();
+        }
+    }
+
+    /// The new pieces, if there are any, and the way behind them count. `false`: it was too late, and all is
+    /// as before.
+    pub(super) fn hand_over(&mut self, way: Option<Way>) -> bool {
+        if !self.queue.clock.release() {
+            self.undo();
+            return false;
+        }
+        if let Some(pending) = self.reserve.pending.take() {
+            let cut = if pending.change.has_gate() {
+                match pending.change.commit(pending.at, &mut self.queue.phases, self.queue.clock) {
+                    Ok(cut) => Some(cut),
+                    Err(TooLate) => {
+                        if let Some(kept) = &self.reserve.kept {
+                            self.queue.clock.keep(kept.at, self.queue.reserve.first());
+                        }
+                        self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
+                        self.put_back(&pending.before);
+                        return false;
+                    }
+                }
+            } else {
+                None
+            };
+            let mode = self.reserve.aside.as_mut().map_or(&mut self.orders.mode, |aside| &mut aside.mode);
+            mode.cut = cut.or(mode.cut);
+            self.reserve.changed = pending.before.span.map(|(k, _)| k);
+            self.orders.lead = REACTION;
+        }
+        if let Some(way) = way {
+            self.queue.clock.keep(way.at, self.queue.reserve.commit());
+        } else {
+            self.queue.reserve.clear();
+        }
+        (self.reserve.kept, self.reserve.failed) = (way, None);
+        true
+    }
+
+    /// The span of a change that counts has another law: those behind begin anew, but for those that a way
+    /// down has passed.
+    pub(super) fn take_over(&mut self) {
+        if let Some(k) = self.reserve.changed.take() {
+            self.committed.from(k + 1).for_each(CommittedSpan::restore);
+            self.note_passed();
+        }
+    }
+
+    /// The pieces that do not count are taken back, if there are any: all is as before.
+    pub(super) fn undo(&mut self) {
+        if let Some(pending) = self.reserve.pending.take() {
+            pending.change.abandon(&mut self.queue.phases, self.queue.clock);
+            self.put_back(&pending.before);
+        }
+    }
+
+    fn put_back(&mut self, before: &Before) {
+        self.drop_aside();
+        (self.frontier, self.orders.mode, self.reserve.behind) =
+            (before.frontier, before.mode, before.behind);
+        if let Some((k, span)) = before.span {
+            // A standstill that is wanted is tried again.
+            self.orders.mode.stopping = false;
+            if let Some(committed) = self.committed.get_mut(k) {
+                *committed = span;
+            }
+        }
+        self.reserve.undone = true;
+    }
+
+    /// A change whose outcome is to be known now: at once or not at all.
+    pub(super) fn join_change(&mut self) -> bool {
+        self.secure_change();
+        let joined = self.reserve.pending.is_none() && !self.reserve.undone;
+        self.undo();
+        joined
+    }
+}
