@@ -152,7 +152,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 return self.wait_beside();
             }
             self.forget_abort();
-            return Ok(Progress::Done);
+            return Ok(self.done());
         }
         if self.settles_at_gate() {
             return Ok(Progress::Waiting);
@@ -197,6 +197,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 Ok(Progress::Working)
             }
             Source::Ended => Ok(Progress::Done),
+        }
+    }
+
+    /// All is done; what is to be said about the last curves comes before.
+    #[cold]
+    fn done(&mut self) -> Progress {
+        match self.planning.last_remark() {
+            Some((kind, place)) => Progress::Warning(NcWarning { place, kind }),
+            None => Progress::Done,
         }
     }
 

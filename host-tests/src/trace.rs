@@ -4,6 +4,7 @@ use crate::reference::geometry::Contour;
 use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;
+use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;
 use glidepath::tick::State;
 
@@ -77,6 +78,8 @@ pub struct Run {
     pub blocks: Vec<PlannedBlock>,
     /// Digest over all ticks.
     pub digest: u64,
+    /// What the planner warned of, and in which line.
+    pub warnings: Vec<(u32, NcWarningKind)>,
 }
 
 /// Runs `program`: the planner as far as the queue takes it, then `burst` ticks, and so on.
@@ -110,6 +113,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),
         blocks: Vec::new(),
         digest: 0,
+        warnings: Vec::new(),
     };
     let mut digest = Digest::new();
     let mut tick = || {
@@ -124,12 +128,12 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     loop {
         match planner.poll().map_err(|e| format!("{e:?}"))? {
             Progress::Planned => run.blocks.push(planner.planned()),
+            Progress::Warning(warning) => run.warnings.push((warning.place.line, warning.kind)),
             Progress::Working
             | Progress::Replanned
             | Progress::Starved
             | Progress::Late
-            | Progress::Deviated(_)
-            | Progress::Warning(_) => idle += 1,
+            | Progress::Deviated(_) => idle += 1,
             Progress::Waiting => {
                 for _ in 0..burst {
                     if tick() == State::Active {

@@ -1,6 +1,7 @@
 //! #HSC [SURFACE]: the path against its tolerance, the limits and the exact ends, by a judge that knows the
 //! programmed contour alone; what the commands do, and when they are refused.
 use glidepath::machine::{AxisKind, MachineData, Synch, SynchTable};
+use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;
 use host_tests::cam;
 use host_tests::cases::machines;
@@ -289,6 +290,33 @@ fn sharp_turns_stay_d3_166() {
         rows.map(|q| (q[0] - 50.0).hypot(q[1])).fold(f64::INFINITY, f64::min)
     };
     assert!(off(80) < 1e-6 && off(100) > 0.05, "{} {}", off(80), off(100));
+}
+
+/// D3-166: of turns that MAX_ANGLE permits, those of more than 102 degrees stay, and are reported with the block
+/// that begins there.
+#[test]
+fn turns_that_stay_though_they_are_permitted_are_reported_d3_166() {
+    let warned = |turn: f64, angle: u32| {
+        let [x, y] = [50.0 + 20.0 * turn.to_radians().cos(), 20.0 * turn.to_radians().sin()];
+        let on = format!("#HSC ON [SURFACE PATH_DEV=0.1 MAX_ANGLE={angle}]");
+        let text = format!("{on}\nG01 F6000 X50\nN20 X{x:.3} Y{y:.3}\nX{x:.3} Y60\n#HSC OFF\nM30\n");
+        go::<3>(&text, &machine(50_000, 3)).warnings
+    };
+    assert_eq!(warned(110.0, 160), [(3, NcWarningKind::SurfaceSharp)]);
+    assert_eq!(warned(100.0, 160), []);
+    assert_eq!(warned(110.0, 90), []);
+}
+
+/// Where no curve is found inside the tolerance the motion stands still, and that is reported.
+#[test]
+fn corners_without_a_curve_are_reported() {
+    let reported = |seed: u64| {
+        let mut r = Random::new(seed ^ 0x5eed);
+        let text = walk(seed, 3, 40, [r.magnitude(0.001, 0.3), r.magnitude(0.01, 2.0)]).text;
+        let kinds = go::<3>(&text, &machine(50_000, 3)).warnings;
+        kinds.iter().any(|(_, kind)| *kind == NcWarningKind::SurfaceLost)
+    };
+    assert_eq!([7, 25, 1, 2].map(reported), [true, true, false, false]);
 }
 
 /// D3-160 and the memory: what Surface holds, 8 KiB at most.

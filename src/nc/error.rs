@@ -334,6 +334,10 @@ pub enum NcWarningKind {
     FilterWithoutOrder,
     /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
     NoTangent,
+    /// A turn that #HSC [SURFACE] does not round though MAX_ANGLE permits it: more than 102 degrees.
+    SurfaceSharp,
+    /// #HSC [SURFACE] found no curve inside its tolerance, at a block before the one that is named.
+    SurfaceLost,
     /// The dynamics of an axis limit its oscillation.
     OscillationLimited,
     /// The dynamics of an axis do not allow the time that its motion is given.
@@ -352,6 +356,8 @@ impl NcWarningKind {
                 | Self::HscIsOn
                 | Self::FilterWithoutOrder
                 | Self::NoTangent
+                | Self::SurfaceSharp
+                | Self::SurfaceLost
                 | Self::OscillationLimited
                 | Self::MotionLimited
         )
@@ -367,6 +373,8 @@ impl NcWarning {
             NcWarningKind::HscIsOn => 120_542,
             NcWarningKind::OscillationLimited => 900_001,
             NcWarningKind::MotionLimited => 900_002,
+            NcWarningKind::SurfaceSharp => 900_003,
+            NcWarningKind::SurfaceLost => 900_004,
             _ => 0,
         }
     }
@@ -394,6 +402,12 @@ impl fmt::Display for NcWarning {
             }
             NcWarningKind::NoTangent => {
                 "no motion block since the type of the spline was chosen: it begins with an automatic direction"
+            }
+            NcWarningKind::SurfaceSharp => {
+                "a turn of more than 102 degrees: #HSC [SURFACE] does not round it, the motion stands still there"
+            }
+            NcWarningKind::SurfaceLost => {
+                "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: the motion stands still in its corners"
             }
             NcWarningKind::OscillationLimited => {
                 "the dynamics of the axis limit the oscillation: it is slower than programmed"

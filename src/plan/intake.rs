@@ -342,6 +342,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.remark()
     }
 
+    /// What is still to be said when all is done, and at which block.
+    pub fn last_remark(&mut self) -> Option<(NcWarningKind, Place)> {
+        let kind = self.remark()?;
+        Some((kind, self.intake.smoothing.place().unwrap_or_default()))
+    }
+
     /// The block taken in last ends where it was programmed to. Only after [`super::Work::Hungry`].
     pub fn keep_corner(&mut self) {
         self.let_go();

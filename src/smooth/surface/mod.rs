@@ -88,6 +88,8 @@ pub struct Surface<const AXES: usize> {
     waits: Waits,
     made: Option<Made<AXES>>,
     place: Place,
+    /// What is to be said about corners that stay.
+    remark: Option<NcWarningKind>,
 }
 
 /// How often an element becomes half as long, and the kernels narrower.
@@ -120,6 +122,7 @@ impl<const AXES: usize> Surface<AXES> {
             waits: None,
             made: None,
             place: Place::default(),
+            remark: None,
         }
     }
 
@@ -200,6 +203,16 @@ impl<const AXES: usize> Surface<AXES> {
             source.go_on(&next.to);
         }
         self.finish_source()
+    }
+
+    /// Whether a block turns from the one before by more than kernels take, though MAX_ANGLE permits it.
+    fn is_sharp(&self, source: &Source<AXES>) -> bool {
+        let Some(pending) = self.pending.as_ref().filter(|_| !source.exact && self.ending.is_none()) else {
+            return false;
+        };
+        let turn = source.chord(&self.window).map_or(0.0, |next| self.window.length(&pending.turn(&next)));
+        let is_arc = source.block.form != Form::Line;
+        turn > SHARPEST && (is_arc || !self.parameters.is_beyond(turn))
     }
 
     /// The block at hand may have gone on as a whole.
@@ -442,6 +455,11 @@ impl<const AXES: usize> Surface<AXES> {
     #[cold]
     #[inline(never)]
     fn give_up(&mut self) {
+        self.remark = Some(NcWarningKind::SurfaceLost);
+        {
+            extern crate std;
+            std::eprintln!("LOST");
+        }
         let from = self.front.map_or(Spot { vertex: 0, x: 0.0 }, |front| front.spot);
         let known = self.window.moved.max(2).min(self.window.len());
         let next = (from.vertex + 1..known)
@@ -495,7 +513,11 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
         if (exact || parting == Parting::Awaited) && self.holds() {
             self.ending = self.ending.or(Some(false));
         }
-        self.source = Some(Source::new(block, chord, exact, parting != Parting::None));
+        let source = Source::new(block, chord, exact, parting != Parting::None);
+        if self.is_sharp(&source) {
+            self.remark = Some(NcWarningKind::SurfaceSharp);
+        }
+        self.source = Some(source);
     }
 
     #[inline(never)]
@@ -564,7 +586,7 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     }
 
     fn remark(&mut self) -> Option<NcWarningKind> {
-        None
+        self.remark.take()
     }
 
     fn is_idle(&self) -> bool {
