@@ -456,10 +456,6 @@ impl<const AXES: usize> Surface<AXES> {
     #[inline(never)]
     fn give_up(&mut self) {
         self.remark = Some(NcWarningKind::SurfaceLost);
-        {
-            extern crate std;
-            std::eprintln!("LOST");
-        }
         let from = self.front.map_or(Spot { vertex: 0, x: 0.0 }, |front| front.spot);
         let known = self.window.moved.max(2).min(self.window.len());
         let next = (from.vertex + 1..known)
