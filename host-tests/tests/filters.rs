@@ -153,12 +153,23 @@ fn ax_dev_is_kept_and_used_at_corners() {
                 let largest = run.largest(axis, order.into()) / ONE;
                 println!("{name} axis {axis}: {largest}");
                 assert!(largest <= 0.001, "{name} axis {axis}: {largest}");
-                // Where G has both signs no one motion takes all of its size.
-                let least = if kind == FilterType::Sinc && order > 40 { 0.00008 } else { 0.0009 };
+                // Where G has both signs, what a corner shows is less than what a motion could make of it:
+                // with the largest jerk in turns 98 % of the bound.
+                let least = match (kind, order) {
+                    (FilterType::Sinc, 101..) => 0.00025,
+                    (FilterType::Sinc, 41..) => 0.0008,
+                    _ => 0.0009,
+                };
                 assert!(largest >= least, "{name} axis {axis}: {largest}");
                 // The library says the same.
                 let said = run.deviation[axis] as f64 / ONE;
                 assert!((said - largest).abs() < 3e-7, "{said} {largest}");
+            }
+            // Σ|G| alone would leave such a sinc 48 mm/s² and less.
+            if kind == FilterType::Sinc && order > 100 && machine.axes[0].a_trans_weight == 0 {
+                let peaks = check::peaks(&run.path.columns[0], 1e-3);
+                println!("{name}: {} mm/s²", peaks.values[1]);
+                assert!(peaks.values[1] > 290.0, "{name}: {}", peaks.values[1]);
             }
         }
     }
@@ -325,25 +336,24 @@ fn random_run(seed: u64) {
     }
 }
 
+/// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one. 3000 take some minutes:
+/// `GLIDEPATH_FROM=10000 GLIDEPATH_SEEDS=3000 cargo test -p host-tests --release --test filters random`
 #[test]
 fn random_programs_with_an_operator_keep_everything() {
     // D3-227, D3-232, D3-234: filters differ per axis, with holds, changes of the override and stalls. The
     // first ones went beyond AX_DEV once: curves beside a step of speed, a step that is almost a standstill.
+    let number = |name| std::env::var(name).ok().and_then(|number: String| number.parse().ok());
+    if let Some(count) = number("GLIDEPATH_SEEDS") {
+        let from: u64 = number("GLIDEPATH_FROM").unwrap_or(0);
+        let faulty = |seed: &u64| std::panic::catch_unwind(|| random_run(*seed)).is_err();
+        let faults: Vec<u64> = (from..from + count).filter(faulty).collect();
+        assert!(faults.is_empty(), "{faults:?}");
+        return;
+    }
     let once = [10_558, 11_308, 11_432, 11_858, 11_863, 12_472, 12_865];
     for seed in seeds(once.into_iter().chain(0..12), 4) {
         random_run(seed);
     }
-}
-
-/// `cargo test -p host-tests --release --test filters -- --ignored sweep`
-#[test]
-#[ignore = "takes minutes"]
-fn sweep_of_random_programs() {
-    let faults: Vec<u64> = (10_000..13_000)
-        .filter(|seed| std::panic::catch_unwind(|| random_run(*seed)).is_err())
-        .inspect(|seed| println!("seed {seed}"))
-        .collect();
-    assert!(faults.is_empty(), "{faults:?}");
 }
 
 fn even(kind: FilterType, order: u8) -> MachineData<3> {

@@ -1,5 +1,5 @@
 //! Independent axes: D3-271, and random programs in which axes move beside the path.
-use glidepath::machine::{FilterType, MachineData};
+use glidepath::machine::{ChannelData, FilterType, MachineData};
 use host_tests::beside::{LONGEST, ONE, Run, run};
 use host_tests::cases::machines::{self, even};
 use host_tests::cases::random::Random;
@@ -43,6 +43,20 @@ fn synchronous_and_asynchronous() {
         "P-CHAN-00451 = 0: the target is the same"
     );
     assert_eq!(syn.warnings.len() + asyn.warnings.len(), 0);
+    // P-CHAN-00451 = 1: it is named, that is enough; a motion that does not name it goes on.
+    let named = MachineData { channel: ChannelData { joins_named: true, ..machine.channel }, ..machine };
+    let joined = good("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\nG01 X30 Y5 F3000\nM30\n", &named);
+    assert!(last_move(&joined, 0) < first_move(&joined, 1));
+    assert_eq!(joined.ends(), [30.0, 5.0, 0.0]);
+    let unnamed = good("X[INDP_ASYN G01 G90 POS=30 FEED=3000]\nG01 Y5 Z2 F3000\nM30\n", &named);
+    assert!(last_move(&unnamed, 0) > last_move(&unnamed, 1));
+    let swings = "X[OSC ON 1ST_POS=-3 2ND_POS=4 FREQ=2]\nG04 1.1\nG01 X4 Y9 F600\nM30\n";
+    let [ended, swinging] = [&named, &machine].map(|machine| {
+        let run = good(swings, machine);
+        let last = last_move(&run, 1);
+        run.axes[0][last - 500..last].windows(2).all(|pair| pair[0] == pair[1])
+    });
+    assert!(ended && !swinging, "{ended} {swinging}");
 }
 
 /// Every word, D3-271: the slope of SLOPE_TYPE.

@@ -253,6 +253,47 @@ fn it_ends_as_told() {
     }
 }
 
+/// A8-005: the linear slope has one acceleration, at once; the others have a ramp, and end a stroke at rest; before
+/// the first stroke the axis goes to the first position.
+#[test]
+fn shapes_of_the_figures() {
+    for slope in 0..4u8 {
+        let machine = with_slope(slope);
+        let run = good("X[OSC ON 1ST_POS=20 2ND_POS=60 FEED=6000 NBR_OSC=3]\nG04 4\nM30\n", &machine);
+        let x = &run.axes[0];
+        let first = x.iter().position(|x| *x == 20 * ONE).expect("the first position");
+        assert!(x[..first].windows(2).all(|pair| pair[0] <= pair[1]), "slope {slope}: it goes there");
+        assert_eq!(range(&run, 0), [0.0, 60.0], "slope {slope}");
+        let v: Vec<i64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let a: Vec<i64> = v.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // 2000 mm/s² per cycle².
+        let most = 2000.0 * 1e-6 * ONE as f64;
+        let is = |a: i64, of: f64| (a.abs() as f64 / most - of).abs() < 1e-3;
+        let whole = a.iter().filter(|a| is(**a, 1.0)).count();
+        let none = a.iter().filter(|a| is(**a, 0.0)).count();
+        if slope == 0 {
+            // But for the ticks in which a phase begins or ends.
+            assert!((a.len() - whole - none) < 7 * 4 * 2, "{} {whole} {none}", a.len());
+            assert!(whole > 7 * 2 * 40, "{whole}");
+        } else {
+            assert!(a.len() - whole - none > 7 * 4 * 10, "slope {slope}: {} {whole} {none}", a.len());
+        }
+        for (at, _) in run.reversals(0) {
+            assert_eq!(v[at - 1].signum() * v[at + 1].signum(), if v[at + 1] == 0 { 0 } else { -1 }, "{at}");
+        }
+    }
+}
+
+/// A8-044: an oscillation under a transformation needs one. There is none.
+#[test]
+fn no_oscillation_under_a_transformation() {
+    for trafo in ["#TRAFO ON", "#TRAFO[9]"] {
+        let text = format!("{trafo}\nX[OSC ON 1ST_POS=20 2ND_POS=60 FEED=6000]\nM30\n");
+        let error = run(&text, &with_slope(1), &[], 40).expect_err(trafo);
+        assert!(error.contains("not available") && error.contains("#TRAFO"), "{error}");
+    }
+}
+
 /// P-AXIS-00177 and 00178 hold for both reversals; A8-035: with offsets; A8-036: over the turn; A8-006, A8-037,
 /// A8-038: any axis, both ways.
 #[test]

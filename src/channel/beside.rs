@@ -75,6 +75,8 @@ pub(super) struct Beside<'a, const OVERLAYS: usize> {
     singles: &'a mut [Single; OVERLAYS],
     overlays: [OverlaySender<'a>; OVERLAYS],
     pub(super) pending: Option<Pending>,
+    /// P-CHAN-00451.
+    joins_named: bool,
     /// The next piece of work is theirs.
     turn: bool,
 }
@@ -83,8 +85,9 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
     pub(super) const fn new(
         singles: &'a mut [Single; OVERLAYS],
         overlays: [OverlaySender<'a>; OVERLAYS],
+        joins_named: bool,
     ) -> Self {
-        Self { singles, overlays, pending: None, turn: false }
+        Self { singles, overlays, pending: None, joins_named, turn: false }
     }
 
     /// Nothing moves beside the path, or will.
@@ -221,9 +224,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Whether the motion moves axes that have a motion of their own: then it waits for their ends.
+    /// Whether the motion moves axes that have a motion of their own, or names them (P-CHAN-00451): then it
+    /// waits for their ends.
     pub(super) fn joins(&mut self, motion: &Motion<AXES>) -> bool {
         let axes = self.beside.axes();
+        if self.beside.joins_named && axes & motion.named != 0 {
+            self.wait_for(Pending::Join(axes & motion.named));
+            return true;
+        }
         let joins = self.planning.moves(motion, axes);
         if joins {
             let ends = motion.target.iter().zip(self.planning.position()).enumerate();

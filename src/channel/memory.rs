@@ -133,7 +133,11 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
                 released: 0,
                 lost: false,
                 filters,
-                beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays),
+                beside: Beside::new(
+                    singles.write([Single::NONE; OVERLAYS]),
+                    to_overlays,
+                    machine.channel.joins_named,
+                ),
             },
             interpolator,
             operator,

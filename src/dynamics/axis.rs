@@ -63,6 +63,8 @@ pub(super) struct Axis {
     /// What a filter behind it makes of its limits, and the acceleration that AX_DEV leaves.
     pub(super) gain: f32,
     pub(super) cap: f32,
+    /// Part of its accelerations and jerks that AX_DEV leaves where all jerk is limited.
+    pub(super) share: Option<f32>,
 }
 
 impl TransitionLimits {
@@ -124,7 +126,7 @@ impl Axis {
             Motion { v: data.vb_eilgang, a: a_rapid, tr: [data.tr_grenz; 4], stages: data.stages(true) };
         let v_reduced = if data.vb_max_red == 0 { f32::MAX } else { units.speed(data.vb_max_red) };
         let [feed, rapid] = [feed, rapid].map(|motion| Set::new(&motion, data, channel, slope));
-        Self { feed, rapid, a_max: units.accel(data.a_max), v_reduced, gain: 1.0, cap: f32::MAX }
+        Self { feed, rapid, a_max: units.accel(data.a_max), v_reduced, gain: 1.0, cap: f32::MAX, share: None }
     }
 }
 

@@ -18,6 +18,8 @@ use crate::slope::ramp_shape::RampShape;
 const PASSING_JERK: f32 = 0.1;
 /// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.46/0.91.
 const PASSING: f32 = 0.5;
+/// So much more acceleration is clearly more.
+const WORTH: f32 = 1.25;
 /// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
 const SHORT_SPEED: f32 = 0.707;
 /// Longest slope that is looked at, ticks of its ramp.
@@ -46,14 +48,33 @@ impl Watched {
 }
 
 impl Axis {
-    /// An axis that moves alone, with the filter of `other` behind it.
-    pub(super) fn filtered_as(mut self, other: &Self) -> Self {
+    /// Part of accelerations and jerks that AX_DEV leaves, if all jerk is limited and if that is clearly more
+    /// than [`Watch::accel`] leaves.
+    fn smooth_share(&self, watch: &Watch, slope: SlopeType) -> Option<f32> {
+        let peak = match slope {
+            SlopeType::Trapez => 1.0,
+            SlopeType::Sin2 => RampShape::SineSquare.peak_jerk(),
+            SlopeType::Step | SlopeType::Hsc => return None,
+        };
+        let [by_accel, by_jerk] = watch.bound?;
+        let jerk = max(self.feed.jerk(peak)?, self.rapid.jerk(peak)?);
+        // With the filter's gain they are lower already.
+        let deviation = (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
+        let share = if deviation > 1.0 { 1.0 / deviation } else { 1.0 };
+        (share * self.a_max / watch.gain > WORTH * watch.accel?).then_some(share)
+    }
+
+    /// An axis that moves alone, with the filter of `other` behind it; whether it has the same slope.
+    pub(super) fn filtered_as(mut self, other: &Self, alike: bool) -> Self {
         let part = 1.0 / other.gain;
         for set in [&mut self.feed, &mut self.rapid] {
             if other.gain > 1.0 {
                 set.scale(part);
             }
-            set.cap(other.cap);
+            match other.share {
+                Some(share) if alike => set.slow_down(share),
+                _ => set.cap(other.cap),
+            }
         }
         self.v_reduced = if self.v_reduced == f32::MAX { f32::MAX } else { self.v_reduced * part };
         self
@@ -83,6 +104,23 @@ impl Set {
         }
     }
 
+    /// All but the speed, times `part`: as with lower accelerations in the machine data and the same ramp times.
+    fn slow_down(&mut self, part: f32) {
+        let fast = (self.v, self.change_over);
+        self.scale(part);
+        (self.v, self.change_over) = fast;
+    }
+
+    /// The largest jerk that the axis may show, per tick, `peak` times that of the slope; none if there is no
+    /// limit.
+    fn jerk(&self, peak: f32) -> Option<f32> {
+        if self.joint.is_weighted || self.joint.bend == f32::MAX {
+            return None;
+        }
+        let (fast, slow) = (max(self.a_up, self.a_down), min(self.a_up, self.a_down));
+        Some(max(peak * self.j.into_iter().fold(0.0, max), self.geometric_budget * fast / slow))
+    }
+
     /// No acceleration above `accel`.
     fn cap(&mut self, accel: f32) {
         for value in [&mut self.a_up, &mut self.a_down, &mut self.a_shared, &mut self.a_resting] {
@@ -108,6 +146,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let Some(limits) = self.axes.get_mut(axis) else { return };
         let part = 1.0 / watch.gain;
         let a_max = limits.a_max * part;
+        limits.share = limits.smooth_share(watch, slope);
         limits.v_reduced = if limits.v_reduced == f32::MAX { f32::MAX } else { limits.v_reduced * part };
         for set in [&mut limits.feed, &mut limits.rapid] {
             if watch.gain > 1.0 {
@@ -126,7 +165,9 @@ impl<const AXES: usize> Dynamics<AXES> {
                 let spread = min(max(a_max - beside, 0.0) / watch.tap, REACH - a_max);
                 set.joint.knee = max(set.joint.knee, min(set.joint.knee * watch.acc_fact, spread));
             }
-            if let Some(accel) = watch.accel {
+            if let Some(share) = limits.share {
+                set.slow_down(share);
+            } else if let Some(accel) = watch.accel {
                 set.cap(accel);
                 let part = if jerk == f32::MAX { corner(1e20) } else { corner(jerk) };
                 set.joint.knee = min(set.joint.knee, watch.knee * max(part, 0.0));
@@ -134,9 +175,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         limits.a_max = a_max;
         limits.gain = watch.gain;
-        if let Some(accel) = watch.accel {
+        let Some(accel) = watch.accel else { return };
+        limits.cap = accel;
+        if let Some(share) = limits.share {
+            limits.a_max = a_max * share;
+        } else {
             limits.a_max = min(a_max, accel);
-            limits.cap = accel;
             self.watched.axes |= 1 << axis.min(31);
             self.watched.window = max(self.watched.window, watch.window);
             self.watched.ratio = min(self.watched.ratio, watch.ratio);

@@ -159,8 +159,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// What an axis permits that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of
-    /// the program do not count; a filter behind the axis does. The slope is that of P-CHAN-00071, unless there is another one. `percent` of
-    /// its acceleration, at most P-AXIS-00008; ramp times stay.
+    /// the program do not count; a filter behind the axis does. The slope is that of
+    /// P-CHAN-00071, unless there is another one. `percent` of its acceleration, at most P-AXIS-00008; ramp
+    /// times stay.
     pub fn single(
         &self,
         axis: usize,
@@ -172,7 +173,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let slope = slope.unwrap_or(SlopeType::of_profile(channel.slope_profile));
         let mut data = *self.machine.axes.get(axis)?;
         data.weigh(percent);
-        let axis = Axis::new(&data, channel, slope).filtered_as(self.axes.get(axis)?);
+        let axis = Axis::new(&data, channel, slope).filtered_as(self.axes.get(axis)?, slope == self.slope);
         let set = axis.set(rapid);
         let mut limits = Limits { law: law_of(slope, Joins::Alike, set.change_over), ..Limits::WIDEST };
         let mut share = Share::WHOLE;

@@ -271,6 +271,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
             ratio: shape.area / shape.peak,
             acc_fact: design::acc_fact(in_force),
             tap: shape.tap,
+            bound: self.tolerance().map(|tolerance| shape.bound(tolerance)),
         })
     }
 

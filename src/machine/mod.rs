@@ -361,6 +361,9 @@ pub struct ChannelData {
     pub ptp: bool,
     /// P-CHAN-00600 holds FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
     pub surface: bool,
+    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: a motion that names an axis with a motion of its own
+    /// waits for the end of that, 0 if it moves the axis, 1 always.
+    pub joins_named: bool,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
 }
@@ -388,6 +391,7 @@ impl ChannelData {
             auto_contour_mode: 0,
             ptp: false,
             surface: false,
+            joins_named: false,
             default_index: 0,
         }
     }

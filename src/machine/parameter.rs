@@ -196,6 +196,17 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         ..plain("P-CHAN-00009", "corr_v_trans_jerk", "0 off, 1 on", 0, 1000)
     },
     Parameter {
+        set: |t, milli| t.joins_named = milli != 0,
+        get: |t| t.joins_named as i64 * 1000,
+        ..plain(
+            "P-CHAN-00451",
+            "mode_implicite_sync_indp_asyn_axis",
+            "a motion waits for a single axis 0 that it moves, 1 that it names",
+            0,
+            1000,
+        )
+    },
+    Parameter {
         set: |t, milli| t.override_weight_prog_feed = (milli / 1000) as u8,
         get: |t| t.override_weight_prog_feed as i64 * 1000,
         ..plain("P-CHAN-00066", "override_weight_prog_feed", "", 0, 2000)

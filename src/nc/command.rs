@@ -138,6 +138,8 @@ pub struct Motion<const AXES: usize> {
     pub feed: Feed,
     /// G60 or G360: standstill at the end of this block.
     pub exact_stop: bool,
+    /// Axes that the block names: bit i for axis i.
+    pub named: u32,
 }
 
 /// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of

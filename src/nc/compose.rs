@@ -183,9 +183,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let Some(first) = w.first else { return Ok(()) };
         let span = w.mode_span.filter(|mode| mode.at < first.at).unwrap_or(first);
-        let mut target = self.position;
+        let (mut target, mut named) = (self.position, 0);
         for (axis, given) in w.axes.iter().enumerate() {
             let Some(given) = *given else { continue };
+            named |= 1_u32.wrapping_shl(axis as u32);
             let value = self.axis_value(axis, given)?;
             let offset = self.offset(axis);
             let kind = self.coordinate_of(axis);
@@ -223,6 +224,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             target,
             feed: self.modal.feed.unwrap_or(Feed::ZERO),
             exact_stop: self.modal.exact_stop || w.exact_stop.is_some(),
+            named,
         });
         self.moves = true;
         self.position = target;

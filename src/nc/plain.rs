@@ -133,6 +133,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             target,
             feed: feed.unwrap_or(Feed::ZERO),
             exact_stop: self.modal.exact_stop,
+            named: given,
         });
         self.position = target;
         self.n = n;
