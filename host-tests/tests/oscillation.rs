@@ -253,8 +253,8 @@ fn it_ends_as_told() {
     }
 }
 
-/// A8-005: the linear slope has one acceleration, at once; the others have a ramp, and end a stroke at rest; before
-/// the first stroke the axis goes to the first position.
+/// A8-005: the linear slope has one acceleration, at once; the others have ramps; before the
+/// first stroke the axis goes to the first position.
 #[test]
 fn shapes_of_the_figures() {
     for slope in 0..4u8 {
@@ -277,9 +277,6 @@ fn shapes_of_the_figures() {
             assert!(whole > 7 * 2 * 40, "{whole}");
         } else {
             assert!(a.len() - whole - none > 7 * 4 * 10, "slope {slope}: {} {whole} {none}", a.len());
-        }
-        for (at, _) in run.reversals(0) {
-            assert_eq!(v[at - 1].signum() * v[at + 1].signum(), if v[at + 1] == 0 { 0 } else { -1 }, "{at}");
         }
     }
 }
