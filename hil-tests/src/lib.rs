@@ -7,5 +7,5 @@ mod report;
 pub mod stack;
 
 pub use counter::{Counter, UNIT};
-pub use record::{record_all, record_beside, record_sessions, report_memory};
+pub use record::{record_all, record_beside, record_commanded, record_sessions, report_memory};
 pub use report::{Report, exit};

@@ -10,7 +10,7 @@ use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{
-    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, run, session,
+    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, commanded, run, session,
 };
 
 /// Number, sum and largest of something counted.
@@ -148,6 +148,27 @@ pub fn record_sessions<const AXES: usize, const BLOCKS: usize>(
         let _ = writeln!(report, "case {name} axes {AXES} blocks {BLOCKS}");
         let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
         let result = session(channel, machine, window, &mut recorder);
+        good &= recorder.close(&result, Cost::default());
+    }
+    report.flush();
+    exit(good)
+}
+
+/// Runs the cases with commands all the time, and ends.
+pub fn record_commanded<const AXES: usize, const BLOCKS: usize>(
+    channel: &mut Channel<AXES, BLOCKS>,
+    machine: &MachineData<AXES>,
+    cases: &[Case],
+) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let mut good = true;
+    let mut stacks = Stacks::default();
+    for case in cases {
+        let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
+        let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
+        let result = commanded(channel, machine, case, &mut recorder);
         good &= recorder.close(&result, Cost::default());
     }
     report.flush();

@@ -16,8 +16,8 @@ use super::reserve::Way;
 use super::{Distance, Frontier, PIECES, Planning, RingStage, Speed, Work};
 use crate::queue::{Change, TooLate};
 
-/// How often the call that puts in new pieces goes on with the way to a standstill behind them.
-const WAYS: u32 = 5;
+/// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
+const WAYS: u32 = 8;
 
 /// The change furthest ahead, ticks.
 const FURTHEST: u32 = 128;
@@ -131,7 +131,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The pieces are in: the way to a standstill behind them, or a piece of it. `false`: nothing has changed.
+    /// The pieces are in. Where they end at rest they count, else with the way to a standstill behind them.
+    /// `false`: nothing has changed.
     pub(super) fn secure_change(&mut self) -> bool {
         let ends = self.frontier.speed == Speed::ZERO && self.frontier.emitter.is_done();
         if ends {
@@ -145,16 +146,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return true;
         }
-        if !self.begin_reserve() {
-            self.give_up();
-        }
-        for _ in 0..WAYS {
-            if self.reserve.pending.is_none() {
-                break;
-            }
-            self.look_after();
-        }
-        self.reserve.pending.is_some() || !self.reserve.undone
+        // The next call begins with it.
+        true
     }
 
     /// There is no such way. If it may be found later, all is as before until then.
@@ -238,6 +231,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// A change whose outcome is to be known now: at once or not at all.
     pub(super) fn join_change(&mut self) -> bool {
         self.secure_change();
+        for _ in 0..WAYS {
+            if self.reserve.pending.is_some() {
+                self.look_after();
+            }
+        }
         let joined = self.reserve.pending.is_none() && !self.reserve.undone;
         self.undo();
         joined

@@ -98,13 +98,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(always)]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
-        let is_called = self.orders.mode.busy || word != self.orders.word || self.queue.clock.has_left();
+        let is_changed = word != self.orders.word || self.reserve.pending.is_some();
+        let is_called = self.orders.mode.busy || is_changed || self.queue.clock.has_left();
         if is_called { self.follow(word) } else { None }
     }
 
     #[inline(never)]
     fn follow(&mut self, word: u32) -> Option<Work> {
-        if self.reserve.is_made() || self.queue.clock.has_left() {
+        if self.reserve.is_made() || self.reserve.pending.is_some() || self.queue.clock.has_left() {
             return Some(self.look_after());
         }
         let mut commands = Commands::of(word);
@@ -136,7 +137,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || commands.standstill()
             || self.task.joining
             || self.queue.control.is_answered();
-        work
+        // A try that changed nothing is a call of its own; other work has the next one.
+        let tried = core::mem::take(&mut self.orders.trying);
+        self.orders.yields = tried && work.is_none();
+        if self.orders.yields { Some(Work::Working) } else { work }
     }
 
     /// On the way to a standstill, and in it.
@@ -269,10 +273,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let now = self.queue.clock.now();
         self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
-        if waits || self.orders.mode.tried == Some(now) || self.orders.mode.cut.is_some() {
+        if waits
+            || self.orders.yields
+            || self.orders.mode.tried == Some(now)
+            || self.orders.mode.cut.is_some()
+        {
             return None;
         }
         self.orders.mode.tried = Some(now);
+        self.orders.trying = true;
         let at = now.wrapping_add(clock::TICK * self.orders.lead);
         let at = if clock::is_before(at, self.frontier.end) { at } else { self.frontier.end };
         let begun = |committed: &CommittedSpan| !clock::is_before(at, committed.first);

@@ -189,6 +189,9 @@ struct Orders {
     failed: bool,
     /// Ticks from a command to the change.
     lead: u32,
+    /// A change is being tried; the last try changed nothing, and other work has this call.
+    trying: bool,
+    yields: bool,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -309,7 +312,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             committed,
             handed: Distance::ZERO,
             supply: Supply { low: 0, seen: 0 },
-            orders: Orders { mode: Mode::RUN, word: Control::NORMAL, pace, failed: false, lead: REACTION },
+            orders: Orders {
+                mode: Mode::RUN,
+                word: Control::NORMAL,
+                pace,
+                failed: false,
+                lead: REACTION,
+                trying: false,
+                yields: false,
+            },
             functions,
             reserve: reserve.write(Reserve::none()),
             report: Report { begun: 0, planned: Planned::default() },

@@ -161,6 +161,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.take_back();
             return self.go_on_late();
         }
+        if self.reserve.pending.is_some() && !self.reserve.is_made() {
+            if !self.begin_reserve() {
+                self.give_up();
+            }
+            return Work::Working;
+        }
         // Commands come first, but for pieces that are put in already.
         let called = self.queue.control.word() != self.orders.word && self.reserve.pending.is_none();
         if called || !self.go_on_stopping() {

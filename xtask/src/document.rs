@@ -72,7 +72,9 @@ fn instructions(figures: &Figures, text: &mut String) {
     let _ = write!(
         text,
         "\nThe means of all are over all blocks of all programs of so many axes. In contour mode are {}; the planner's mean of plain programs \
-         leaves out\nthose, {}, {} and {}, the worst tick of plain programs only those in contour mode, {}.\n",
+         leaves out\nthose, {}, {} and {}, the worst tick of plain programs only those in contour mode, {}.\n\
+         `command.poll_max` is the largest call in programs with three axes where the operator gives a command every 37 ticks: override, feed \
+         hold,\nreduced speed.\n",
         CONTOUR.join(", "),
         SMOOTHED.join(", "),
         SHORT_ARCS.join(", "),

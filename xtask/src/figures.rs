@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 34] = [
+pub(crate) const LIMITS: [(&str, u64); 35] = [
     ("total.block_mean_plain_3_axes", 7500),
     ("total.block_mean_3_axes", 19_000),
     ("case.surface.block_mean", 37_000),
@@ -26,6 +26,7 @@ pub(crate) const LIMITS: [(&str, u64); 34] = [
     ("total.poll_max_3_axes", 40_000),
     ("total.poll_max_4_axes", 40_000),
     ("total.poll_max_6_axes", 47_000),
+    ("command.poll_max", 41_000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
     ("case.short_arcs.block_mean", 9500),
@@ -112,6 +113,8 @@ pub struct MemoryFigures {
     pub modules: BTreeMap<String, u64>,
     /// Filters and overlays.
     pub beside: Beside,
+    /// Largest call of the planner by program, with commands of the operator all the time.
+    pub commands: Vec<(String, u64)>,
 }
 
 /// What filters behind the path and axes beside it cost: instructions per tick and axis beyond those of the
@@ -283,6 +286,11 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
     memory.beside.each(|key, value| {
         values.insert(key.into(), value);
     });
+    for (name, most) in &memory.commands {
+        values.insert(format!("command.{name}.poll_max"), *most);
+    }
+    let most = memory.commands.iter().map(|(_, most)| *most).max().ok_or("no commands were given")?;
+    values.insert("command.poll_max".into(), most);
     let deepest = memory.interrupted.iter().map(|row| row.depth).max().ok_or("no stack was measured")?;
     values.insert("ram.interrupted.stack".into(), deepest);
     values.insert("flash.reference".into(), memory.flash);

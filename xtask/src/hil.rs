@@ -15,7 +15,7 @@ const BOARD_BINARY: &str = "glidepath-stm32f405";
 pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
 /// What counts instructions and bytes, besides.
-const COUNTED: [&str; 2] = ["counts", "nopanic"];
+const COUNTED: [&str; 4] = ["counts", "nopanic", "beside", "commands"];
 
 /// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its
 /// function.
@@ -51,7 +51,7 @@ pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
     let features: &[&str] = if place == Place::Probe { &["--features", "hardware"] } else { &[] };
-    let tests = binaries(&[&SAME[..], &COUNTED, &["session", "beside", "interrupt", "overflow"]].concat());
+    let tests = binaries(&[&SAME[..], &COUNTED, &["session", "interrupt", "overflow"]].concat());
     firmware.build(TESTS, &[&tests, features].concat(), &[])?;
     let host = host::run_all()?;
     step("set points of every tick, host and target");
@@ -61,6 +61,8 @@ pub fn all(place: Place) -> Result<(), String> {
     sessions(&firmware.report("session")?)?;
     step("filters behind the path, axes beside it");
     memory.beside = beside(&firmware.report("beside")?)?;
+    step("commands all the time");
+    memory.commands = commands(&firmware.report("commands")?)?;
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
     interrupt(&report, &host)?;
@@ -88,10 +90,11 @@ pub fn all(place: Place) -> Result<(), String> {
 pub fn bench(accept: bool) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
-    firmware.build(TESTS, &binaries(&[&SAME[..], &COUNTED, &["beside", "interrupt"]].concat()), &[])?;
+    firmware.build(TESTS, &binaries(&[&SAME[..], &COUNTED, &["interrupt"]].concat()), &[])?;
     let (runs, mut memory) = measure(&firmware, &host::run_all()?)?;
     counter(&firmware.report("counts")?)?;
     memory.beside = beside(&firmware.report("beside")?)?;
+    memory.commands = commands(&firmware.report("commands")?)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
@@ -103,6 +106,18 @@ pub fn bench(accept: bool) -> Result<(), String> {
 pub fn panic_proof() -> Result<(), String> {
     step("no panicking path");
     no_panic(&Firmware::prepare(Place::Emulator)?)
+}
+
+/// Commands only: `cargo xtask hil --commands`.
+pub fn only_commands() -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    firmware.build(TESTS, &binaries(&["commands"]), &[])?;
+    step("commands all the time");
+    for (name, most) in commands(&firmware.report("commands")?)? {
+        eprintln!("   {name:<16} {most:>9}");
+    }
+    Ok(())
 }
 
 /// Filters and overlays only: `cargo xtask hil --beside`.
@@ -182,6 +197,13 @@ fn beside(report: &str) -> Result<Beside, String> {
     alike(&host::beside_all()?, &runs)?;
     static_memory("beside")?;
     Beside::of(&runs, target::read_beside(report)?)
+}
+
+/// The cases with commands are the host's; the largest call of the planner in each.
+fn commands(report: &str) -> Result<Vec<(String, u64)>, String> {
+    let runs = target::read_runs(report)?;
+    alike(&host::commanded_all()?, &runs)?;
+    Ok(runs.into_iter().map(|run| (run.name, run.plan.max.max(run.wait.max))).collect())
 }
 
 /// Every set point of every tick is the host's.

@@ -6,7 +6,7 @@ use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
     CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, Case, DEEP, FilterMemory, Outcome, SHORT,
-    Watch, beside, run, session,
+    Watch, beside, commanded, run, session,
 };
 
 /// A case as the host ran it.
@@ -68,6 +68,18 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
     let outcome = session(&mut channel, &AXES_3, window, Collector(&mut set_points))
         .map_err(|failure| format!("{name} on the host: {failure:?}"))?;
     Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
+}
+
+/// The cases with three axes, and commands all the time.
+pub fn commanded_all() -> Result<Vec<HostRun>, String> {
+    let run_one = |case: &Case| {
+        let mut set_points = Vec::new();
+        let mut channel = Box::new(Channel::<3, BLOCKS>::new());
+        let outcome = commanded(&mut channel, &AXES_3, case, &mut Collector(&mut set_points))
+            .map_err(|failure| format!("{} with commands on the host: {failure:?}", case.name))?;
+        Ok(HostRun { name: case.name, axes: 3, blocks: BLOCKS, set_points, outcome })
+    };
+    CASES_3.iter().map(run_one).collect()
 }
 
 /// The cases with filters and overlays.

@@ -23,6 +23,7 @@ cargo xtask COMMAND
   hil           the target in the emulator: digests, interrupt, figures, panic proof
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
   hil --beside  only filters and axes beside the path: digests, and what each of them costs
+  hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         ["hil"] => hil::all(firmware::Place::Emulator),
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
         ["hil", "--beside"] => hil::only_beside(),
+        ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

@@ -4,6 +4,7 @@ use glidepath::digest::Digest;
 use glidepath::fir::{FilterPlan, FilterTick};
 use glidepath::machine::MachineData;
 use glidepath::nc::Text;
+use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
 
@@ -126,10 +127,27 @@ where
     I: FilterTick<AXES>,
     W: Watch<AXES>,
 {
-    let Handles { planner, interpolator, .. } = handles;
+    drive_with(handles, watch, |_, _| {})
+}
+
+/// The same; before each tick, the first one is 0, the operator is asked what there is to do.
+#[inline(always)]
+pub(crate) fn drive_with<T, P, I, W, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
+    handles: &mut Handles<'_, T, AXES, BLOCKS, P, I, OVERLAYS>,
+    watch: &mut W,
+    mut act: impl FnMut(&Operator<'_, AXES>, u32),
+) -> Result<Outcome, Failure>
+where
+    T: Text,
+    P: FilterPlan<AXES>,
+    I: FilterTick<AXES>,
+    W: Watch<AXES>,
+{
+    let Handles { planner, interpolator, operator } = handles;
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
     let mut done = false;
-    for _ in 0..TICK_LIMIT {
+    for number in 0..TICK_LIMIT {
+        act(operator, number);
         while !done {
             let before = watch.now();
             let result = poll(planner);
