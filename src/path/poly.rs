@@ -190,7 +190,9 @@ impl<const AXES: usize> Draft<AXES> {
         let bounds = bounds.as_mut()?;
         // τ at the end is 1 / grow.
         let grow = power_of_two(62) / end_w as f64;
-        let (square, tangent) = (grow * grow, LSB_40 * h);
+        let (square, tangent, bend) = (grow * grow, LSB_40 * h, h * h);
+        let (cube, fourth) = (square * grow, square * square);
+        let powers = [square, cube, fourth, fourth * grow];
         let [start, end] = &self.ends;
         let made = self.made;
         self.made = AXES.min(made + AXES_PER_CALL);
@@ -209,11 +211,12 @@ impl<const AXES: usize> Draft<AXES> {
             let a = quintic(
                 travel as f64 * LSB_32,
                 [*t0 as f64 * tangent, *t1 as f64 * tangent],
-                [f64::from(*k0) * h * h, f64::from(*k1) * h * h],
+                [f64::from(*k0) * bend, f64::from(*k1) * bend],
             );
             // Coefficients over τ.
-            let b =
-                [a[1] * square, a[2] * square * grow, a[3] * square * square, a[4] * square * square * grow];
+            let [_, a2, a3, a4, a5] = a;
+            let [p2, p3, p4, p5] = powers;
+            let b = [a2 * p2, a3 * p3, a4 * p4, a5 * p5];
             let sum = b.iter().fold(0.0, |sum, b| sum + if *b < 0.0 { -*b } else { *b });
             let mut down = 0;
             if sum > 0.0 {
@@ -238,15 +241,12 @@ impl<const AXES: usize> Draft<AXES> {
 }
 
 /// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both
-/// ends.
+/// ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products: each is a call where a
+/// core has no f64.
 fn quintic(travel: f64, [v0, v1]: [f64; 2], [w0, w1]: [f64; 2]) -> [f64; 5] {
-    [
-        v0,
-        0.5 * w0,
-        10.0 * travel - 6.0 * v0 - 4.0 * v1 - 1.5 * w0 + 0.5 * w1,
-        -15.0 * travel + 8.0 * v0 + 7.0 * v1 + 1.5 * w0 - w1,
-        6.0 * travel - 3.0 * (v0 + v1) - 0.5 * (w0 - w1),
-    ]
+    let (d, e, p, q) = (travel - v0, v1 - v0, 0.5 * w0, 0.5 * w1);
+    let (e3, p3) = (3.0 * e, 3.0 * p);
+    [v0, p, 10.0 * d - (e3 + e) - p3 + q, -15.0 * d + 7.0 * e + p3 - (q + q), 6.0 * d - e3 - p + q]
 }
 
 /// Largest magnitudes of the first three derivatives over 0..1, and what rounding here may hide.
