@@ -129,17 +129,26 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl<const AXES: usize> Joining<AXES> {
+    /// Of a block; where it goes on is not known yet.
+    #[inline(always)]
+    pub const fn new(held: HeldBlock<AXES>) -> Self {
+        Self { held, stage: JoinStep::Sharp }
+    }
+
     /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
     /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
-    pub fn new(
-        held: &HeldBlock<AXES>,
+    pub fn go_into(
+        &mut self,
         next: &HeldBlock<AXES>,
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
-    ) -> (Self, Option<NcWarningKind>) {
+    ) -> Option<NcWarningKind> {
+        let Self { held, stage } = self;
         let mut remark = None;
-        let stage = held.rule.and_then(|rule| Self::begin(held, (next, behind), &rule, setting, &mut remark));
-        (Self { held: *held, stage: stage.unwrap_or(JoinStep::Sharp) }, remark)
+        let rule = held.rule.as_ref();
+        let room = rule.and_then(|rule| Self::begin(held, (next, behind), rule, setting, &mut remark));
+        *stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
+        remark
     }
 
     fn begin(
@@ -148,7 +157,7 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
         remark: &mut Option<NcWarningKind>,
-    ) -> Option<JoinStep<AXES>> {
+    ) -> Option<Room> {
         let corner = corner(held, next, setting.measure);
         let (before, behind) = (&corner.before, &corner.behind);
         if corner.follows_master(rule, setting.measure) {
@@ -177,7 +186,7 @@ impl<const AXES: usize> Joining<AXES> {
             room.most[0] = left;
             room.distances = rule.distances(room.most);
         }
-        Some(JoinStep::Choosing(room))
+        Some(room)
     }
 
     /// Which kinds of curve come into question.

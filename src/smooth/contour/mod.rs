@@ -378,8 +378,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let Some(held) = &self.held else { return };
         let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
         next.previous = held.rule.map(|_| held.length);
-        let (joining, remark) = Joining::new(held, next, behind, &setting);
-        self.joining = Some(joining);
+        let remark = self.joining.insert(Joining::new(*held)).go_into(next, behind, &setting);
         self.held = None;
         if remark.is_some() {
             self.remark = remark;
