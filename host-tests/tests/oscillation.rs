@@ -233,7 +233,10 @@ fn it_ends_as_told() {
         let off = run("X[OSC OFF]\n");
         assert_eq!(off.ends()[0], 20.0, "A8-022");
         let cycles = last(&off);
-        assert!(cycles < 5, "A8-042: {cycles}");
+        // At 1.9 s on the way back from it, at 1.2 s still towards it.
+        assert_eq!(cycles, 2, "A8-022, A8-042");
+        let early = good(&format!("{}X[OSC OFF]\nM30\n", on.replace("1.9", "1.2")), &machine);
+        assert_eq!((early.ends()[0], last(&early)), (20.0, 1), "A8-022: the cycle at hand");
         let fast = run("X[OSC OFF FEED=9000]\n");
         assert_eq!((fast.ends()[0], range(&fast, 0)), (20.0, [-20.0, 20.0]), "A8-023");
         assert!(fast.axes[0].len() <= off.axes[0].len(), "A8-023: sooner");

@@ -138,7 +138,7 @@ fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
     const UNIT: f32 = 1.0 / (1u64 << 62) as f32;
     // Revolutions per half a cycle, LSB 2^-64.
     let turn = u64::from((cut_off * 2_147_483_648.0) as u32) << 32;
-    let window = (u64::MAX / u64::from(order + 2) / 2).wrapping_mul(u64::from(twice));
+    let window = (u64::MAX / (u64::from(order) + 2) / 2).wrapping_mul(u64::from(twice));
     let cosine = to_f32(sin_cos(window).1) * UNIT;
     let shape = 0.42 + 0.5 * cosine + 0.08 * (2.0 * cosine * cosine - 1.0);
     if twice == 0 {
