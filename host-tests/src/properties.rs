@@ -78,6 +78,7 @@ pub fn permitted_at<const AXES: usize>(
     let arc = elements.iter().any(is_arc);
     let data = &machine.axes[axis];
     let mut limits = permitted(data, channel.slope_profile, rapid, feed, joint || arc);
+    widen(&mut limits, machine, elements, axis);
     if joint && (data.a_trans_weight > 0 || (arc && !channel.corr_v_trans_jerk)) {
         limits.jerk = f64::INFINITY;
     }
@@ -105,14 +106,42 @@ pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Con
     let feed = contour.elements.iter().any(|e| e.feed.is_some());
     let curved = contour.elements.len() > 1 || contour.elements.iter().any(|e| e.shape != Shape::Line);
     let slope = machine.channel.slope_profile;
-    let limits = machine.axes.iter().map(|axis| {
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| {
         let mut limits = permitted(axis, slope, rapid, feed, curved);
+        widen(&mut limits, machine, &contour.elements, k);
         if curved && (axis.a_trans_weight > 0 || !machine.channel.corr_v_trans_jerk) {
             limits.jerk = f64::INFINITY;
         }
         limits
     });
     limits.collect()
+}
+
+/// What a piece of time may be off a path distance by, mm: its coefficients have 2^-58 mm, and it lasts at
+/// most 128 ticks with jerk (`src/slope/emit.rs`). A sixteenth of the rounding of a set point, which counts it.
+const DISTANCE: f64 = 1.0 / (1u64 << 37) as f64;
+
+/// How much further an axis goes on a line than the path, whose feed axes leave it out (P-CHAN-00011); 0: no
+/// further.
+fn gain(element: &Element, axis: usize) -> f64 {
+    let length = element.feed_axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt();
+    let gain = element.travel(axis).abs() / length;
+    if element.shape == Shape::Line && length > 0.0 && gain > 1.0 { gain } else { 0.0 }
+}
+
+/// What errors of path distances add to the differences of an axis that goes further than the path: a
+/// difference of order n has 2^n of them.
+fn widen<const AXES: usize>(
+    limits: &mut Limits,
+    machine: &MachineData<AXES>,
+    elements: &[Element],
+    axis: usize,
+) {
+    let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
+    let error = elements.iter().map(|element| gain(element, axis)).fold(0.0, f64::max) * DISTANCE;
+    limits.v += 2.0 * error / cycle;
+    limits.a += 4.0 * error / cycle.powi(2);
+    limits.jerk += 8.0 * error / cycle.powi(3);
 }
 
 /// Runs a program and asks the judge for everything.
