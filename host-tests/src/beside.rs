@@ -127,7 +127,8 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
     }
     if ended {
         // It would be told something later still.
-        return Err(TOO_LONG.to_owned());
+        run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
+        return Ok(run);
     }
     let moved = |x: &Vec<i64>| x.iter().rev().take(LONGEST / 4).any(|at| Some(at) != x.last());
     if !run.axes.iter().any(moved) {

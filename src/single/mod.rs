@@ -355,7 +355,9 @@ impl Single {
         }
         let idle = overlay.clock.idle();
         let rested = idle.wrapping_sub(*self.stood.get_or_insert(idle));
-        (rested >= clock::TICK * settling).then(|| set_point(self.at))
+        // Where the interrupt had nothing of it nothing settles: it stood there already.
+        let settled = !self.shown || rested >= clock::TICK * settling;
+        settled.then(|| set_point(self.at))
     }
 
     /// The path has the axis again.
