@@ -1,6 +1,10 @@
 //! Oscillation: FCT-A8, row by row.
+use glidepath::channel::{Channel, Handles};
 use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
+use glidepath::tick::State;
 use host_tests::beside::{ONE, Run, run};
+use host_tests::calls::call;
 use host_tests::cases::machines::{accelerations, even, machine, ramps};
 
 /// Slope 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
@@ -368,4 +372,44 @@ fn holds_aborts_and_stalls() {
             }
         }
     }
+}
+
+/// Runs a text until all is over, with an abort before the tick `abort`; the planner has 2,000 calls between two
+/// ticks, and never needs all of them. The number of the motion block at each tick.
+fn blocks_of(text: &str, abort: usize) -> Vec<u32> {
+    let machine = with_slope(3);
+    let mut channel: Box<Channel<3, 120, 1>> = Box::new(Channel::new());
+    let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes());
+    let Handles { mut planner, mut interpolator, operator } = handles.expect("in range");
+    let mut blocks = Vec::new();
+    for tick in 0..10_000 {
+        if tick == abort {
+            operator.abort();
+        }
+        let mut working = 0;
+        let done = call(&mut planner, 2000, |_| working += 1).expect("a program");
+        assert!(working < 2000, "abort at {abort}, tick {tick}: the planner has always something to do");
+        let state = interpolator.tick();
+        blocks.push(interpolator.telemetry().block);
+        if done && state == State::Idle {
+            return blocks;
+        }
+    }
+    panic!("abort at {abort}: no end");
+}
+
+/// An abort that finds the axis at a standstill before the path has one: there is nothing to do for it.
+#[test]
+fn an_abort_leaves_the_planner_nothing_to_do() {
+    let text = "G01 Y1 F1000\nX[OSC ON ZERO_POS=0 EXCUR=2 FEED=3000]\nY20 F1500\nM30\n";
+    for abort in (100..1000).step_by(25) {
+        blocks_of(text, abort);
+    }
+}
+
+/// No motion block has begun while an axis moves beside a path that has none.
+#[test]
+fn no_block_is_at_hand_before_the_first_one() {
+    let text = "X[OSC ON 1ST_POS=0 2ND_POS=5 FREQ=1]\nG04 1\nX[OSC OFF]\nG01 Y5 F1000\nM30\n";
+    assert!(blocks_of(text, usize::MAX).iter().all(|block| *block == 0));
 }

@@ -610,7 +610,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // The interrupt keeps the curve it is on, somewhere in it. The point where it stands comes next.
         self.queue.segments.end_at(stands);
         self.handed = self.queue.segments.end();
-        self.stay_here(self.report.begun.wrapping_sub(1));
+        self.stay_here(self.report.begun.saturating_sub(1));
         let is_due = |point: Distance| stands.wrapping_sub(point.to_bits()) >= 0;
         let mut action = self.queue.actions.first_open();
         while self.queue.actions.open(action).is_some_and(is_due) {

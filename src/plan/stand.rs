@@ -110,7 +110,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         // It belongs to the last block.
-        self.stay_here(self.intake.taken.wrapping_sub(1));
+        self.stay_here(self.intake.taken.saturating_sub(1));
         self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });
         self.task.shifted = Some(self.frontier.end);
         true

@@ -325,9 +325,12 @@ impl Single {
         self.goal.end_cycle();
     }
 
-    /// The axis comes to a standstill, and stays there.
+    /// The axis comes to a standstill, and stays there. One that stands already has nothing to do.
     pub fn stop(&mut self) {
-        self.ending = Ending::Here;
+        let handed = self.handed.strokes.iter().any(Option::is_some);
+        if handed || self.laying.is_some() || self.goal != Goal::Rest {
+            self.ending = Ending::Here;
+        }
     }
 
     /// The oscillation is broken off: to its second position, at the speed `v` (mm/tick).

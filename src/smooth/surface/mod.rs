@@ -99,7 +99,7 @@ const NARROWER: f32 = 0.7;
 
 /// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
 /// Beyond it the path would be much shorter than its polygon.
-const SHARPEST: f32 = 1.55;
+const SHARPEST: f32 = 1.554_29;
 
 /// A cell may be so much faster than its path.
 const FASTEST: f32 = 1.5;
