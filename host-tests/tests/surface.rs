@@ -319,6 +319,25 @@ fn corners_without_a_curve_are_reported() {
     assert_eq!([7, 25, 1, 2].map(reported), [true, true, false, false]);
 }
 
+/// What is still held back at the end of a program comes before its standstill: there is no other one.
+#[test]
+fn the_end_of_the_program_stops_at_the_end() {
+    let chords: String = (1..=120).map(|k| chord_of_a_wave(f64::from(k))).collect();
+    let mut machine = machine::<3>(50_000, 3);
+    for look_ahead in [10, 20, 40, 120] {
+        machine.channel.look_ahead = look_ahead;
+        let of = |end: &str| {
+            let text = format!("#HSC ON [SURFACE PATH_DEV=0.02]\nG01 F6000\n{chords}{end}M30\n");
+            go::<3>(&text, &machine).digest
+        };
+        assert_eq!(of(""), of("#HSC OFF\n"), "look-ahead {look_ahead}");
+    }
+}
+
+fn chord_of_a_wave(k: f64) -> String {
+    format!("X{:.3} Y{:.3}\n", 0.8 * k, 4.0 * (0.2 * k).sin())
+}
+
 /// D3-160 and the memory: what Surface holds, 8 KiB at most.
 #[test]
 fn its_memory_is_that_of_a_window() {

@@ -66,7 +66,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         self.lookahead.ring.free_start(reach);
-        self.lookahead.begin_pass(!self.task.flush);
+        self.lookahead.begin_pass(self.is_open());
         self.task.joining = true;
         true
     }

@@ -514,9 +514,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     fn begin_pass(&mut self) -> Work {
         self.task.reopened = false;
         self.follow_level();
-        self.lookahead.begin_pass(!self.task.flush);
+        self.lookahead.begin_pass(self.is_open());
         self.task.stage = RingStage::Passing;
         Work::Working
+    }
+
+    /// Whether more blocks come into the ring: of the program, or of what the smoother still holds of it.
+    pub(super) fn is_open(&self) -> bool {
+        !self.task.flush || self.intake.smoothing.holds() || !self.intake.held.is_none()
     }
 
     /// Plans the first span of the ring for good.
