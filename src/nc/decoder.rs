@@ -92,7 +92,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         if self.refused {
             return Ok(Step::End);
         }
-        if let Some(warning) = self.interpreter.warnings.pop_front() {
+        if !self.interpreter.warnings.is_empty()
+            && let Some(warning) = self.interpreter.warnings.pop_front()
+        {
             return Ok(Step::Warning(warning));
         }
         if let Some(command) = self.interpreter.single.take() {
