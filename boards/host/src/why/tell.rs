@@ -109,7 +109,7 @@ fn advice(why: &Why, program: &Program) -> Vec<String> {
         advice.push(format!("{} {what}", corners(sharp)));
     }
     if rounded > 0 {
-        advice.push(format!("{} a curve: a larger tolerance makes it faster", corners(rounded)));
+        advice.push(format!("{} a curve: a larger tolerance may make it faster", corners(rounded)));
     }
     if stops > 0 {
         let what = "programmed (G60, G360, G04, functions that are waited for)";
