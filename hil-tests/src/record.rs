@@ -10,7 +10,8 @@ use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{
-    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, commanded, run, session,
+    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, commanded,
+    run, session,
 };
 
 /// Number, sum and largest of something counted.
