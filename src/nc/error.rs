@@ -334,9 +334,9 @@ pub enum NcWarningKind {
     FilterWithoutOrder,
     /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
     NoTangent,
-    /// A turn that #HSC [SURFACE] does not round though MAX_ANGLE permits it: more than 102 degrees.
+    /// A turn that #HSC \[SURFACE\] does not round though MAX_ANGLE permits it: more than 102 degrees.
     SurfaceSharp,
-    /// #HSC [SURFACE] found no curve inside its tolerance, at a block before the one that is named.
+    /// #HSC \[SURFACE\] found no curve inside its tolerance, at a block before the one that is named.
     SurfaceLost,
     /// The dynamics of an axis limit its oscillation.
     OscillationLimited,
