@@ -9,7 +9,7 @@
 //! linear part, so that the end is met to the last bit; direction and curvature at the ends are off by about
 //! 2^-29 of the curve's own.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
-use crate::math::float::{max, min};
+use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};
@@ -83,8 +83,8 @@ impl<const AXES: usize> Bounds<AXES> {
     }
 }
 
-const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
-const LSB_32: f64 = 1.0 / (1u64 << 32) as f64;
+const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
+const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
 /// Bits of a coefficient's exponent that the format has anyway: 42 of the sum, 32 and 2 of the products.
 const POINT: i32 = 12;
@@ -102,32 +102,35 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// 2^n for n in -1022..1024.
-fn power_of_two(n: i32) -> f64 {
-    f64::from_bits(((1023 + n.clamp(-1022, 1023)) as u64) << 52)
+/// 2^n for n in -126..128, the nearest of these for others.
+fn power_of_two(n: i32) -> f32 {
+    f32::from_bits(((127 + n.clamp(-126, 127)) as u32) << 23)
 }
 
 /// The least n with x < 2^n, for x > 0.
-fn exponent(x: f64) -> i32 {
-    ((x.to_bits() >> 52) & 0x7ff) as i32 - 1022
+fn exponent(x: f32) -> i32 {
+    (x.to_bits() >> 23) as i32 - 126
 }
 
-/// The nearest integer.
-fn nearest(x: f64) -> i64 {
-    (if x < 0.0 { x - 0.5 } else { x + 0.5 }) as i64
+/// x·2^n, rounded down; what a shift of a word leaves where that is not enough.
+fn shifted(x: i64, n: i32) -> i64 {
+    if n >= 0 { x << n.min(63) } else { x >> (-n).min(63) }
 }
 
-/// The integer nearest to x·2^n, below 2^31, without the products of a core that has no f64.
-fn scaled(x: f64, n: i32) -> i32 {
-    const FRACTION: u64 = (1 << 52) - 1;
-    let bits = x.to_bits();
-    let point = 1075 - ((bits >> 52) & 0x7ff) as i32 - n;
-    if !(1..54).contains(&point) {
-        return 0;
-    }
-    let twice = (bits & FRACTION | 1 << 52) >> (point - 1);
-    let size = ((twice + 1) >> 1) as i32;
+/// x·2^n as an integer, for magnitudes of `x`·2^(n − 32) below 2^31.
+fn fixed(x: f32, n: i32) -> i64 {
+    let upper = magnitude(x) * power_of_two(n - 32);
+    let whole = upper as u32;
+    let size = (u64::from(whole) << 32 | u64::from(((upper - whole as f32) * TWO_32) as u32)) as i64;
     if x < 0.0 { -size } else { size }
+}
+
+const TWO_32: f32 = 4_294_967_296.0;
+
+/// x·2^-n, rounded to nearest, for n in 1..64.
+fn rounded(x: i64, n: u32) -> i32 {
+    let size = ((x.unsigned_abs() >> ((n - 1) & 63)) as u32).wrapping_add(1) >> 1;
+    if x < 0 { -(size as i32) } else { size as i32 }
 }
 
 /// A polynomial that is made a few axes at a time.
@@ -142,7 +145,14 @@ pub struct Draft<const AXES: usize> {
 }
 
 /// Axes per call.
-const AXES_PER_CALL: usize = 2;
+const AXES_PER_CALL: usize = 4;
+
+/// Largest magnitude of what an axis has, as the power of two above it, mm; and where the point is then in
+/// numbers of 64 bits, of which sums of [`quintic`] take six.
+const MOST: i32 = 24;
+const ROOM: i32 = 57;
+/// Least one.
+const LEAST: f32 = LSB_40 * LSB_32;
 
 impl<const AXES: usize> Draft<AXES> {
     /// The curve from one knot to another that counts as `length` (mm) of path, with all axes to be made;
@@ -153,7 +163,7 @@ impl<const AXES: usize> Draft<AXES> {
         length: f32,
         fastest: f32,
     ) -> Option<(Element<AXES>, Self)> {
-        let bits = nearest(f64::from(length) * (1u64 << 44) as f64);
+        let bits = to_bits::<44>(length);
         if bits <= 0 || bits >= LONGEST {
             return None;
         }
@@ -183,16 +193,10 @@ impl<const AXES: usize> Draft<AXES> {
     /// Makes the next axes. `None` where the formats cannot hold them.
     pub fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Element { shape, entry, exit, bounds, .. } = element;
-        let h = f64::from(self.length);
-        let end_w = shape.end_w();
-        let reciprocal = shape.reciprocal();
+        let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
         let Curve::Poly { power, down: downs } = &mut shape.curve else { return None };
         let bounds = bounds.as_mut()?;
-        // τ at the end is 1 / grow.
-        let grow = power_of_two(62) / end_w as f64;
-        let (square, tangent, bend) = (grow * grow, LSB_40 * h, h * h);
-        let (cube, fourth) = (square * grow, square * square);
-        let powers = [square, cube, fourth, fourth * grow];
+        let scale = Scale::new(self.length, reciprocal);
         let [start, end] = &self.ends;
         let made = self.made;
         self.made = AXES.min(made + AXES_PER_CALL);
@@ -208,30 +212,13 @@ impl<const AXES: usize> Draft<AXES> {
                 // At rest: all of it is zero.
                 continue;
             }
-            let a = quintic(
-                travel as f64 * LSB_32,
-                [*t0 as f64 * tangent, *t1 as f64 * tangent],
-                [f64::from(*k0) * bend, f64::from(*k1) * bend],
-            );
-            // Coefficients over τ.
-            let [_, a2, a3, a4, a5] = a;
-            let [p2, p3, p4, p5] = powers;
-            let b = [a2 * p2, a3 * p3, a4 * p4, a5 * p5];
-            let sum = b.iter().fold(0.0, |sum, b| sum + if *b < 0.0 { -*b } else { *b });
-            let mut down = 0;
-            if sum > 0.0 {
-                let scale = (SUM - exponent(sum)).min(POINT + 60);
-                if scale < POINT {
-                    return None;
-                }
-                down = (scale - POINT) as u8;
-                *power.get_mut(k)? = b.map(|b| scaled(b, scale));
-            }
+            let (coefficients, down, derivatives) = scale.axis(travel, [*t0, *t1], [*k0, *k1])?;
+            *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
             // Off by at most a few LSB: hidden by the guard bits.
-            let rest = (travel << GUARD).wrapping_sub(bent(end_w, power.get(k)?, down));
+            let rest = (travel << GUARD).wrapping_sub(bent(end_w, &coefficients, down));
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
-            let ([first, second, third], per) = (largest(&a), 1.0 / self.length);
+            let ([first, second, third], per) = (derivatives, 1.0 / self.length);
             *bounds.first.get_mut(k)? = first * per;
             *bounds.second.get_mut(k)? = second * per * per;
             *bounds.third.get_mut(k)? = third * per * per * per;
@@ -240,18 +227,91 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
-/// Coefficients of the first to the fifth power over 0..1: travel, slopes and second derivatives at both
-/// ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products: each is a call where a
-/// core has no f64.
-fn quintic(travel: f64, [v0, v1]: [f64; 2], [w0, w1]: [f64; 2]) -> [f64; 5] {
-    let (d, e, p, q) = (travel - v0, v1 - v0, 0.5 * w0, 0.5 * w1);
-    let (e3, p3) = (3.0 * e, 3.0 * p);
-    [v0, p, 10.0 * d - (e3 + e) - p3 + q, -15.0 * d + 7.0 * e + p3 - (q + q), 6.0 * d - e3 - p + q]
+/// What all axes of an element have in common.
+struct Scale {
+    /// mm: as it is; its square; and as mantissa·2^`up`, with a mantissa of 24 bits and 38 zeros.
+    length: f32,
+    square: f32,
+    mantissa: i64,
+    up: i32,
+    /// Second to fifth power of 1/τ at the end, which is in 1..2: with 60, 58, 56 and 54 fraction bits.
+    powers: [i64; 4],
+}
+
+impl Scale {
+    /// `reciprocal`: that of the shape.
+    fn new(length: f32, reciprocal: i64) -> Self {
+        let bits = length.to_bits();
+        let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
+        let up = (bits >> 23) as i32 - 150 - 38;
+        let square = mul_near(reciprocal, reciprocal);
+        let (cube, fourth) = (mul_near(square, reciprocal), mul_near(square, square));
+        let powers = [square, cube, fourth, mul_near(fourth, reciprocal)];
+        Self { length, square: length * length, mantissa, up, powers }
+    }
+
+    /// Coefficients of an axis with their exponent, and the largest magnitudes of its derivatives over 0..1.
+    /// `None` where the formats cannot hold them.
+    ///
+    /// In integers: a core that has no f64 takes some hundred instructions for that, ten times as many for the
+    /// same in f64.
+    fn axis(
+        &self,
+        travel: i64,
+        tangents: [i64; 2],
+        curvatures: [f32; 2],
+    ) -> Option<([i32; 4], u8, [f32; 3])> {
+        let slopes = tangents.map(|t| to_f32(t) * LSB_40 * self.length);
+        let bends = curvatures.map(|k| k * self.square);
+        let [v0, v1] = slopes.map(magnitude);
+        let [w0, w1] = bends.map(magnitude);
+        let most = max(magnitude(to_f32(travel) * LSB_32), max(max(v0, v1), max(w0, w1)));
+        let above = exponent(max(most, LEAST));
+        if above > MOST {
+            return None;
+        }
+        let point = ROOM - above;
+        // Tangents to the full width: with it a product is 2^(40 − 64) of what their LSB says.
+        let up =
+            (tangents.iter().fold(1, |bits, t| bits | t.unsigned_abs()).leading_zeros() as i32 - 1).max(0);
+        let a = quintic(
+            shifted(travel, point - 32),
+            tangents.map(|t| shifted(mul_near(t << up, self.mantissa), point + self.up + 24 - up)),
+            bends.map(|w| fixed(w, point)),
+        );
+        let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
+        let [first, ..] = slopes;
+        if zeros == 64 {
+            return Some(([0; 4], 0, [magnitude(first) * (1.0 + 1.0 / 1_048_576.0), 0.0, 0.0]));
+        }
+        // To the full width, and over τ.
+        let (a, point) = (a.map(|a| a << ((zeros - 1) & 63)), point + zeros - 1);
+        let unit = power_of_two(32 - point);
+        let [f2, f3, f4, f5] = a.map(|a| (a >> 32) as i32 as f32 * unit);
+        let ([a2, a3, a4, a5], [p2, p3, p4, p5]) = (a, self.powers);
+        let b = [mul_near(a2, p2) >> 6, mul_near(a3, p3) >> 4, mul_near(a4, p4) >> 2, mul_near(a5, p5)];
+        let sum = b.iter().fold(0, |sum, b| sum + b.unsigned_abs());
+        // Bits of the sum, and those behind its point.
+        let (bits, behind) = (64 - sum.leading_zeros() as i32, point - 10);
+        let scale = (SUM + behind - bits).min(POINT + 60);
+        if scale < POINT {
+            return None;
+        }
+        let less = (behind - scale).min(63) as u32;
+        Some((b.map(|b| rounded(b, less)), (scale - POINT) as u8, largest([first, f2, f3, f4, f5])))
+    }
+}
+
+/// Coefficients of the second to the fifth power over 0..1: travel, slopes and second derivatives at both
+/// ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products.
+fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
+    let (d, e, p, q) = (travel - v0, v1 - v0, w0 >> 1, w1 >> 1);
+    let (e3, p3) = (3 * e, 3 * p);
+    [p, 10 * d - (e3 + e) - p3 + q, 7 * e - 15 * d + p3 - (q + q), 6 * d - e3 - p + q]
 }
 
 /// Largest magnitudes of the first three derivatives over 0..1, and what rounding here may hide.
-fn largest(a: &[f64; 5]) -> [f32; 3] {
-    let [a1, a2, a3, a4, a5] = a.map(|a| a as f32);
+fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, max(*x, -*x)));
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
