@@ -78,6 +78,18 @@ impl<const AXES: usize> Straight<AXES> {
         (shape, End { tangent, curvature: [0.0; AXES] })
     }
 
+    /// Either end of it.
+    pub(crate) fn end(&self) -> End<AXES> {
+        End { tangent: self.tangent, curvature: [0.0; AXES] }
+    }
+
+    /// A line becomes this one, in place.
+    pub(crate) fn assign_to(&self, line: &mut Element<AXES>) {
+        let Self { length, gain, tangent, shift } = *self;
+        (line.shape.length, line.shape.gain, line.shape.shift) = (length, gain, shift);
+        (line.entry.tangent, line.exit.tangent) = (tangent, tangent);
+    }
+
     /// The element.
     pub(crate) fn element(&self) -> Element<AXES> {
         let (shape, ends) = self.parts();

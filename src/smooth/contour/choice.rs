@@ -141,7 +141,7 @@ impl Candidate {
         let led = corner.follows_master(rule, setting.measure);
         let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {
-            ContourMethod::Dev => !setting.parameters.const_vel,
+            ContourMethod::Dev => !setting.const_vel,
             ContourMethod::Ptp => true,
             _ => soft,
         };
@@ -218,7 +218,7 @@ impl Shallow {
     /// pass it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
     pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
         let Choice { blocks: [held, _], corner, rule, setting, most, tolerance, approach } = *choice;
-        let dev = rule.method == ContourMethod::Dev && !setting.parameters.const_vel;
+        let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
         let hsc = setting.dynamics.slope() == SlopeType::Hsc;
         let rapid = choice.lines().filter(|_| hsc && dev)?;
         let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
@@ -230,7 +230,7 @@ impl Shallow {
         let c = min(most, by_tolerance);
         let curvature = change.map(|d| d / c);
         let third = curvature.map(|x| x / c);
-        let check = setting.parameters.check_jerk;
+        let check = setting.check_jerk;
         let [v1, v2] = approach.v;
         let v = min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check));
         // The motion may not have reached that speed yet.
@@ -296,7 +296,7 @@ pub fn passes<const AXES: usize>(
     setting: &Setting<'_, AXES>,
 ) -> f32 {
     let [a, _] = setting.dynamics.together(second, rapid, [1.0; 2]);
-    let j = setting.dynamics.across(third, rapid, setting.parameters.check_jerk);
+    let j = setting.dynamics.across(third, rapid, setting.check_jerk);
     min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)))
 }
 

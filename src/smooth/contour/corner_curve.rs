@@ -186,6 +186,11 @@ impl<const AXES: usize> CornerCurve<AXES> {
         })
     }
 
+    /// Where it begins and ends, before it is handed out.
+    pub fn ends(&self) -> [&Knot<AXES>; 2] {
+        [&self.at, &self.last]
+    }
+
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
     /// (relative) and are at most `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {

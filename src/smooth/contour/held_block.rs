@@ -4,7 +4,7 @@ use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoot
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
-use crate::path::{Element, Measure, PathError, arc, line};
+use crate::path::{Element, End, Measure, PathError, arc, line, straight};
 use crate::quantity::Position;
 
 /// A block whose end waits for the next one.
@@ -295,16 +295,40 @@ impl<const AXES: usize> HeldBlock<AXES> {
         Some(Made { element, data, curving: None, due: data.number })
     }
 
-    /// The rest of the block from a point on it.
-    pub fn renewed(&self, from: &[Position; AXES], measure: &Measure) -> Result<Element<AXES>, PathError> {
+    /// The end that the rest of the block from a point on it has there.
+    pub fn entry_at(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
         if *from == self.block.from {
-            return Ok(self.block.element);
+            return Ok(self.block.element.entry);
         }
         match self.block.form {
-            Form::Line => Ok(line(from, &self.block.to, measure)?.unwrap_or(self.block.element)),
-            Form::Arc { centre, plane, clockwise } => {
-                arc(from, &self.block.to, centre, plane, clockwise, measure)
+            Form::Line => {
+                let rest = straight(from, &self.block.to, measure)?;
+                Ok(rest.map_or(self.block.element.entry, |rest| rest.end()))
             }
+            Form::Arc { .. } => Ok(self.rest_of_arc(from, measure)?.entry),
         }
+    }
+
+    /// Becomes the rest of the block from a point on it.
+    pub fn renew(&mut self, from: &[Position; AXES], measure: &Measure) -> Result<(), PathError> {
+        if *from == self.block.from {
+            return Ok(());
+        }
+        match self.block.form {
+            Form::Line => {
+                if let Some(rest) = straight(from, &self.block.to, measure)? {
+                    rest.assign_to(&mut self.block.element);
+                }
+            }
+            Form::Arc { .. } => self.block.element = self.rest_of_arc(from, measure)?,
+        }
+        self.block.from = *from;
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn rest_of_arc(&self, from: &[Position; AXES], measure: &Measure) -> Result<Element<AXES>, PathError> {
+        let Form::Arc { centre, plane, clockwise } = self.block.form else { return Ok(self.block.element) };
+        arc(from, &self.block.to, centre, plane, clockwise, measure)
     }
 }

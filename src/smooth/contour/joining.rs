@@ -12,8 +12,8 @@ use crate::dynamics::{Curving, Dynamics, Steady};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
-use crate::path::{Element, Measure, Passage};
-use crate::quantity::{Distance, Position};
+use crate::path::{Measure, Passage};
+use crate::quantity::Distance;
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
 /// than what the tolerance has to spare.
@@ -51,7 +51,9 @@ pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
     pub measure: &'a Measure,
     /// CHECK_JERK and CONST_VEL as they stand now.
-    pub parameters: &'a Parameters,
+    pub check_jerk: u8,
+    /// See there.
+    pub const_vel: bool,
     /// Limits of the axes.
     pub dynamics: &'a Dynamics<AXES>,
 }
@@ -96,11 +98,11 @@ enum JoinStep<const AXES: usize> {
     /// mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
-    Fitting { cut: Cut, slack: f32, smaller: u8, course: CornerCurve<AXES> },
+    Fitting { cut: Cut, slack: f32, smaller: u8 },
     /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
-    Timing { cut: Cut, course: CornerCurve<AXES>, element: u32, steady: Steady },
+    Timing { cut: Cut, element: u32, steady: Steady },
     /// They are: both blocks become what is left of them.
-    Joining { cut: Cut, course: CornerCurve<AXES>, steady: Option<Steady> },
+    Joining { cut: Cut, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
     /// The curve of a shallow corner is made.
@@ -197,7 +199,9 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         room: Room,
         setting: &Setting<'_, AXES>,
-    ) -> Option<JoinStep<AXES>> {
+        stage: &mut JoinStep<AXES>,
+    ) {
+        *stage = JoinStep::Sharp;
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
         let approach = Approach::new([held, next], room.most, setting.dynamics);
@@ -211,23 +215,27 @@ impl<const AXES: usize> Joining<AXES> {
             approach: &approach,
         };
         if let Some(shallow) = Shallow::new(&choice) {
-            return Some(JoinStep::Bending(shallow));
+            *stage = JoinStep::Bending(shallow);
+            return;
         }
         let candidate = Candidate::new(&choice);
         if let Some(Candidate { way, time: None }) = candidate {
-            return Some(JoinStep::Overlapping(way));
+            *stage = JoinStep::Overlapping(way);
+            return;
         }
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
-            return room.cut(held, next, rule, None);
+            if let Some(cutting) = room.cut(held, next, rule, None) {
+                *stage = cutting;
+            }
+            return;
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop =
-            rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.parameters.const_vel;
+        let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
         let stop = may_stop.then(|| approach.stop());
-        Some(JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } })
+        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } };
     }
 
     /// What a curve may deviate.
@@ -252,7 +260,7 @@ impl<const AXES: usize> Joining<AXES> {
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
         rule: &Parameters,
-        (room, rivals, found): (Room, Rivals, Option<(f32, f32)>),
+        (room, rivals, found): (&Room, &Rivals, Option<(f32, f32)>),
         setting: &Setting<'_, AXES>,
     ) -> Option<JoinStep<AXES>> {
         let Rivals { approach, candidate, stop } = rivals;
@@ -260,14 +268,14 @@ impl<const AXES: usize> Joining<AXES> {
             let distances = room.distances.map(|c| c * part);
             approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
         });
-        let over_time = candidate.and_then(|candidate| candidate.time);
+        let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
         let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
         if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
             return None;
         }
-        match candidate.filter(|_| over_time == Some(quickest)) {
-            Some(Candidate { way, .. }) => Some(JoinStep::Overlapping(way)),
+        match candidate.as_ref().filter(|_| over_time == Some(quickest)) {
+            Some(Candidate { way, .. }) => Some(JoinStep::Overlapping(*way)),
             None => found.and_then(|found| room.cut(held, next, rule, Some(found))),
         }
     }
@@ -282,38 +290,30 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let Self { held, stage } = self;
-        let Some(rule) = held.rule else {
-            *turning = None;
-            return true;
-        };
         match stage {
+            _ if held.rule.is_none() => *turning = None,
             JoinStep::Choosing(_) | JoinStep::Reaching { .. } | JoinStep::Comparing { .. } => {
-                Self::decide(held, next, &rule, setting, stage);
+                Self::decide(held, next, setting, stage);
+                return false;
             }
-            JoinStep::Cutting { cut, slack, smaller } => {
-                let (cut, tried) = (*cut, (*slack, *smaller));
-                Self::cut(held, next, (cut, tried), &rule, setting, stage);
+            JoinStep::Cutting { .. } => {
+                Self::cut(held, next, setting, stage, turning);
+                return false;
             }
-            JoinStep::Fitting { .. } => Self::fit(stage, setting.parameters.const_vel),
-            JoinStep::Timing { .. } => Self::time(held, next, setting, stage),
-            JoinStep::Joining { cut, course, steady } => {
-                *turning = Self::join(held, next, *cut, (course, *steady), setting);
-                return true;
+            JoinStep::Fitting { .. } => {
+                Self::fit(stage, setting.const_vel, turning);
+                return false;
             }
-            JoinStep::Overlapping(overlap) => {
-                *turning = Self::overlap(held, next, *overlap, &rule, setting);
-                return true;
+            JoinStep::Timing { .. } => {
+                Self::time([held, next], setting, stage, turning);
+                return false;
             }
-            JoinStep::Bending(shallow) => {
-                *turning = Self::bend(held, next, *shallow, &rule, setting);
-                return true;
-            }
-            JoinStep::Sharp => {
-                *turning = None;
-                return true;
-            }
+            JoinStep::Joining { cut, steady } => Self::join(held, next, (*cut, *steady), setting, turning),
+            JoinStep::Overlapping(overlap) => Self::overlap(held, next, *overlap, setting, turning),
+            JoinStep::Bending(shallow) => Self::bend(held, next, *shallow, setting, turning),
+            JoinStep::Sharp => *turning = None,
         }
-        false
+        true
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
@@ -323,24 +323,24 @@ impl<const AXES: usize> Joining<AXES> {
     fn decide(
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
-        rule: &Parameters,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
-        let following = match stage {
-            JoinStep::Choosing(room) => Self::choose(held, next, rule, *room, setting),
+        let Some(rule) = &held.rule else { return };
+        match stage {
+            JoinStep::Choosing(room) => {
+                let room = *room;
+                Self::choose(held, next, rule, room, setting, stage);
+            }
             JoinStep::Reaching { room, reach, rivals } => {
                 let Some(found) = reach.go_on(&corner(held, next, setting.measure)) else { return };
-                Some(JoinStep::Comparing { room: *room, rivals: *rivals, found })
+                *stage = JoinStep::Comparing { room: *room, rivals: *rivals, found };
             }
             JoinStep::Comparing { room, rivals, found } => {
-                Self::compare(held, next, rule, (*room, *rivals, *found), setting)
+                let following = Self::compare(held, next, rule, (room, rivals, *found), setting);
+                *stage = following.unwrap_or(JoinStep::Sharp);
             }
-            _ => None,
-        };
-        match following {
-            Some(following) => *stage = following,
-            None => *stage = JoinStep::Sharp,
+            _ => {}
         }
     }
 
@@ -349,49 +349,58 @@ impl<const AXES: usize> Joining<AXES> {
     fn cut(
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
-        (cut, (slack, smaller)): (Cut, (f32, u8)),
-        rule: &Parameters,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
+        turning: &mut Option<Turning<AXES>>,
     ) {
-        *stage = match Self::course(held, next, cut, rule, setting) {
-            Some(Some(course)) => JoinStep::Fitting { cut, slack, smaller, course },
-            Some(None) => cut.smaller(slack, smaller),
-            None => JoinStep::Sharp,
+        let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return };
+        let (Some(rule), Some(ends)) = (&held.rule, Ends::new(held, next, cut, setting.measure)) else {
+            *stage = JoinStep::Sharp;
+            return;
+        };
+        *stage = if Self::course(held, next, &ends, rule, setting, turning) {
+            JoinStep::Fitting { cut, slack, smaller }
+        } else {
+            cut.smaller(slack, smaller)
         };
     }
 
     /// Cuts it into elements.
     #[inline(never)]
-    fn fit(stage: &mut JoinStep<AXES>, const_vel: bool) {
-        let JoinStep::Fitting { cut, slack, smaller, course } = stage else { return };
-        let (cut, slack, smaller) = (*cut, *slack, *smaller);
+    fn fit(stage: &mut JoinStep<AXES>, const_vel: bool, turning: &mut Option<Turning<AXES>>) {
+        let (&mut JoinStep::Fitting { cut, slack, smaller }, Some(course)) = (&mut *stage, even(turning))
+        else {
+            return;
+        };
         match course.fit(if const_vel { CONSTANT } else { EVEN }, slack) {
             Fit::Working => {}
             Fit::Failed => *stage = cut.smaller(slack, smaller),
             Fit::Ready if const_vel => {
                 let steady = Steady { length: 0.0, ..Steady::FREE };
-                *stage = JoinStep::Timing { cut, course: *course, element: 0, steady };
+                *stage = JoinStep::Timing { cut, element: 0, steady };
             }
-            Fit::Ready => *stage = JoinStep::Joining { cut, course: *course, steady: None },
+            Fit::Ready => *stage = JoinStep::Joining { cut, steady: None },
         }
     }
 
     /// Takes one of its elements into account for the speed of all of them.
     #[inline(never)]
     fn time(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
+        turning: &mut Option<Turning<AXES>>,
     ) {
-        let JoinStep::Timing { cut, course, element: i, steady } = stage else { return };
+        let (JoinStep::Timing { cut, element: i, steady }, Some(course)) = (&mut *stage, even(turning))
+        else {
+            return;
+        };
         let Some((is_before, element)) = course.rehearse(*i) else {
-            *stage = JoinStep::Joining { cut: *cut, course: *course, steady: Some(*steady) };
+            *stage = JoinStep::Joining { cut: *cut, steady: Some(*steady) };
             return;
         };
         let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
-        let curving = Curving { jerk: setting.parameters.check_jerk, constant: Some(Steady::FREE) };
+        let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE) };
         if let Some(bounds) = &element.bounds {
             let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
             let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
@@ -406,12 +415,17 @@ impl<const AXES: usize> Joining<AXES> {
     fn join(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
-        cut: Cut,
-        (course, steady): (&CornerCurve<AXES>, Option<Steady>),
+        (cut, steady): (Cut, Option<Steady>),
         setting: &Setting<'_, AXES>,
-    ) -> Option<Turning<AXES>> {
-        let ends = Ends::new(held, next, cut, setting.measure)?;
-        Some(ends.join(held, next, Cornering::Even(*course), steady, setting))
+        turning: &mut Option<Turning<AXES>>,
+    ) {
+        let passage = even(turning).and_then(|course| cut.part(held, next, course.ends(), setting));
+        match (turning.as_mut(), passage) {
+            (Some(turning), Some(passage)) => {
+                (turning.curving.constant, turning.passage) = (steady, passage);
+            }
+            _ => *turning = None,
+        }
     }
 
     /// Cuts both blocks where a curve over time begins and ends, and makes it.
@@ -420,20 +434,25 @@ impl<const AXES: usize> Joining<AXES> {
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         mut overlap: Overlap,
-        rule: &Parameters,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Turning<AXES>> {
+        turning: &mut Option<Turning<AXES>>,
+    ) {
+        *turning = None;
+        let Some(rule) = &held.rule else { return };
         let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
         let (cut, all) = Cut::even(held, next, rule, reach);
         if all > reach {
             overlap = overlap.stretched(all as f64 / reach as f64);
         }
-        let ends = Ends::new(held, next, cut, setting.measure)?;
+        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
         if overlap.rise.v <= 0.0 {
-            return None;
+            return;
         }
-        let course = Cornering::Timed(Timed::new(&held.block.to, overlap, &ends.from, &ends.to()));
-        Some(ends.join(held, next, course, None, setting))
+        let course = Timed::new(&held.block.to, overlap, &ends.from, &ends.to);
+        *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
+        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
+            *turning = None;
+        }
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -442,31 +461,36 @@ impl<const AXES: usize> Joining<AXES> {
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         Shallow { c, slow }: Shallow,
-        rule: &Parameters,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Turning<AXES>> {
+        turning: &mut Option<Turning<AXES>>,
+    ) {
+        *turning = None;
+        let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
         let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
-        let ends = Ends::new(held, next, cut, setting.measure)?;
+        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
-            return None;
+            return;
         }
         next.slow = slow;
-        let course = Cornering::Kernel(Kernel::new(&held.block.to, c, &ends.from, &ends.to()));
-        Some(ends.join(held, next, course, None, setting))
+        let course = Kernel::new(&held.block.to, c, &ends.from, &ends.to);
+        *turning = Some(Turning::new([held, next], Cornering::Kernel(course), setting));
+        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
+            *turning = None;
+        }
     }
 
-    /// The curve over arc length with a cut, if there is one; nothing at all if nothing can be cut.
+    /// The curve over arc length between these ends. Whether there is one.
     #[inline(never)]
     fn course(
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
-        cut: Cut,
+        ends: &Ends<AXES>,
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
-    ) -> Option<Option<CornerCurve<AXES>>> {
-        let ends = Ends::new(held, next, cut, setting.measure)?;
+        turning: &mut Option<Turning<AXES>>,
+    ) -> bool {
         let mut point = [0.0; AXES];
         for (k, value) in setting.measure.main.iter().zip(rule.point) {
             let (Some(k), Some(value)) = (*k, value) else { continue };
@@ -476,17 +500,21 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
         let corner = corner(held, next, setting.measure);
-        let path = || to_f32(cut.before.saturating_add(cut.behind)) * LSB_44;
+        let Cut { before, behind } = ends.cut;
+        let path = || to_f32(before.saturating_add(behind)) * LSB_44;
         let lead = corner.follows_master(rule, setting.measure).then(path);
-        let knots = [&ends.from, &ends.to()];
-        Some(CornerCurve::new(
-            setting.measure,
-            corner.spaces_per_path(),
-            &held.block.to,
-            knots,
-            interim,
-            lead,
-        ))
+        let (spaces, knots) = (corner.spaces_per_path(), [&ends.from, &ends.to]);
+        let course = CornerCurve::new(setting.measure, spaces, &held.block.to, knots, interim, lead);
+        *turning = course.map(|course| Turning::new([held, next], Cornering::Even(course), setting));
+        turning.is_some()
+    }
+}
+
+/// The curve over arc length, if it is one.
+fn even<const AXES: usize>(turning: &mut Option<Turning<AXES>>) -> Option<&mut CornerCurve<AXES>> {
+    match turning {
+        Some(Turning { course: Cornering::Even(course), .. }) => Some(course),
+        _ => None,
     }
 }
 
@@ -584,69 +612,74 @@ impl Cut {
 
 /// Where a curve leaves one block and enters the other.
 struct Ends<const AXES: usize> {
-    /// The larger corner distance, and what is left of the block before, LSB 2^-44 mm.
-    reach: i64,
-    rest: i64,
+    cut: Cut,
     from: Knot<AXES>,
-    /// What is left of the block behind, and where it begins.
-    renewed: Element<AXES>,
-    begin: [Position; AXES],
+    to: Knot<AXES>,
 }
 
 impl<const AXES: usize> Ends<AXES> {
     fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
         let element = &held.block.element;
         let rest = element.shape.length.to_bits() - cut.before;
-        let [base, next_base] = [&held.block, &next.block].map(|b| b.element.shape.base(&b.from));
         let mut from = Knot { position: held.block.from, end: element.entry };
         if rest > 0 {
-            element.shape.at(rest, &base, &mut from.position);
+            element.shape.at(rest, &element.shape.base(&held.block.from), &mut from.position);
             from.end = element.end_at(rest);
         }
         let mut begin = next.block.from;
         if cut.behind > 0 {
-            next.block.element.shape.at(cut.behind, &next_base, &mut begin);
+            let shape = &next.block.element.shape;
+            shape.at(cut.behind, &shape.base(&next.block.from), &mut begin);
         }
-        let renewed = next.renewed(&begin, measure).ok()?;
-        Some(Self { reach: cut.before.max(cut.behind), rest, from, renewed, begin })
+        let end = next.entry_at(&begin, measure).ok()?;
+        Some(Self { cut, from, to: Knot { position: begin, end } })
     }
+}
 
-    fn to(&self) -> Knot<AXES> {
-        Knot { position: self.begin, end: self.renewed.entry }
-    }
-
-    /// The curve between both blocks, which become what is left of them.
-    fn join(
-        &self,
+impl Cut {
+    /// Both blocks become what a curve between these knots leaves of them. What its speed does; `None` where
+    /// there is no rest of the second block.
+    fn part<const AXES: usize>(
+        self,
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
-        course: Cornering<AXES>,
-        steady: Option<Steady>,
+        [from, to]: [&Knot<AXES>; 2],
         setting: &Setting<'_, AXES>,
-    ) -> Turning<AXES> {
+    ) -> Option<Passage> {
+        next.renew(&to.position, setting.measure).ok()?;
+        let rest = held.block.element.shape.length.to_bits() - self.before;
+        held.block.element.shape.length = Distance::from_bits(rest);
+        if rest > 0 {
+            held.block.element.exit = from.end;
+        }
+        // The next corner may take half of the block behind this one.
+        let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
+        Some(if setting.const_vel {
+            Passage::Constant
+        } else if beside >= self.before.max(self.behind) / BESIDE {
+            Passage::Steady
+        } else {
+            Passage::Varying
+        })
+    }
+}
+
+impl<const AXES: usize> Turning<AXES> {
+    /// Between these blocks; what its speed does, if it is not over time, comes later.
+    #[inline(always)]
+    fn new(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        course: Cornering<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> Self {
         let [first, second] = [held.block.data, next.block.data];
-        let due = match held.rule.map(|rule| rule.action) {
+        let due = match held.rule.as_ref().map(|rule| rule.action) {
             Some(ContourAction::Pre) => [second.number; 2],
             Some(ContourAction::Post) => [first.number; 2],
             _ => [first.number, second.number],
         };
-        next.block.element = self.renewed;
-        next.block.from = self.begin;
-        held.block.element.shape.length = Distance::from_bits(self.rest);
-        if self.rest > 0 {
-            held.block.element.exit = self.from.end;
-        }
-        let curving = Curving { jerk: setting.parameters.check_jerk, constant: steady };
-        // The next corner may take half of the block behind this one.
-        let beside = self.rest.min(self.renewed.shape.length.to_bits() - next.length / 2);
-        let passage = if setting.parameters.const_vel {
-            Passage::Constant
-        } else if beside >= self.reach / BESIDE {
-            Passage::Steady
-        } else {
-            Passage::Varying
-        };
+        let curving = Curving { jerk: setting.check_jerk, constant: None };
         let halves = [(first, due[0]), (second, due[1])];
-        Turning { course, halves, curving, passage, draft: None }
+        Self { course, halves, curving, passage: Passage::Varying, draft: None }
     }
 }

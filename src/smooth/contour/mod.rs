@@ -376,7 +376,8 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(never)]
     fn join(&mut self, next: &mut HeldBlock<AXES>, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
         let Some(held) = &self.held else { return };
-        let setting = Setting { measure: &self.measure, parameters: &self.parameters, dynamics };
+        let Parameters { check_jerk, const_vel, .. } = self.parameters;
+        let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
         next.previous = held.rule.map(|_| held.length);
         let remark = self.joining.insert(Joining::new(*held)).go_into(next, behind, &setting);
         self.held = None;
@@ -464,9 +465,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
-            let method = joining.held.rule.map_or(self.parameters.method, |rule| rule.method);
-            let parameters = &self.parameters.by(method);
-            let setting = Setting { measure: &self.measure, parameters, dynamics };
+            let method = joining.held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
+            let (check_jerk, const_vel) = self.parameters.curving(method);
+            let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
             if joining.go_on(next, &setting, &mut self.course) {
                 self.joined();
             }

@@ -171,6 +171,7 @@ impl Parameters {
     pub(super) fn by(&self, method: ContourMethod) -> Self {
         let unset = Self::new(self.of_channel);
         let mut own = Self { method, ..*self };
+        (own.check_jerk, own.const_vel) = self.curving(method);
         if !matches!(method, ContourMethod::Dev | ContourMethod::Dist) {
             own.track_dev = unset.track_dev;
             own.relevant_path = unset.relevant_path;
@@ -178,14 +179,19 @@ impl Parameters {
             own.share = unset.share;
             own.max_angle = unset.max_angle;
         }
-        if !matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
-            own.check_jerk = unset.check_jerk;
-            own.const_vel = unset.const_vel;
-        }
         if matches!(method, ContourMethod::DistSoft | ContourMethod::DistMaster) {
             own.action = unset.action;
         }
         own
+    }
+
+    /// CHECK_JERK and CONST_VEL as they count by a method.
+    pub(super) fn curving(&self, method: ContourMethod) -> (u8, bool) {
+        if matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
+            (self.check_jerk, self.const_vel)
+        } else {
+            (self.of_channel, false)
+        }
     }
 
     /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between
