@@ -238,7 +238,7 @@ pub fn smooth<const AXES: usize>(
     switch: impl FnOnce(&mut Smoothing<AXES>),
 ) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Smoothing::new(Measure::of(machine), 1, false);
+    let mut stage = Smoothing::new(Measure::of(machine), &machine.channel);
     switch(&mut stage);
     let mut out = Vec::new();
     let mut at = blocks[0].from;

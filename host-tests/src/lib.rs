@@ -36,6 +36,7 @@ pub mod cam;
 pub mod seeds;
 
 pub mod trace;
+pub mod walk;
 
 pub mod check;
 

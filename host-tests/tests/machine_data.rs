@@ -300,8 +300,9 @@ fn defaults_are_those_of_the_sources() {
         let parameter = CHANNEL.iter().find(|parameter| parameter.id == id).expect(id);
         assert_eq!((parameter.get)(&channel), milli, "{id}");
     }
-    // The cycle has no id.
-    assert_eq!(of.len() + 1, CHANNEL.len());
+    // The cycle and `merge_chords` have no id.
+    assert_eq!(of.len() + 2, CHANNEL.len());
+    assert_eq!(channel.merge_chords, 0);
 }
 
 /// Four unequal ramps, set by their names: each is the one that its id stands for.

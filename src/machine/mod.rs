@@ -349,6 +349,10 @@ pub struct ChannelData {
     /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the
     /// geometric ramp time, 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
+    /// `merge_chords`, a parameter of its own, percent of PATH_DEV and TRACK_DEV, up to 75: so far a straight
+    /// line may be from nearly straight chords that it stands for with `#CONTOUR MODE [DEV]`; curves at its
+    /// ends have the rest. 0: chords stay as they are.
+    pub merge_chords: u8,
     /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: where the HSC B-spline deselects itself, 0 the motion
     /// keeps the corner, 1 it is rounded, 2 it is rounded where an arc takes part.
     pub auto_contour_mode: u8,
@@ -386,6 +390,7 @@ impl ChannelData {
             vector_unit: AccelerationUnit::MmMin2,
             cir_radial_acc_limit: false,
             check_jerk_on_poly_path: 1,
+            merge_chords: 0,
             m_synch: SynchTable::NONE,
             h_synch: SynchTable::NONE,
             auto_contour_mode: 0,

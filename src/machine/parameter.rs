@@ -254,6 +254,11 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         )
     },
     Parameter {
+        set: |t, milli| t.merge_chords = (milli / 1000) as u8,
+        get: |t| t.merge_chords as i64 * 1000,
+        ..plain("", "merge_chords", "percent of PATH_DEV", 0, 75_000)
+    },
+    Parameter {
         set: |t, milli| t.auto_contour_mode = (milli / 1000) as u8,
         get: |t| t.auto_contour_mode as i64 * 1000,
         ..plain(

@@ -288,9 +288,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
-        let (check_jerk, auto_contour) =
-            (machine.channel.check_jerk_on_poly_path, machine.channel.auto_contour_mode);
-        let smoothing = smoothing.write(Smoothing::new(measure, check_jerk, auto_contour == 1));
+        let smoothing = smoothing.write(Smoothing::new(measure, &machine.channel));
         let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {

@@ -7,13 +7,14 @@ pub mod spline;
 pub mod surface;
 
 use crate::dynamics::{Curving, Dynamics};
+use crate::machine::ChannelData;
 use crate::nc::{
     Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
     Tangent,
 };
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
-use contour::Contouring;
+use contour::{Contouring, Preset};
 use spline::{DirectParameters, HscParameters, Mode, Splining, Start};
 use surface::Surface;
 
@@ -214,10 +215,12 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, off; `check_jerk` is P-CHAN-00110, `rounds` whether P-CHAN-00239 asks for curves where
-    /// the HSC B-spline deselects itself.
-    pub fn new(measure: Measure, check_jerk: u8, rounds: bool) -> Self {
-        let contouring = Contouring::new(measure, check_jerk);
+    /// Contour mode, off.
+    pub fn new(measure: Measure, channel: &ChannelData) -> Self {
+        let contouring = Contouring::new(measure, Preset::of(channel));
+        let check_jerk = channel.check_jerk_on_poly_path;
+        // P-CHAN-00239: curves where the HSC B-spline deselects itself.
+        let rounds = channel.auto_contour_mode == 1;
         Self {
             measure,
             contour: contouring.settings(),

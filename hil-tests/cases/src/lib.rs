@@ -69,7 +69,7 @@ pub const CASES_4: &[Case] = cases!("rotary", "rotary_corners");
 pub const CASES_6: &[Case] = cases!("six", "six_corners");
 
 /// Programs for three axes with another look-ahead.
-pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", "corners");
+pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", "corners", "cam_dev");
 
 /// Programs for six axes with another look-ahead.
 pub const CASES_6_OTHER: &[Case] = cases!("six", "six_corners");

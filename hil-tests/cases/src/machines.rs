@@ -56,9 +56,9 @@ pub const AXES_6: MachineData<6> = MachineData {
     channel: ChannelData { ptp: true, ..CHANNEL },
 };
 
-/// The same with a short look-ahead.
+/// The same with a short look-ahead, which one line of several chords makes the most of.
 pub const AXES_3_SHORT: MachineData<3> =
-    MachineData { channel: ChannelData { look_ahead: SHORT as _, ..CHANNEL }, ..AXES_3 };
+    MachineData { channel: ChannelData { look_ahead: SHORT as _, merge_chords: 50, ..CHANNEL }, ..AXES_3 };
 
 /// The same with a deep one.
 pub const AXES_3_DEEP: MachineData<3> =

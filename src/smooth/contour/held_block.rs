@@ -60,7 +60,7 @@ impl Stray {
     }
 
     /// One upon the other.
-    fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         Self { path: self.path + other.path, track: self.track + other.track }
     }
 
@@ -69,7 +69,7 @@ impl Stray {
         Self { path: max(self.path, other.path), track: max(self.track, other.track) }
     }
 
-    fn is_within(&self, most: Self) -> bool {
+    pub fn is_within(&self, most: Self) -> bool {
         self.path <= most.path && self.track <= most.track
     }
 }
@@ -94,7 +94,7 @@ const TURN: i64 = 1 << 20;
 const MERGED_STRAY: f32 = 64.0 * STRAIGHT_MM;
 
 /// Ticks that a line over several blocks takes at most.
-const LONGEST_TICKS: f32 = (1 << 25) as f32;
+pub(super) const LONGEST_TICKS: f32 = (1 << 25) as f32;
 
 /// The way from one point to another, mm.
 pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
@@ -123,7 +123,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// the corner has the rest.
     pub fn leave_out(
         &self,
-        next: &ProgrammedBlock<AXES>,
+        Self { block: next, stray: own, .. }: &Self,
         rule: &Parameters,
         measure: &Measure,
     ) -> Option<Skipped<AXES>> {
@@ -146,7 +146,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let before = self.skipped.map_or(Stray::NONE, |skipped| {
             skipped.stray.and(Stray::of(main, &over, &travel(&self.block.to, &skipped.to)))
         });
-        let stray = before.or(Stray { path: bent, track: turned });
+        let stray = before.or(Stray { path: bent, track: turned }).or(*own);
         let stray = Stray { path: min(stray.path, radius), ..stray };
         let skipped = Skipped { to: next.to, data: next.data, stray, radius, over: false };
         stray.is_within(rule.stray()).then_some(skipped)
@@ -245,9 +245,16 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.rule.is_some() && self.skipped.is_none_or(|skipped| !skipped.over)
     }
 
-    /// Whether its part of the corner before it depends on the block behind it.
-    pub fn weighs(&self) -> bool {
-        self.rule.is_some_and(|rule| rule.weighs())
+    /// Whether its part of the corner before it depends on the block behind it, or that may become a part of
+    /// it.
+    pub fn waits(&self) -> bool {
+        self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
+    }
+
+    /// Whether no corner has been before it, and nothing is left out behind it.
+    pub fn is_untouched(&self) -> bool {
+        let whole = self.block.element.shape.length.to_bits() == self.length;
+        whole && self.previous.is_none() && self.skipped.is_none()
     }
 
     /// Whether it is straight.

@@ -16,6 +16,8 @@
 //! leave out; so RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a
 //! given corner distance.
 //!
+//! With DEV a line may stand for nearly straight chords, if the machine data say so: `chords.rs`.
+//!
 //! When something is sampled: whether the end of a block is rounded, by which method and how far, when that
 //! block comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two
 //! blocks cancel the corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and
@@ -30,6 +32,7 @@
 //! and at the program end: the corner before them is rounded, with the line over them as the block behind it,
 //! whose end is passed exactly. What changes nothing, as a second G261, ends nothing.
 mod choice;
+mod chords;
 mod corner;
 pub(super) mod corner_curve;
 pub(super) mod curve;
@@ -39,9 +42,10 @@ mod kernel;
 mod parameters;
 mod timed;
 
-pub use parameters::Parameters;
 pub(super) use parameters::half_sine;
+pub use parameters::{Parameters, Preset};
 
+use self::chords::Chords;
 use self::corner_curve::CornerCurve;
 use self::held_block::{HeldBlock, Stray};
 use self::joining::{Joining, Setting};
@@ -145,17 +149,17 @@ impl Settings {
 
     /// As at program start.
     pub fn restarted(&self) -> Self {
-        Self { parameters: Parameters::new(self.parameters.of_channel), on: false, once: false }
+        Self { parameters: Parameters::new(self.parameters.preset), on: false, once: false }
     }
 
     /// P-CHAN-00110.
     pub const fn check_jerk_of_channel(&self) -> u8 {
-        self.parameters.of_channel
+        self.parameters.preset.check_jerk
     }
 
     /// On, as at program start but for this command.
     pub fn on_with(&self, contour: &Contour) -> Self {
-        let mut parameters = Parameters::new(self.parameters.of_channel);
+        let mut parameters = Parameters::new(self.parameters.preset);
         parameters.update(contour);
         Self { parameters, on: true, once: false }
     }
@@ -177,8 +181,11 @@ pub struct Contouring<const AXES: usize> {
     course: Option<Turning<AXES>>,
     held: Option<HeldBlock<AXES>>,
     /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends
-    /// on the next one. Only behind a block whose end is rounded.
+    /// on the next one. Or a line that may still grow by the next one. Only behind a block whose end is
+    /// rounded.
     waiting: Option<HeldBlock<AXES>>,
+    /// What the last line is made of.
+    chords: Chords<AXES>,
     /// The corner before the block held back, while it is worked on.
     joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
@@ -258,9 +265,9 @@ const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
-    /// Off; `check_jerk` is P-CHAN-00110.
-    pub fn new(measure: Measure, check_jerk: u8) -> Self {
-        let parameters = Parameters::new(check_jerk);
+    /// Off.
+    pub fn new(measure: Measure, preset: Preset) -> Self {
+        let parameters = Parameters::new(preset);
         Self {
             measure,
             parameters,
@@ -271,6 +278,7 @@ impl<const AXES: usize> Contouring<AXES> {
             course: None,
             held: None,
             waiting: None,
+            chords: Chords::NONE,
             joining: None,
             remark: None,
         }
@@ -279,7 +287,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// With what was in force.
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
-        Self { parameters, on, once, ..Self::new(measure, parameters.of_channel) }
+        Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
     }
 
     /// What is in force.
@@ -337,7 +345,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let Some(held) = &mut self.held else { return false };
         let Some(rule) = held.rule else { return false };
         if next.rule.is_some()
-            && let Some(skipped) = held.leave_out(&next.block, &rule, &self.measure)
+            && let Some(skipped) = held.leave_out(next, &rule, &self.measure)
         {
             held.skipped = Some(skipped);
             return true;
@@ -358,6 +366,19 @@ impl<const AXES: usize> Contouring<AXES> {
             }
         }
         false
+    }
+
+    /// Whether the line that came last grows by the next block. A line behind a corner that is done begins
+    /// where that ends.
+    fn gathers(&mut self, next: &HeldBlock<AXES>, dynamics: &Dynamics<AXES>) -> bool {
+        let last = match (&mut self.waiting, &mut self.held) {
+            (Some(waiting), _) => waiting,
+            (None, Some(held)) if held.is_untouched() => held,
+            _ => return false,
+        };
+        let Some(both) = self.chords.gather(last, next, dynamics, &self.measure) else { return false };
+        *last = both;
+        true
     }
 
     /// Whether the block held back and the next one become one.
@@ -421,7 +442,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.held.as_mut().filter(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over));
         let next = match over {
             Some(held) => held.behind(&self.measure),
-            None if self.waiting.as_ref().is_none_or(HeldBlock::weighs) => return false,
+            None if self.waiting.as_ref().is_none_or(HeldBlock::waits) => return false,
             None => self.waiting.take(),
         };
         if let Some(next) = next {
@@ -449,13 +470,17 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             slow: [0.0; 2],
             skipped: None,
         };
+        if parting == Parting::None && self.gathers(&next, dynamics) {
+            return;
+        }
+        self.chords.clear();
         if let Some(waiting) = self.waiting.take() {
             let behind = waiting.rule.map(|_| next.length);
             self.waiting = Some(next);
             self.enter(waiting, behind, true, dynamics);
             return;
         }
-        if next.weighs() && self.held.is_some() {
+        if next.waits() && self.held.is_some() {
             self.waiting = Some(next);
             return;
         }
@@ -526,7 +551,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     fn restart(&mut self) {
         self.clear();
         (self.on, self.remark) = (false, None);
-        self.parameters = Parameters::new(self.parameters.of_channel);
+        self.parameters = Parameters::new(self.parameters.preset);
     }
 
     fn place(&self) -> Option<Place> {

@@ -2,12 +2,30 @@
 use super::corner::{Tolerance, Turn};
 use super::held_block::Stray;
 use super::{REVERSAL, TANGENTIAL};
+use crate::machine::ChannelData;
 use crate::math::float::{max, min, to_f32};
 use crate::math::trig::sin_cos;
 use crate::nc::{Contour, ContourAction, ContourMethod, Value};
 use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
+
+/// What the channel's machine data say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// P-CHAN-00110.
+    pub check_jerk: u8,
+    /// `merge_chords`, as a part of the tolerance.
+    pub chords: f32,
+}
+
+impl Preset {
+    /// What they say.
+    pub fn of(channel: &ChannelData) -> Self {
+        let chords = f32::from(channel.merge_chords) * 0.01;
+        Self { check_jerk: channel.check_jerk_on_poly_path, chords }
+    }
+}
 
 /// The parameters, in mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,10 +42,10 @@ pub struct Parameters {
     pub relevant_track: f32,
     /// Largest part of a block that one corner takes: from REMAIN_PART.
     pub share: f32,
-    /// CHECK_JERK, and what it is where a method has no such keyword: P-CHAN-00110.
+    /// CHECK_JERK, and what it is where a method has no such keyword.
     pub check_jerk: u8,
     /// See there.
-    pub of_channel: u8,
+    pub preset: Preset,
     /// Sine of half of MAX_ANGLE.
     pub max_angle: f32,
     /// CONST_VEL.
@@ -74,8 +92,8 @@ const LEFT_OUT: f32 = 0.25;
 const STRAY: f32 = 0.75;
 
 impl Parameters {
-    /// At program start; `check_jerk` is P-CHAN-00110.
-    pub fn new(check_jerk: u8) -> Self {
+    /// At program start.
+    pub fn new(preset: Preset) -> Self {
         Self {
             method: ContourMethod::Dev,
             path_dev: 1.0,
@@ -83,8 +101,8 @@ impl Parameters {
             relevant_path: 0.0,
             relevant_track: 0.0,
             share: 0.5,
-            check_jerk,
-            of_channel: check_jerk,
+            check_jerk: preset.check_jerk,
+            preset,
             max_angle: half_sine(Position::const_from_int(178)),
             const_vel: false,
             dist: [1.0; 2],
@@ -169,7 +187,7 @@ impl Parameters {
     /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is
     /// here as if it had never been given.
     pub(super) fn by(&self, method: ContourMethod) -> Self {
-        let unset = Self::new(self.of_channel);
+        let unset = Self::new(self.preset);
         let mut own = Self { method, ..*self };
         (own.check_jerk, own.const_vel) = self.curving(method);
         if !matches!(method, ContourMethod::Dev | ContourMethod::Dist) {

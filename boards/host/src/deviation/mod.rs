@@ -135,6 +135,7 @@ pub struct Deviation {
     ends: Vec<(f64, Point, f64)>,
     /// Ends before that one are done.
     done: usize,
+    /// The block of the last curve, or the one that its end is at, where its block stands for several.
     before: usize,
     /// Curves so far.
     pub curves: u64,
@@ -296,19 +297,20 @@ impl Deviation {
             .map(|all| std::array::from_fn(|k| main.get(k).map_or(0.0, |&axis| all[axis])))
             .collect();
         let mut column = Column::default();
+        let mut at = block;
         for (all, q) in points.iter().zip(&path) {
-            self.compare(block, all, q, &mut column);
+            at = self.compare(block, all, q, &mut column);
         }
         self.pass(block, &path);
         self.distance += path.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum::<f64>();
         column.distance = self.distance;
         self.show(column);
         self.keep(path);
-        self.before = block;
+        self.before = at.min(block);
     }
 
-    /// A point of the driven path.
-    fn compare(&mut self, block: usize, all: &[f64], q: &Point, column: &mut Column) {
+    /// A point of the driven path. The block that it is at.
+    fn compare(&mut self, block: usize, all: &[f64], q: &Point, column: &mut Column) -> usize {
         let (from, to) =
             (self.before.min(block).saturating_sub(NEAR), (block + NEAR).min(self.blocks.len() - 1));
         let foot = |block: usize| self.blocks[block].foot(block, q);
@@ -323,7 +325,7 @@ impl Deviation {
         let seen = Foot { distance: best.distance, ..best };
         let (smoothed, tolerance) = self.around(block);
         if !smoothed {
-            return;
+            return seen.block;
         }
         column.path = column.path.max(seen.distance);
         column.path_used = column.path_used.max(tolerance.path.map_or(0.0, |most| seen.distance / most));
@@ -335,6 +337,7 @@ impl Deviation {
             *q,
         );
         self.follow(seen, all, tolerance, column);
+        seen.block
     }
 
     /// The other axes. The foot is known as far as the path is off it.

@@ -27,6 +27,8 @@ pub enum Limit {
     Tangential,
     /// Another slope.
     Hsc,
+    /// Chords that become one line: some of the tolerance, or none.
+    Chords,
 }
 
 /// What is raised by a quarter. These can be compared with one another.
@@ -41,7 +43,10 @@ pub const COMPARED: [Limit; 7] = [
 ];
 
 /// What is permitted or not. Told, never blamed.
-pub const SWITCHED: [Limit; 3] = [Limit::Knee, Limit::Tangential, Limit::Hsc];
+pub const SWITCHED: [Limit; 4] = [Limit::Knee, Limit::Tangential, Limit::Hsc, Limit::Chords];
+
+/// Percent of the tolerance for lines over several chords.
+const MERGED: u8 = 50;
 
 /// A machine with one limit loosened: of all axes, or of one.
 pub struct Loosened {
@@ -90,7 +95,7 @@ impl Limit {
             Self::Ramp => ramps(axis).into_iter().for_each(|time| *time = shorter(*time)),
             Self::Geometric => axis.tr_geom = shorter(axis.geometric_ramp()),
             Self::Knee => axis.a_trans_weight = 1000,
-            Self::Path | Self::LookAhead | Self::Tangential | Self::Hsc => {}
+            Self::Path | Self::LookAhead | Self::Tangential | Self::Hsc | Self::Chords => {}
         }
     }
 
@@ -116,6 +121,7 @@ impl Limit {
             Self::LookAhead => channel.look_ahead = (channel.look_ahead * 2).min(BLOCKS as u32),
             Self::Tangential => channel.corr_v_trans_jerk = false,
             Self::Hsc => channel.slope_profile = SlopeType::Hsc as u8,
+            Self::Chords if channel.merge_chords == 0 => channel.merge_chords = MERGED,
             _ => {}
         }
         let same = axes == machine.axes && channel == machine.channel;
@@ -136,6 +142,7 @@ impl Limit {
             Self::Knee => "step of speed at knees (P-AXIS-00013)",
             Self::Tangential => "step of acceleration at tangential joints (P-CHAN-00009)",
             Self::Hsc => "slope (P-CHAN-00071)",
+            Self::Chords => "one line of nearly straight chords (merge_chords)",
         }
     }
 
@@ -147,6 +154,7 @@ impl Limit {
             Self::Knee => "set to 100 %",
             Self::Tangential => "permitted",
             Self::Hsc => "HSC",
+            Self::Chords => "50 %",
             Self::Speed | Self::Acceleration | Self::Total | Self::Path => "25 % higher",
         }
     }
