@@ -8,10 +8,11 @@ use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
 use glidepath::dynamics::{Curving, Dynamics};
-use glidepath::machine::MachineData;
+use glidepath::machine::{ChannelData, MachineData};
 use glidepath::nc::{self, Contour, ContourMethod, ContourSwitch, Place};
 use glidepath::path::{self, Element, Measure};
 use glidepath::quantity::Position;
+use glidepath::smooth::contour::Preset;
 use glidepath::smooth::{Data, Form, ProgrammedBlock, Smoother, Smoothing};
 
 /// Half an LSB of a position, mm.
@@ -238,7 +239,9 @@ pub fn smooth<const AXES: usize>(
     switch: impl FnOnce(&mut Smoothing<AXES>),
 ) -> Vec<Piece<AXES>> {
     let dynamics = Dynamics::new(machine);
-    let mut stage = Smoothing::new(Measure::of(machine), &machine.channel);
+    let ChannelData { check_jerk_on_poly_path: check_jerk, merge_chords, .. } = machine.channel;
+    let preset = Preset { check_jerk, chords: f32::from(merge_chords) * 0.01 };
+    let mut stage = Smoothing::new(Measure::of(machine), preset, false);
     switch(&mut stage);
     let mut out = Vec::new();
     let mut at = blocks[0].from;

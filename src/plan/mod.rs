@@ -25,6 +25,7 @@ use crate::slope::brake::{Brake, Motion as Instant};
 use crate::slope::emit::Emitter;
 use crate::slope::profile::{Profile, Unplannable};
 pub use crate::smooth::SplineError;
+use crate::smooth::contour::Preset;
 use crate::smooth::{Smoother, Smoothing};
 use committed::CommittedSpans;
 use core::mem::MaybeUninit;
@@ -288,7 +289,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
-        let smoothing = smoothing.write(Smoothing::new(measure, &machine.channel));
+        let channel = &machine.channel;
+        let chords = f32::from(channel.merge_chords) * 0.01;
+        let preset = Preset { check_jerk: channel.check_jerk_on_poly_path, chords };
+        let smoothing = smoothing.write(Smoothing::new(measure, preset, channel.auto_contour_mode == 1));
         let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {

@@ -7,7 +7,6 @@ pub mod spline;
 pub mod surface;
 
 use crate::dynamics::{Curving, Dynamics};
-use crate::machine::ChannelData;
 use crate::nc::{
     Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
     Tangent,
@@ -215,12 +214,10 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, off.
-    pub fn new(measure: Measure, channel: &ChannelData) -> Self {
-        let contouring = Contouring::new(measure, Preset::of(channel));
-        let check_jerk = channel.check_jerk_on_poly_path;
-        // P-CHAN-00239: curves where the HSC B-spline deselects itself.
-        let rounds = channel.auto_contour_mode == 1;
+    /// Contour mode, off; `rounds`: P-CHAN-00239 asks for curves where the HSC B-spline deselects itself.
+    pub fn new(measure: Measure, preset: Preset, rounds: bool) -> Self {
+        let contouring = Contouring::new(measure, preset);
+        let check_jerk = preset.check_jerk;
         Self {
             measure,
             contour: contouring.settings(),

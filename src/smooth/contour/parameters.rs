@@ -2,7 +2,6 @@
 use super::corner::{Tolerance, Turn};
 use super::held_block::Stray;
 use super::{REVERSAL, TANGENTIAL};
-use crate::machine::ChannelData;
 use crate::math::float::{max, min, to_f32};
 use crate::math::trig::sin_cos;
 use crate::nc::{Contour, ContourAction, ContourMethod, Value};
@@ -17,14 +16,6 @@ pub struct Preset {
     pub check_jerk: u8,
     /// `merge_chords`, as a part of the tolerance.
     pub chords: f32,
-}
-
-impl Preset {
-    /// What they say.
-    pub fn of(channel: &ChannelData) -> Self {
-        let chords = f32::from(channel.merge_chords) * 0.01;
-        Self { check_jerk: channel.check_jerk_on_poly_path, chords }
-    }
 }
 
 /// The parameters, in mm and degrees.
@@ -208,7 +199,7 @@ impl Parameters {
         if matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
             (self.check_jerk, self.const_vel)
         } else {
-            (self.of_channel, false)
+            (self.preset.check_jerk, false)
         }
     }
 
