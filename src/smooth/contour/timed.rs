@@ -26,8 +26,10 @@
 //! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve
 //! is e·|t2 − t1| from it. The distance of a point from the line it is about to reach, or has left, is at
 //! most e·sin θ, which is less.
-use crate::math::float::{max, min};
+use super::LSB_40;
+use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::math::wide::mul_shift;
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
 use crate::quantity::Position;
@@ -227,6 +229,8 @@ pub struct Timed<const AXES: usize> {
     origin: [Position; AXES],
     tangents: [[i64; AXES]; 2],
     overlap: Overlap,
+    /// 1 / v
+    per: f64,
     /// Path lengths of the elements, and how many there are.
     lengths: [f32; PIECES],
     count: u8,
@@ -241,9 +245,8 @@ pub struct Timed<const AXES: usize> {
     third: [f32; AXES],
 }
 
-const ONE_32: f64 = (1u64 << 32) as f64;
-const LSB_40: f64 = 1.0 / (1u64 << 40) as f64;
-const ONE_40: f64 = (1u64 << 40) as f64;
+const ONE_44: f64 = (1u64 << 44) as f64;
+const ONE_60: f64 = (1u64 << 60) as f64;
 
 impl<const AXES: usize> Timed<AXES> {
     /// The curve about the corner `origin` from one knot to the other, which are as far from it as the
@@ -260,6 +263,7 @@ impl<const AXES: usize> Timed<AXES> {
             origin: *origin,
             tangents: [from.end.tangent, to.end.tangent],
             overlap,
+            per: 1.0 / v,
             lengths: [0.0; PIECES],
             count: 0,
             before: 0,
@@ -279,7 +283,7 @@ impl<const AXES: usize> Timed<AXES> {
             }
             let Some(length) = lengths.next() else { break };
             *length = (v * (t - at)) as f32;
-            at += f64::from(*length) / v;
+            at += f64::from(*length) * timed.per;
             timed.count += 1;
             if t == middle {
                 timed.before = timed.count;
@@ -288,23 +292,27 @@ impl<const AXES: usize> Timed<AXES> {
         timed
     }
 
-    /// The curve at a time.
+    /// The curve at a time. What holds for all axes is known in `f64`, each axis is in integers.
     fn knot(&self, t: f64) -> Knot<AXES> {
         let Overlap { rise, time } = self.overlap;
         let whole = rise.time();
         let [p1, v1, a1] = rise.at(whole - t);
         let [p2, v2, a2] = rise.at(t - (whole - time));
+        // LSB 2^-44 mm, 2^-60 of the speed, and 1/mm.
+        let [p1, p2] = [p1, p2].map(|p| (p * ONE_44) as i64);
+        let [v1, v2] = [v1, v2].map(|v| nearest(v * self.per * ONE_60));
+        let square = self.per * self.per;
+        let [sum, difference] = [a2 + a1, a2 - a1].map(|a| (a * square * 0.5) as f32);
         let mut position = self.origin;
         let mut end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
         let [before, behind] = &self.tangents;
-        let (per, square) = (1.0 / rise.v, 1.0 / (rise.v * rise.v));
         let ends = end.tangent.iter_mut().zip(&mut end.curvature);
         for (((x, (tangent, curvature)), t1), t2) in position.iter_mut().zip(ends).zip(before).zip(behind) {
-            let (t1, t2) = (*t1 as f64 * LSB_40, *t2 as f64 * LSB_40);
-            let offset = t2 * p2 - t1 * p1;
-            *x = Position::from_bits(x.to_bits().saturating_add(nearest(offset * ONE_32)));
-            *tangent = nearest((t1 * v1 + t2 * v2) * per * ONE_40);
-            *curvature = ((t2 * a2 - t1 * a1) * square) as f32;
+            // LSB 2^-42 mm
+            let offset = mul_shift(*t2, p2, 42) - mul_shift(*t1, p1, 42);
+            *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
+            *tangent = mul_shift(*t1, v1, 60) + mul_shift(*t2, v2, 60);
+            *curvature = both(*t1, *t2, sum, difference);
         }
         Knot { position, end }
     }
@@ -312,14 +320,14 @@ impl<const AXES: usize> Timed<AXES> {
     /// Magnitudes of the third derivative at a time between changes of jerk.
     fn third_at(&self, t: f64) -> [f32; AXES] {
         let Overlap { rise, time } = self.overlap;
-        let per = 1.0 / (rise.v * rise.v * rise.v);
+        let per = 0.5 * self.per * self.per * self.per;
+        // The motion that runs backward has its jerk turned twice: with time and with its direction.
         let [j1, j2] = [rise.jerk(rise.time() - t), rise.jerk(t - (rise.time() - time))];
+        let [sum, difference] = [j2 - j1, j2 + j1].map(|j| (j * per) as f32);
         let mut third = [0.0; AXES];
         let [before, behind] = &self.tangents;
         for ((x, t1), t2) in third.iter_mut().zip(before).zip(behind) {
-            // The motion that runs backward has its jerk turned twice: with time and with its direction.
-            let j = (*t1 as f64 * j1 + *t2 as f64 * j2) * (LSB_40 * per);
-            *x = (if j < 0.0 { -j } else { j }) as f32;
+            *x = magnitude(both(*t1, *t2, sum, difference));
         }
         third
     }
@@ -350,8 +358,9 @@ impl<const AXES: usize> Timed<AXES> {
         }
         let length = *self.lengths.get(usize::from(self.done))?;
         self.done += 1;
-        self.third = self.third_at(self.at + 0.5 * f64::from(length) / self.overlap.rise.v);
-        self.at += f64::from(length) / self.overlap.rise.v;
+        let ticks = f64::from(length) * self.per;
+        self.third = self.third_at(self.at + 0.5 * ticks);
+        self.at += ticks;
         let to = if self.done == self.count { self.to } else { self.knot(self.at) };
         let from = core::mem::replace(&mut self.from, to);
         let made = Draft::new(&from, &to, length, 1.0 + 1e-6);
@@ -373,6 +382,11 @@ impl<const AXES: usize> Timed<AXES> {
 
 fn near(a: f64, b: f64) -> bool {
     a - b < LEAST && b - a < LEAST
+}
+
+/// t2·(sum + difference) − t1·(sum − difference), t in 2^-40: of what nearly cancels out nothing is lost.
+fn both(t1: i64, t2: i64, sum: f32, difference: f32) -> f32 {
+    (to_f32(t2 - t1) * sum + to_f32(t2 + t1) * difference) * LSB_40
 }
 
 /// The nearest integer.
