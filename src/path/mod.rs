@@ -90,6 +90,12 @@ pub(crate) struct Piece<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Element<AXES> {
+    /// None yet.
+    pub(crate) const BLANK: Self = {
+        let end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
+        Self { shape: Shape::BLANK, entry: end, exit: end, circle: None, bounds: None }
+    };
+
     /// What the look-ahead takes of it.
     #[inline(always)]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {

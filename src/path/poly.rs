@@ -57,6 +57,12 @@ pub enum Passage {
 }
 
 impl<const AXES: usize> Bounds<AXES> {
+    /// Of axes that are to be made.
+    const fn none(fastest: f32) -> Self {
+        let none = [0.0; AXES];
+        Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
+    }
+
     /// Its path is time.
     pub const fn is_timed(&self) -> bool {
         matches!(self.passage, Passage::Timed(_))
@@ -163,16 +169,22 @@ impl<const AXES: usize> Draft<AXES> {
         length: f32,
         fastest: f32,
     ) -> Option<(Element<AXES>, Self)> {
-        let bits = to_bits::<44>(length);
-        if bits <= 0 || bits >= LONGEST {
-            return None;
-        }
-        let mut shape = Shape::resting(Distance::from_bits(bits));
-        shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
-        let (first, second, third) = ([0.0; AXES], [0.0; AXES], [0.0; AXES]);
-        let bounds = Some(Bounds { first, second, third, fastest, passage: Passage::Varying });
+        let (shape, bounds) = (uncurved(length)?, Some(Bounds::none(fastest)));
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
+    }
+
+    /// As [`Self::new`], in the place of another element.
+    pub fn begin(
+        element: &mut Element<AXES>,
+        [from, to]: [&Knot<AXES>; 2],
+        length: f32,
+        fastest: f32,
+    ) -> Option<Self> {
+        let Element { shape, entry, exit, circle, bounds } = element;
+        (*shape, *bounds) = (uncurved(length)?, Some(Bounds::none(fastest)));
+        (*entry, *exit, *circle) = (from.end, to.end, None);
+        Some(Self { ends: [from.position, to.position], length, made: 0 })
     }
 
     /// Where it begins.
@@ -225,6 +237,17 @@ impl<const AXES: usize> Draft<AXES> {
         }
         Some(())
     }
+}
+
+/// A polynomial of that length (mm) whose axes are to be made.
+fn uncurved<const AXES: usize>(length: f32) -> Option<Shape<AXES>> {
+    let bits = to_bits::<44>(length);
+    if bits <= 0 || bits >= LONGEST {
+        return None;
+    }
+    let mut shape = Shape::resting(Distance::from_bits(bits));
+    shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
+    Some(shape)
 }
 
 /// What all axes of an element have in common.

@@ -347,7 +347,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// The next element, with its axes to be made.
-    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
+    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.is_done() {
             return None;
         }
@@ -361,12 +361,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
         };
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
-        let from = core::mem::replace(&mut self.at, to);
-        let made = Draft::new(&from, &to, length, fastest(above));
-        if made.is_none() {
-            self.at = from;
-        }
-        made
+        let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;
+        self.at = to;
+        Some(made)
     }
 }
 

@@ -273,12 +273,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
         Smoothed { element, data, curving: None, due: data.number }
     }
 
-    /// What is left of the block, as a value of its own.
-    pub fn made(&self) -> Made<AXES> {
-        let ProgrammedBlock { element, data, .. } = self.block;
-        Made { element, data, curving: None, due: data.number }
-    }
-
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
     /// end is where it was programmed.
     pub fn behind(&mut self, measure: &Measure) -> Option<Self> {

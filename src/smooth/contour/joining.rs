@@ -87,13 +87,13 @@ struct Rivals {
 
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one corner is worked on at a time, in static memory")]
 enum JoinStep<const AXES: usize> {
     /// Blocks and rule say which curves come into question.
     Choosing(Room),
-    /// Corner distances are searched for, those of a curve over arc length.
+    /// Corner distances are searched for, those of a curve over arc length. Then what is quickest is taken:
+    /// that curve, or one of these.
     Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
-    /// What is quickest is taken: the curve with this part of the distances, or one of these.
-    Comparing { room: Room, rivals: Rivals, found: Option<(f32, f32)> },
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much,
     /// mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
@@ -292,7 +292,7 @@ impl<const AXES: usize> Joining<AXES> {
         let Self { held, stage } = self;
         match stage {
             _ if held.rule.is_none() => *turning = None,
-            JoinStep::Choosing(_) | JoinStep::Reaching { .. } | JoinStep::Comparing { .. } => {
+            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => {
                 Self::decide(held, next, setting, stage);
                 return false;
             }
@@ -302,7 +302,8 @@ impl<const AXES: usize> Joining<AXES> {
             }
             JoinStep::Fitting { .. } => {
                 Self::fit(stage, setting.const_vel, turning);
-                return false;
+                let JoinStep::Joining { cut, steady } = stage else { return false };
+                Self::join(held, next, (*cut, *steady), setting, turning);
             }
             JoinStep::Timing { .. } => {
                 Self::time([held, next], setting, stage, turning);
@@ -334,10 +335,7 @@ impl<const AXES: usize> Joining<AXES> {
             }
             JoinStep::Reaching { room, reach, rivals } => {
                 let Some(found) = reach.go_on(&corner(held, next, setting.measure)) else { return };
-                *stage = JoinStep::Comparing { room: *room, rivals: *rivals, found };
-            }
-            JoinStep::Comparing { room, rivals, found } => {
-                let following = Self::compare(held, next, rule, (room, rivals, *found), setting);
+                let following = Self::compare(held, next, rule, (room, rivals, found), setting);
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
             _ => {}

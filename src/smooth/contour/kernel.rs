@@ -71,13 +71,13 @@ impl<const AXES: usize> Kernel<AXES> {
     }
 
     /// The next element, with its axes to be made; then: [`Self::settle`].
-    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
+    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let (from, to) = match self.done {
             0 => (&self.from, &self.middle),
             1 => (&self.middle, &self.to),
             _ => return None,
         };
-        let made = Draft::new(from, to, self.length, 1.0 + 1e-6)?;
+        let made = Draft::begin(element, [from, to], self.length, 1.0 + 1e-6)?;
         self.done += 1;
         Some(made)
     }

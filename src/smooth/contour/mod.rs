@@ -69,6 +69,18 @@ struct Made<const AXES: usize> {
 }
 
 impl<const AXES: usize> Made<AXES> {
+    /// None yet.
+    const BLANK: Self = {
+        let data = Data {
+            feed: None,
+            n: 0,
+            place: Place { line: 0, column: 0, offset: 0, length: 0, file: 0 },
+            number: 0,
+            stop: false,
+        };
+        Self { element: Element::BLANK, data, curving: None, due: 0 }
+    };
+
     fn smoothed(&self) -> Smoothed<'_, AXES> {
         let Self { element, data, curving, due } = self;
         Smoothed { element, data, curving: *curving, due: *due }
@@ -89,26 +101,31 @@ struct Turning<const AXES: usize> {
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// The next element, which is not made yet.
-    fn begin(&mut self) -> Option<Made<AXES>> {
+    /// The next element, which is not made yet. `None` if there is none.
+    fn begin(&mut self, made: &mut Made<AXES>) -> Option<()> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let (mut element, draft) = self.course.next_element()?;
-        if let Some(bounds) = element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
+        self.draft = Some(self.course.next_element(&mut made.element)?);
+        if let Some(bounds) = made.element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
             bounds.passage = self.passage;
         }
-        self.draft = Some(draft);
-        let data = Data { stop: false, ..data };
-        Some(Made { element, data, curving: Some(self.curving), due })
+        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, Some(self.curving), due);
+        Some(())
     }
 
     /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
     #[cold]
     #[inline(never)]
-    fn go_straight(&mut self, from: &[Position; AXES], measure: &Measure) -> Option<Made<AXES>> {
+    fn go_straight(
+        &mut self,
+        from: &[Position; AXES],
+        measure: &Measure,
+        made: &mut Made<AXES>,
+    ) -> Option<()> {
         self.draft = None;
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let element = line(from, self.course.finish(), measure).ok()??;
-        Some(Made { element, data: Data { stop: false, ..data }, curving: None, due })
+        made.element = line(from, self.course.finish(), measure).ok()??;
+        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, None, due);
+        Some(())
     }
 
     /// Goes on making it. `None` where it cannot be made.
@@ -176,7 +193,9 @@ pub struct Contouring<const AXES: usize> {
     once: bool,
     /// What goes out, in this order: the block before a corner, element by element its curve, or what stands
     /// for blocks left out, the block behind it.
-    before: Option<Made<AXES>>,
+    before: Made<AXES>,
+    /// It is there.
+    is_before: bool,
     bridge: Option<Made<AXES>>,
     course: Option<Turning<AXES>>,
     held: Option<HeldBlock<AXES>>,
@@ -216,11 +235,11 @@ impl<const AXES: usize> Cornering<AXES> {
 
 impl<const AXES: usize> Cornering<AXES> {
     /// The next element, with its axes to be made.
-    fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
+    fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         match self {
-            Self::Even(course) => course.next_element(),
-            Self::Timed(timed) => timed.next_element(),
-            Self::Kernel(kernel) => kernel.next_element(),
+            Self::Even(course) => course.next_element(element),
+            Self::Timed(timed) => timed.next_element(element),
+            Self::Kernel(kernel) => kernel.next_element(element),
         }
     }
 
@@ -273,7 +292,8 @@ impl<const AXES: usize> Contouring<AXES> {
             parameters,
             on: false,
             once: false,
-            before: None,
+            before: Made::BLANK,
+            is_before: false,
             bridge: None,
             course: None,
             held: None,
@@ -412,7 +432,12 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(never)]
     fn joined(&mut self) {
         let Some(joining) = &self.joining else { return };
-        self.before = Some(joining.held.made()).filter(|made| made.element.shape.length > Distance::ZERO);
+        self.is_before = joining.held.block.element.shape.length > Distance::ZERO;
+        if self.is_before {
+            let ProgrammedBlock { element, data, .. } = &joining.held.block;
+            (self.before.element, self.before.data) = (*element, *data);
+            (self.before.curving, self.before.due) = (None, data.number);
+        }
         if self.course.is_none() {
             self.bridge = joining.held.bridge(&self.measure);
         }
@@ -425,8 +450,8 @@ impl<const AXES: usize> Contouring<AXES> {
     fn go_straight(&mut self) {
         let Some(turning) = &mut self.course else { return };
         let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
-        self.before = turning.go_straight(&from, &self.measure);
-        if self.before.is_none() {
+        self.is_before = turning.go_straight(&from, &self.measure, &mut self.before).is_some();
+        if !self.is_before {
             self.course = None;
         }
     }
@@ -435,7 +460,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// another one; or the line over blocks left out, when no more of them come. Whether one does.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if self.before.is_some() || self.bridge.is_some() {
+        if self.is_before || self.bridge.is_some() {
             return false;
         }
         let over =
@@ -499,29 +524,24 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             return true;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
-        match &mut self.before {
-            // The block before the corner, or an element that is made.
-            Some(_) if turning.draft.is_none() => return false,
-            Some(made) => {
-                if turning.go_on(&mut made.element).is_some() {
-                    return true;
-                }
-            }
-            None => {
-                self.before = turning.begin();
-                if self.before.is_some() {
-                    return true;
-                }
-            }
+        // The block before the corner, or an element that is made.
+        if self.is_before && turning.draft.is_none() {
+            return false;
+        }
+        if !self.is_before {
+            self.is_before = turning.begin(&mut self.before).is_some();
+        }
+        if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+            return true;
         }
         self.go_straight();
         true
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
-        if let Some(made) = &self.before {
-            into(&made.smoothed());
-            self.before = None;
+        if self.is_before {
+            into(&self.before.smoothed());
+            self.is_before = false;
             return true;
         }
         if let Some(made) = &self.bridge {
@@ -560,7 +580,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn clear(&mut self) {
         (self.held, self.waiting, self.joining) = (None, None, None);
-        (self.before, self.course, self.bridge) = (None, None, None);
+        (self.is_before, self.course, self.bridge) = (false, None, None);
         self.once = false;
     }
 

@@ -352,7 +352,7 @@ impl<const AXES: usize> Timed<AXES> {
 
 impl<const AXES: usize> Timed<AXES> {
     /// The next element, with its axes to be made; then: [`Self::settle`].
-    pub fn next_element(&mut self) -> Option<(Element<AXES>, Draft<AXES>)> {
+    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.done >= self.count {
             return None;
         }
@@ -362,12 +362,9 @@ impl<const AXES: usize> Timed<AXES> {
         self.third = self.third_at(self.at + 0.5 * ticks);
         self.at += ticks;
         let to = if self.done == self.count { self.to } else { self.knot(self.at) };
-        let from = core::mem::replace(&mut self.from, to);
-        let made = Draft::new(&from, &to, length, 1.0 + 1e-6);
-        if made.is_none() {
-            self.from = from;
-        }
-        made
+        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?;
+        self.from = to;
+        Some(made)
     }
 
     /// Acceleration changes evenly: of a short piece that is known better than from its points.
