@@ -61,7 +61,7 @@
 //! | which curve points of a spline get | `smooth/spline/mod.rs` |
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
-//! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs` |
+//! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs`, `plan/short_stop.rs` |
 //! | when an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
 //! | how an axis moves beside the path | `single/mod.rs`, `channel/beside.rs` |
 //! | what a tick costs | `tick.rs`; the counts: `docs/figures.md` |

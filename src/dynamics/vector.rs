@@ -112,6 +112,11 @@ impl PathLimits {
         self.of(rapid).v
     }
 
+    /// DEC, mm/tick².
+    pub fn deceleration(&self, rapid: bool) -> f32 {
+        self.of(rapid).a_down
+    }
+
     /// Lowers accelerations, and the jerks of their ramps with them.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);

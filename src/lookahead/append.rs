@@ -209,7 +209,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             override_range,
-            joint: AnchorMarks::new(!anchor && hsc, flows && hsc),
+            joint: AnchorMarks::new(!anchor && hsc, flows && hsc, rapid),
             marks,
             continued: false,
             trades,

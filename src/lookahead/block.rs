@@ -38,7 +38,7 @@ pub struct Block {
 
 /// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*:
 /// it is the piece of a slow block in a faster span, where the speed at the anchor beside it keeps its limit
-/// ([`super::valley`]).
+/// ([`super::valley`]). Beside that, whether the block is rapid motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -46,14 +46,21 @@ impl AnchorMarks {
     const OPEN: u8 = 1;
     const LENT: u8 = 2;
     const FLOWS: u8 = 4;
+    const RAPID: u8 = 8;
 
     /// Not lent. `flows`: it is between two parts of one curve of many elements.
-    pub(super) fn new(open: bool, flows: bool) -> Self {
-        Self(if open { Self::OPEN } else { 0 } | if flows { Self::FLOWS } else { 0 })
+    pub(super) fn new(open: bool, flows: bool, rapid: bool) -> Self {
+        let [open, flows, rapid] = [(open, Self::OPEN), (flows, Self::FLOWS), (rapid, Self::RAPID)]
+            .map(|(on, mark)| if on { mark } else { 0 });
+        Self(open | flows | rapid)
     }
 
     pub(super) const fn flows(self) -> bool {
         self.0 & Self::FLOWS != 0
+    }
+
+    pub(super) const fn is_rapid(self) -> bool {
+        self.0 & Self::RAPID != 0
     }
 
     pub(super) const fn is_open(self) -> bool {

@@ -32,6 +32,8 @@ pub struct ReleasedSpan {
     pub smooth: bool,
     /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
     pub trades: bool,
+    /// Whether it is rapid motion; `None` where some of it is.
+    pub rapid: Option<bool>,
     /// How its speed follows the override: of its blocks the fastest.
     pub override_range: OverrideRange,
     /// The block behind it.
@@ -79,6 +81,7 @@ impl ReleasedSpan {
         checked: false,
         smooth: false,
         trades: false,
+        rapid: None,
         override_range: OverrideRange::BLANK,
         next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
@@ -203,6 +206,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
         let mut limits = first.limits;
+        let mut rapid = Some(first.joint.is_rapid());
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
@@ -212,6 +216,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     v_least = min(v_least, min(block.cap, block.speed()));
                     limits.join(&block.limits);
                     override_range.join(block.override_range);
+                    rapid = rapid.filter(|rapid| *rapid == block.joint.is_rapid());
                     length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
@@ -253,7 +258,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
-        (release.smooth, release.trades) = (first.is(Marks::SMOOTH), first.trades);
+        (release.smooth, release.trades, release.rapid) = (first.is(Marks::SMOOTH), first.trades, rapid);
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -16,6 +16,7 @@
 //!
 //! The third kind of curve is a polynomial of the fifth degree for every axis, see [`mod@poly`].
 mod arc;
+mod bend;
 mod extent;
 mod line;
 pub mod measure;

@@ -109,7 +109,7 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
 }
 
 /// 2^n for n in -126..128, the nearest of these for others.
-fn power_of_two(n: i32) -> f32 {
+pub(super) fn power_of_two(n: i32) -> f32 {
     f32::from_bits(((127 + n.clamp(-126, 127)) as u32) << 23)
 }
 
@@ -334,7 +334,7 @@ fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
 }
 
 /// Largest magnitudes of the first three derivatives over 0..1, and what rounding here may hide.
-fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
+pub(super) fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, max(*x, -*x)));
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];

@@ -23,10 +23,10 @@ use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
 
 /// Most spans of one law. A longer way has several.
-const SPANS: usize = 32;
+pub(super) const SPANS: usize = 32;
 
 /// A way has to be shorter than the room by this part: rounding of its length.
-const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
+pub(super) const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
 
 /// A law and where it leads.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +70,7 @@ impl Ahead {
 
 /// Goes along the spans: committed ones first, then those of the look-ahead.
 #[derive(Clone, Copy)]
-struct Cursor {
+pub(super) struct Cursor {
     k: usize,
     ahead: Ahead,
     /// With STEP, what the limits of all of them are known for.
@@ -78,18 +78,20 @@ struct Cursor {
 }
 
 /// What a law has to know of a span.
-struct Stretch {
-    limits: Limits,
+pub(super) struct Stretch {
+    pub limits: Limits,
     /// Speed planned at its start; of several blocks the slowest one.
-    v_in: Speed,
+    pub v_in: Speed,
     v_slow: f32,
     v_least: f32,
     is_uneven: bool,
-    smooth: bool,
+    pub smooth: bool,
     /// Acceleration inside it is bought with speed.
     trades: bool,
+    /// Rapid motion.
+    pub rapid: Option<bool>,
     /// Path distance of its end, and the speed planned there.
-    end: i64,
+    pub end: i64,
     v_out: Speed,
 }
 
@@ -107,6 +109,7 @@ impl Stretch {
             is_uneven: span.is_uneven(),
             smooth: span.smooth,
             trades: span.trades,
+            rapid: span.rapid,
             end,
             v_out: span.v_out,
         }
@@ -150,6 +153,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (mut start, mut cursor) = (start, start);
         let mut blank = ReleasedSpan::BLANK;
         let span = &mut blank;
+        let wanted = !self.reserve.is_made();
+        if wanted && let Some(descent) = self.stand_short(start, span, motion, false) {
+            return Some(descent);
+        }
         let mut first = self.ahead(&mut cursor, span, false)?;
         if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
             start.fall = Some(fall);
@@ -175,10 +182,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if fits
             && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)
         {
-            match self.verify(start, span, motion, (&brake, &limits)) {
+            match self.verify(start, span, motion, (&brake, &limits), false) {
                 Ok(descent) => return Some(descent),
                 Err(whole) => spans = whole,
             }
+        }
+        if fits
+            && wanted
+            && let Some(descent) = self.stand_short(start, span, motion, true)
+        {
+            return Some(descent);
         }
         // To the end of so many spans: fewer of them if the law is too fast before.
         loop {
@@ -194,7 +207,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 }
                 return Some(Descent { brake, spans, ahead: cursor.ahead });
             }
-            spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, &limits))) {
+            spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, &limits), false)) {
                 Some(Ok(descent)) => return Some(descent),
                 Some(Err(whole)) => whole.min(spans - 1),
                 None => 1,
@@ -232,7 +245,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The next span, if there is one whose path the interrupt knows.
     ///
     /// Where the motion goes on behind it, the speed planned at its end need not be known: not `ends`.
-    fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
+    pub(super) fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             cursor.k += 1;
             let (span, v_in) = (&committed.span, committed.planned());
@@ -266,13 +279,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many
-    /// spans.
-    fn verify(
+    /// spans. `short`: its limits are those of the axes on its way.
+    pub(super) fn verify(
         &self,
         start: Cursor,
         span: &mut ReleasedSpan,
         motion: &Instant,
         (brake, limits): (&Brake, &Limits),
+        short: bool,
     ) -> Result<Descent, usize> {
         let mut cursor = start;
         let mut spans = 0;
@@ -282,7 +296,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let Some(stretch) = self.ahead(&mut cursor, span, false) else { return Err(spans.max(1)) };
             let mut cap = stretch.cap(limits);
             if spans > 0 {
-                if stretch.trades {
+                if stretch.trades && !short {
                     cap = min(cap, brake.trade(&self.profile, stretch.v_least, stretch.limits.a_down));
                 }
                 cap = min(cap, speed_f32(stretch.v_in.to_bits()));

@@ -295,6 +295,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// A spline is on.
     pub fn contour(&mut self, contour: &Contour, in_motion: bool) -> Result<(), SplineError> {
         self.let_go();
+        self.intake.uniform.by_ramps |= contour.check_jerk == Some(2);
         self.intake.smoothing.contour(contour, in_motion)
     }
 
@@ -412,6 +413,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// [`super::Work::Hungry`]. `optimised`: NO_OPT=0.
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
+        self.intake.uniform.since = self.intake.taken;
         self.dynamics.set_slope(slope, optimised);
     }
 
@@ -419,6 +421,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
+        self.intake.uniform.since = self.intake.taken;
         self.dynamics
     }
 

@@ -10,6 +10,7 @@ mod intake;
 mod late;
 mod pace;
 mod reserve;
+mod short_stop;
 mod stand;
 
 use crate::control::{Commands, Control};
@@ -139,6 +140,16 @@ struct Intake<'a, const AXES: usize> {
     /// Software limits, and what was refused for them.
     travel: Travel<AXES>,
     refused: Option<(Place, Beyond)>,
+    uniform: Uniform,
+}
+
+/// The blocks whose limits are those of now.
+#[derive(Clone, Copy, Debug)]
+struct Uniform {
+    /// The first of them.
+    since: u32,
+    /// Curves were asked to keep the jerk of the ramp times (CHECK_JERK=2).
+    by_ramps: bool,
 }
 
 /// What is being done with the ring, and what is to be done.
@@ -306,6 +317,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 held,
                 travel,
                 refused: None,
+                uniform: Uniform { since: 0, by_ramps: check_jerk == 2 },
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,

@@ -78,6 +78,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Weights, path limits, slope and contour mode as at program start. Only at rest.
     pub fn restart(&mut self) {
+        self.intake.uniform.since = self.intake.taken;
         self.dynamics.restart();
         self.intake.smoothing.restart();
         self.lookahead.ring.forget_exit();

@@ -157,25 +157,29 @@ impl Brake {
         if motion.speed <= 0 || room <= 0.0 {
             return false;
         }
+        let rises = matches!(limits.law, SlopeLaw::JerkLimited { .. }) && motion.accel >= -NO_ACCEL;
+        !(rises && v * v > 2.0 * limits.a_down * room) && Self::needs(motion, limits) <= room
+    }
+
+    /// Path length of a standstill from `motion`, mm. In `f32`, a little work.
+    pub fn needs(motion: &Motion, limits: &Limits) -> f32 {
+        let v = speed_f32(motion.speed);
         let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
         let SlopeLaw::JerkLimited { shape, j: [_, up_fall, down_rise, _], .. } = limits.law else {
-            return limits.brake().distance(0.0, v)[0] <= room;
+            return limits.brake().distance(0.0, v)[0];
         };
-        if motion.accel >= -NO_ACCEL && v * v > 2.0 * limits.a_down * room {
-            return false;
-        }
         let ramp = limits.brake().linear();
         if motion.accel > NO_ACCEL {
             let time = a / (up_fall * shape.peak_jerk());
             let first = time * (v + a * time * (1.0 / 3.0));
-            first + ramp.distance(0.0, v + 0.5 * a * time)[0] <= room
+            first + ramp.distance(0.0, v + 0.5 * a * time)[0]
         } else if motion.accel < -NO_ACCEL {
             let over = -a / down_rise;
             let begun = v - 0.5 * a * over;
             let before = over * (begun + a * over * (1.0 / 6.0));
-            ramp.distance(0.0, begun)[0] - before <= room
+            ramp.distance(0.0, begun)[0] - before
         } else {
-            ramp.distance(0.0, v)[0] <= room
+            ramp.distance(0.0, v)[0]
         }
     }
 

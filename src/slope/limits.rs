@@ -25,6 +25,8 @@ const LAST: f32 = 0.7;
 const LEAST: [f32; 2] = [0.9975, 0.995];
 /// Two decelerations of STEP above that part of each other are one.
 const NEAR: f32 = 0.85;
+/// Parts of a way down whose length is to be known about.
+const PARTS: u8 = 6;
 /// For rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
@@ -166,6 +168,23 @@ impl Limits {
         }
     }
 
+    /// Those of a way to a standstill with jerk `j` and these decelerations: with STEP the second one from the
+    /// speed `lower` on.
+    pub fn braked(&self, [above, below]: [f32; 2], lower: f32, j: f32) -> Self {
+        let mut limits = *self;
+        match &mut limits.law {
+            SlopeLaw::JerkLimited { j: [.., rise, fall], .. } => {
+                (*rise, *fall) = (j, j);
+                limits.a_down = above;
+            }
+            SlopeLaw::Stepped { change_over, a_down, .. } => {
+                (*change_over, *a_down) = (lower, above);
+                limits.a_down = below;
+            }
+        }
+        limits
+    }
+
     /// Whether one slowing down through both is about as fast as one after the other. With STEP, whose
     /// deceleration may change at any place; with another law it is.
     pub fn slows_alike(&self, other: &Self) -> bool {
@@ -188,6 +207,16 @@ impl Limits {
             _ => false,
         };
         ramps && self.a_down >= other.a_down
+    }
+
+    /// Of STEP: whether each of its decelerations is above those of the others.
+    pub fn brakes_above(&self, other: &Self) -> bool {
+        match (&self.law, &other.law) {
+            (SlopeLaw::Stepped { a_down, .. }, SlopeLaw::Stepped { a_down: above, .. }) => {
+                min(self.a_down, *a_down) >= max(other.a_down, *above)
+            }
+            _ => false,
+        }
     }
 
     /// NO_OPT=0.
@@ -363,6 +392,17 @@ impl Limits {
             min(self.v * q, part * v)
         };
         Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
+    }
+
+    /// Path length of a way down of STEP from the speed `v` in such stages, mm, about. `None` with another law,
+    /// or above the change-over speed.
+    pub fn falls(&self, v: f32) -> Option<f32> {
+        let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
+        let part = |k: u8| 1.0 - f32::from(k) * (1.0 / f32::from(PARTS));
+        let lost = |k: u8| {
+            (part(k) * part(k) - part(k + 1) * part(k + 1)) / self.left_at(part(k) * v, still, across)
+        };
+        (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
     /// Of STEP: becomes what they permit on that way.

@@ -1,0 +1,122 @@
+//! How strongly a part of a curve bends: what a way to a standstill needs to know of the path it takes.
+use super::poly::{largest, power_of_two};
+use super::{Arc, Bounds, Curve, Passage, Shape};
+use crate::math::float::{magnitude, max, min, to_f32};
+use crate::math::root::sqrt_f32;
+use crate::math::trig::sin_cos;
+use crate::math::wide::mul_near;
+use core::f32::consts::TAU;
+
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
+/// For rounding of `f32`.
+const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
+
+impl<const AXES: usize> Bounds<AXES> {
+    /// Nothing bends.
+    pub const NONE: Self = Self {
+        first: [0.0; AXES],
+        second: [0.0; AXES],
+        third: [0.0; AXES],
+        fastest: 1.0,
+        passage: Passage::Varying,
+    };
+
+    /// Takes in the derivatives of one axis.
+    fn widen(&mut self, axis: usize, derivatives: [f32; 3]) {
+        let Self { first, second, third, .. } = self;
+        for (most, value) in [first, second, third].into_iter().zip(derivatives) {
+            if let Some(most) = most.get_mut(axis) {
+                *most = max(*most, value * ROUNDED);
+            }
+        }
+    }
+}
+
+impl<const AXES: usize> Shape<AXES> {
+    /// Takes the largest derivatives of every axis between two distances from its start (2^-44 mm) into
+    /// `bounds`: those of a line and of a polynomial ([`largest`]), of an arc what its axes show there.
+    pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
+        let per_mm = power_of_two(i32::from(self.shift) - 18);
+        for (axis, gain) in self.gain.iter().enumerate().filter(|(_, gain)| **gain != 0) {
+            if !matches!(self.curve, Curve::Poly { .. }) {
+                bounds.widen(axis, [magnitude(to_f32(*gain)) * LSB_44 * per_mm, 0.0, 0.0]);
+            }
+        }
+        match &self.curve {
+            Curve::Line => {}
+            Curve::Arc(arc) => self.bend_arc(arc, [from, to], per_mm, bounds),
+            Curve::Poly { power, down } => {
+                let at = |distance: i64| to_f32(self.w(distance)) * LSB_62;
+                let (start, part) = (at(from), to_f32(to.wrapping_sub(from)) * LSB_44 * per_mm);
+                let per = per_mm / part;
+                for (axis, ((gain, power), down)) in self.gain.iter().zip(power).zip(down).enumerate() {
+                    let scale = power_of_two(-12 - i32::from(*down));
+                    let [c2, c3, c4, c5] = power.map(|c| c as f32 * scale);
+                    let whole = [to_f32(*gain) * LSB_44, c2, c3, c4, c5];
+                    let most = largest(within(&whole, start, part));
+                    let mut derivatives = hidden(&whole, per_mm);
+                    for ((sum, most), n) in
+                        derivatives.iter_mut().zip(most).zip([per, per * per, per * per * per])
+                    {
+                        *sum += most * n;
+                    }
+                    bounds.widen(axis, derivatives);
+                }
+            }
+        }
+    }
+
+    /// Both axes of an arc are sines of the angle: over a part of it each is at most its larger value at both
+    /// ends over the cosine of half the angle between.
+    fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, bounds: &mut Bounds<AXES>) {
+        let Arc { a, turn, plane, .. } = *arc;
+        let [p, q] = a.map(|a| to_f32(a) * LSB_44);
+        let radius = sqrt_f32(p * p + q * q);
+        // 2^-61 revolutions for each 2^62 of `w`.
+        let turns = magnitude(to_f32(turn)) * (1.0 / (1u64 << 61) as f32);
+        let rate = TAU * turns * per_mm;
+        // 2^-62 of each.
+        let unit = |distance: i64| {
+            let (sin, cos) = sin_cos((mul_near(self.w(distance), turn) << 5) as u64);
+            [sin, cos].map(|x| to_f32(x) * LSB_62)
+        };
+        let half = 0.5 * rate * to_f32(part[1].wrapping_sub(part[0])) * LSB_44;
+        let cosine = 1.0 - 0.5 * half * half;
+        let [mut x, mut y] = [0.0; 2];
+        for [sin, cos] in part.map(unit) {
+            x = max(x, magnitude(p * cos - q * sin));
+            y = max(y, magnitude(q * cos + p * sin));
+        }
+        let most = |end: f32| if cosine > 0.25 { min(radius, end / cosine) } else { radius };
+        let [x, y] = [x, y].map(most);
+        for (axis, across, along) in [(plane[0], x, y), (plane[1], y, x)] {
+            let [first, second] = [along * rate, across * rate * rate];
+            bounds.widen(usize::from(axis), [first, second, first * rate * rate]);
+        }
+    }
+}
+
+/// What rounding of [`within`] may hide of the first three derivatives over path length.
+fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
+    let [a1, a2, a3, a4, a5] = a.map(magnitude);
+    let unit = per_mm * (1.0 / 1_048_576.0);
+    let first = a1 + 2.0 * a2 + 3.0 * a3 + 4.0 * a4 + 5.0 * a5;
+    let second = 2.0 * a2 + 6.0 * a3 + 12.0 * a4 + 20.0 * a5;
+    let third = 6.0 * a3 + 24.0 * a4 + 60.0 * a5;
+    [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
+}
+
+/// The polynomial of the first to the fifth power seen from `start` over `part`, as one over 0..1.
+fn within(a: &[f32; 5], start: f32, part: f32) -> [f32; 5] {
+    let [mut a1, mut a2, mut a3, mut a4, a5] = *a;
+    // Horner's scheme, again and again: what each division by (τ − start) leaves.
+    for pass in 0..5 {
+        a4 += a5 * start;
+        a3 += if pass < 4 { a4 * start } else { 0.0 };
+        a2 += if pass < 3 { a3 * start } else { 0.0 };
+        a1 += if pass < 2 { a2 * start } else { 0.0 };
+    }
+    let (square, cube) = (part * part, part * part * part);
+    [a1 * part, a2 * square, a3 * cube, a4 * (square * square), a5 * (square * cube)]
+}

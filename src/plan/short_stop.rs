@@ -1,0 +1,275 @@
+//! A standstill as soon as the path ahead permits.
+//!
+//! The limits of a span are those of its highest speed, and of the place where it bends most. A way to a
+//! standstill takes a part of it only, and is slower and slower there. What it may have depends on where it is
+//! how fast, and that on what it has: it begins with what is left here and now. In some rounds it gets less,
+//! until the axes permit it at each of a few speeds, from where the law has come down to that on.
+use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
+use super::{Brake, Instant, Planning, Speed};
+use crate::dynamics::{Braking, Passed};
+use crate::lookahead::ReleasedSpan;
+use crate::math::float::{max, min, to_bits, to_f32};
+use crate::path::Bounds;
+use crate::quantity::{speed_bits, speed_f32};
+use crate::slope::brake::SHORT;
+use crate::slope::limits::{Limits, SlopeLaw};
+
+/// Speeds at which the parts of a way begin, and at which it ends, as parts of the highest one.
+type Speeds = [f32; PARTS + 1];
+/// Their number, and that of the part with which the second stage of STEP begins.
+const PARTS: usize = 7;
+const STAGE: usize = 3;
+/// To a standstill; with STEP to half the speed, where the next law begins.
+const STANDS: Speeds = [1.0, 0.95, 0.85, 0.7, 0.5, 0.3, 0.12, 0.0];
+const SLOWS: Speeds = [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.55, 0.5];
+/// A way of STEP that is no longer than so many times that with what is left here and now is one law.
+const NEARLY: f32 = 1.2;
+/// The same with another slope, in place of several laws.
+const FAIRLY: f32 = 1.6;
+/// Rounds, and what a round leaves of what the axes permit.
+const ROUNDS: usize = 6;
+const LESS: f32 = 0.97;
+/// Most curves in all parts of a way.
+const CURVES: usize = 32;
+/// A knee shows in so many ticks.
+const KNEE_TICKS: i64 = 2;
+
+/// The parts of a way: the highest speed in each, how far that is from the highest of all or from zero at most,
+/// and path distance of its end.
+type Parts = [(f32, f32, i64); PARTS];
+
+/// Where a way begins.
+struct Begin {
+    cursor: Cursor,
+    /// Number of its first curve.
+    curve: u32,
+    /// Near a transition behind.
+    corners: bool,
+    /// Limits of its first span.
+    planned: Limits,
+    /// Highest speed.
+    v: f32,
+    /// Deceleration.
+    begun: f32,
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// The way down from `motion` by one law that the axes permit on its own part of the path. The law is in the
+    /// profile. `None` where there is none, or where the dynamics have changed since those blocks came in;
+    /// where the limits of the spans lead to a standstill as soon, too, unless they do not: `surely`.
+    #[inline(never)]
+    pub(super) fn stand_short(
+        &mut self,
+        cursor: Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        surely: bool,
+    ) -> Option<Descent> {
+        let curve = self.curve_at(motion.distance)?;
+        let first = self.queue.segments.recent(curve)?;
+        let behind = motion.distance.wrapping_sub(first.start.to_bits());
+        let is_line = first.shape.is_line();
+        let corners = behind <= KNEE_TICKS * (motion.speed >> 14);
+        let (planned, ends, mut way) = self.as_planned(cursor, span, motion)?;
+        if is_line && Brake::fits(motion, ends[0], &planned, CLOSE) {
+            return None;
+        }
+        if surely {
+            way = f32::MAX;
+        }
+        let accel = to_f32(motion.accel) * (1.0 / (1u64 << 58) as f32);
+        let v = fastest(speed_f32(motion.speed), accel, &planned);
+        let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
+        let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
+        let begin = Begin { cursor, curve, corners, planned, v, begun };
+        let [_, end] = ends;
+        let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
+        if stepped
+            && !matches!(stands, Some((.., needs)) if needs <= NEARLY)
+            && let Some(descent) = self.slow_inside(&begin, span, motion, ends)
+        {
+            return Some(descent);
+        }
+        let (mut brake, limits, needs) = stands?;
+        let most = if stepped && is_line { NEARLY } else { FAIRLY };
+        if needs > most && (stepped || way == f32::MAX) {
+            return None;
+        }
+        if stepped {
+            // The profile had another one.
+            brake = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)?;
+        }
+        self.verify(cursor, span, motion, (&brake, &limits), true).ok()
+    }
+
+    /// With STEP: to half the speed in the first span, at least as hard as planned. What is planned behind it
+    /// stays possible.
+    fn slow_inside(
+        &mut self,
+        begin: &Begin,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        [end, _]: [i64; 2],
+    ) -> Option<Descent> {
+        let (brake, limits, _) = self.come_down(begin, span, motion, (&SLOWS, end, f32::MAX))?;
+        let inside = end.wrapping_sub(brake.end) > SHORT && brake.v_out > 0;
+        (inside && limits.brakes_above(&begin.planned)).then(|| Descent::inside(brake))
+    }
+
+    /// A law through these speeds that the axes permit, before the path distance `end` and in less than `way`
+    /// (mm), its limits, and how many times longer it is than with what is left here and now.
+    fn come_down(
+        &mut self,
+        begin: &Begin,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        (speeds, end, way): (&Speeds, i64, f32),
+    ) -> Option<(Brake, Limits, f32)> {
+        let Begin { planned, v, begun, .. } = begin;
+        // Of each stage of STEP something.
+        let mut here = motion.distance;
+        let parts = core::array::from_fn(|k| {
+            here = here.wrapping_add(SHORT);
+            (speeds[k] * v, 0.0, here)
+        });
+        let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST)?;
+        let mut nearest = 0.0;
+        for _ in 0..ROUNDS {
+            if *begun > braking.a[0] {
+                return None;
+            }
+            let limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j);
+            let needs = Brake::needs(motion, &limits);
+            if needs >= way {
+                return None;
+            }
+            nearest = if nearest > 0.0 { nearest } else { needs };
+            let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
+            let brake = Brake::down_to(&mut self.profile, motion, end, law, to)?;
+            let parts: Parts = core::array::from_fn(|k| {
+                let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
+                let until = if k + 1 < PARTS {
+                    brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
+                } else {
+                    brake.end
+                };
+                (from, min(v - to, from), until)
+            });
+            let left = self.permitted(begin, span, motion, &parts, braking)?;
+            if braking.is_within(&left) {
+                return Some((brake, limits, needs / nearest));
+            }
+            braking = left.part(LESS);
+        }
+        None
+    }
+
+    /// The limits of the first span, its end and the path distance up to which a deceleration may go on, and how
+    /// much path a standstill takes with the limits of the spans, if that is one law.
+    fn as_planned(
+        &self,
+        mut cursor: Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+    ) -> Option<(Limits, [i64; 2], f32)> {
+        let Stretch { limits: planned, end: first, .. } = self.ahead(&mut cursor, span, false)?;
+        let mut end = first;
+        let mut limits = planned;
+        let room = |end: i64| to_f32(end.wrapping_sub(motion.distance)) * (1.0 / (1u64 << 44) as f32);
+        let needs = |limits: &Limits, end: i64| {
+            let needs = Brake::needs(motion, limits);
+            if needs <= room(end) { needs } else { f32::MAX }
+        };
+        let mut way = match limits.falls(speed_f32(motion.speed)) {
+            Some(way) if way <= room(end) => way,
+            Some(_) => f32::MAX,
+            None => needs(&limits, end),
+        };
+        for _ in 1..SPANS {
+            match self.ahead(&mut cursor, span, false) {
+                Some(next) if next.smooth && next.v_in > Speed::ZERO => {
+                    if way == f32::MAX && limits.slows_alike(&next.limits) {
+                        limits.go_on_braking(&next.limits);
+                        way = needs(&limits, next.end);
+                    }
+                    end = next.end;
+                }
+                _ => break,
+            }
+        }
+        Some((planned, [first, end], way))
+    }
+
+    /// The number of the curve that a path distance is on.
+    fn curve_at(&self, distance: i64) -> Option<u32> {
+        let segments = &self.queue.segments;
+        let first = segments.taken();
+        let ahead = segments.count().wrapping_sub(first);
+        (0..ahead).map(|k| first.wrapping_add(k)).find(|number| {
+            segments.recent(*number).is_some_and(|segment| segment.end().wrapping_sub(distance) > 0)
+        })
+    }
+
+    /// `braking`, or less of it where a part permits less: in each span at most at the speed planned at its
+    /// start.
+    fn permitted(
+        &self,
+        begin: &Begin,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        parts: &Parts,
+        mut braking: Braking,
+    ) -> Option<Braking> {
+        let Begin { mut cursor, mut curve, mut corners, begun, .. } = *begin;
+        let mut at = motion.distance;
+        let mut stretch = self.ahead(&mut cursor, span, false)?;
+        let mut v_in = f32::MAX;
+        let mut left = CURVES;
+        let stands = parts.last().map_or(at, |(.., end)| *end);
+        corners |= stands.wrapping_sub(self.queue.segments.recent(curve)?.end()) >= 0;
+        for (stage, (v, change, until)) in parts.iter().enumerate() {
+            while until.wrapping_sub(at) > 0 {
+                let mut end = *until;
+                if stretch.end.wrapping_sub(end) < 0 {
+                    end = stretch.end;
+                }
+                let mut bounds = Bounds::NONE;
+                loop {
+                    let segment = self.queue.segments.recent(curve)?;
+                    let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
+                    left = if is_of_now { left.checked_sub(1)? } else { return None };
+                    let [from, to] = [at, end].map(|at| at.wrapping_sub(segment.start.to_bits()));
+                    let to = to.min(segment.shape.length.to_bits());
+                    if to > from.max(0) {
+                        segment.shape.bend([from.max(0), to], &mut bounds);
+                    }
+                    if segment.end().wrapping_sub(end) >= 0 {
+                        break;
+                    }
+                    curve = curve.wrapping_add(1);
+                }
+                let by_ramps = self.intake.uniform.by_ramps;
+                let (rapid, stage) = (stretch.rapid, usize::from(stage >= STAGE));
+                let change = [begun, *change];
+                let passed = Passed { v: min(*v, v_in), rapid, by_ramps, change, stage, corners };
+                self.dynamics.stopping(&bounds, &passed, &mut braking)?;
+                at = end;
+                if stretch.end.wrapping_sub(end) <= 0 && until.wrapping_sub(at) > 0 {
+                    stretch = self.ahead(&mut cursor, span, false)?;
+                    v_in = speed_f32(stretch.v_in.to_bits());
+                }
+            }
+        }
+        Some(braking)
+    }
+}
+
+/// The highest speed of a motion whose acceleration ends as planned.
+fn fastest(v: f32, accel: f32, limits: &Limits) -> f32 {
+    match limits.law {
+        SlopeLaw::JerkLimited { shape, j: [_, fall, ..], .. } if accel > 0.0 => {
+            v + 0.5 * accel * accel / (fall * shape.peak_jerk())
+        }
+        _ => max(v, 0.0),
+    }
+}
