@@ -6,10 +6,10 @@
 //! [`POINTS`] of them are known one by one. Beyond that, what the line is beside them adds up.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
-use super::{LSB_44, Parameters};
+use super::{Form, LSB_44, Parameters, ProgrammedBlock};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, to_f32};
-use crate::path::{Measure, line};
+use crate::path::{Measure, straight};
 
 /// Points left out that are known.
 const POINTS: usize = 15;
@@ -45,37 +45,38 @@ impl<const AXES: usize> Chords<AXES> {
         (self.count, self.before) = (0, Stray::NONE);
     }
 
-    /// The line over `held` and the next block, if all points between are inside their part of the tolerance.
+    /// `held` becomes the line over it and the next block, which has this rule, if all points between are
+    /// inside their part of the tolerance. Whether it does.
     #[inline(never)]
     pub fn gather(
         &mut self,
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
+        (block, next_rule): (&ProgrammedBlock<AXES>, Option<&Parameters>),
         dynamics: &Dynamics<AXES>,
         measure: &Measure,
-    ) -> Option<HeldBlock<AXES>> {
-        let rule = held.rule.as_ref().filter(|rule| next.rule.as_ref() == Some(*rule))?;
-        let most = rule.chords()?;
-        let is_fit = held.is_line() && next.is_line() && held.block.data.feed == next.block.data.feed;
-        let (from, to) = (&held.block.from, &next.block.to);
+    ) -> bool {
+        let Some(rule) = held.rule.as_ref() else { return false };
+        let Some(most) = rule.chords() else { return false };
+        let is_line = held.is_line() && block.form == Form::Line;
+        let is_fit = is_line && held.block.data.feed == block.data.feed && next_rule == Some(rule);
+        let (from, to) = (&held.block.from, &block.to);
         let over = travel(from, to);
         let length = size(&measure.main, &over);
         if !is_fit || length > LONGEST * rule.path_dev {
-            return None;
+            return false;
         }
-        let stray = self.stray(&over, &travel(from, &held.block.to), length, measure)?;
-        if !stray.is_within(most) {
-            return None;
+        let point = travel(from, &held.block.to);
+        let stray = self.stray(&over, &point, length, measure).filter(|stray| stray.is_within(most));
+        let (Some(stray), Ok(Some(line))) = (stray, straight(from, to, measure)) else { return false };
+        let whole = to_f32(line.length().to_bits()) * LSB_44;
+        if whole >= dynamics.line(line.tangent(), held.block.data.feed).0.v * LONGEST_TICKS {
+            return false;
         }
-        let element = line(from, to, measure).ok()??;
-        let whole = to_f32(element.shape.length.to_bits()) * LSB_44;
-        if whole >= dynamics.element(&element, held.block.data.feed).0.v * LONGEST_TICKS {
-            return None;
-        }
-        self.push(travel(from, &held.block.to), held.stray);
-        let block = super::ProgrammedBlock { element, from: *from, ..next.block };
-        let length = element.shape.length.to_bits();
-        Some(HeldBlock { block, length, stray, previous: held.previous, slow: held.slow, ..*next })
+        self.push(point, held.stray);
+        line.assign_to(&mut held.block.element);
+        (held.block.to, held.block.data) = (block.to, block.data);
+        (held.length, held.stray, held.skipped) = (line.length().to_bits(), stray, None);
+        true
     }
 
     /// How far the points left out are from a line, the `last` one among them. `None` where a chord does not

@@ -4,8 +4,8 @@ use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoot
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
-use crate::path::{Element, End, Measure, PathError, arc, line, straight};
-use crate::quantity::Position;
+use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight};
+use crate::quantity::{Distance, Position};
 
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +106,31 @@ pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position;
 }
 
 impl<const AXES: usize> HeldBlock<AXES> {
+    /// As it was programmed, with no corner.
+    #[inline(always)]
+    pub fn new(block: &ProgrammedBlock<AXES>) -> Self {
+        Self {
+            block: *block,
+            length: block.element.shape.length.to_bits(),
+            rule: None,
+            stray: Stray::NONE,
+            previous: None,
+            slow: [0.0; 2],
+            skipped: None,
+        }
+    }
+
+    /// It begins there, and this is its line.
+    pub fn become_line(&mut self, from: &[Position; AXES], line: &Straight<AXES>) {
+        let ProgrammedBlock { element, from: begin, form, .. } = &mut self.block;
+        if element.circle.is_some() {
+            *element = line.element();
+        } else {
+            line.assign_to(element);
+        }
+        (*begin, *form) = (*from, Form::Line);
+    }
+
     /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);
@@ -185,29 +210,22 @@ impl<const AXES: usize> HeldBlock<AXES> {
         standing.stray.is_within(rule.stray()).then_some(standing)
     }
 
-    /// The line over this block and the next one, if PTP makes one of both: the next one goes straight on
-    /// with the same feed.
+    /// Becomes the line over this block and the next one, if PTP makes one of both: the next one goes straight
+    /// on with the same feed. Whether it does.
     ///
     /// Of the tangential joints that MERGE is for, those between lines are all that PTP has: an arc switches
     /// it off.
-    pub fn merged(
-        &self,
-        next: &Self,
-        rule: &Parameters,
-        dynamics: &Dynamics<AXES>,
-        measure: &Measure,
-    ) -> Option<Self> {
+    pub fn merge(&mut self, next: &Self, dynamics: &Dynamics<AXES>, measure: &Measure) -> bool {
         let (block, data) = (&next.block, &next.block.data);
-        if rule.method != ContourMethod::Ptp
-            || !rule.merge
+        if self.rule.as_ref().is_none_or(|rule| rule.method != ContourMethod::Ptp || !rule.merge)
             || !(self.is_line() && next.is_line())
             || self.skipped.is_some()
             || self.block.data.feed != data.feed
         {
-            return None;
+            return false;
         }
-        let element = line(&self.block.from, &block.to, measure).ok()??;
-        let [first, both] = [&self.block.element, &element].map(|element| element.shape.length.to_bits());
+        let Ok(Some(line)) = straight(&self.block.from, &block.to, measure) else { return false };
+        let [first, both] = [self.block.element.shape.length, line.length()].map(Distance::to_bits);
         let part = first as f64 / both as f64;
         let ways = self.block.from.iter().zip(&self.block.to).zip(&block.to);
         let on_it = ways.fold(true, |on_it, ((from, corner), to)| {
@@ -215,10 +233,10 @@ impl<const AXES: usize> HeldBlock<AXES> {
             let off = way - part * all;
             on_it && -STRAIGHT < off && off < STRAIGHT
         });
-        let tangents = self.block.element.entry.tangent.iter().zip(&element.entry.tangent);
+        let tangents = self.block.element.entry.tangent.iter().zip(line.tangent());
         let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
         // No longer than what one block may take.
-        let in_time = to_f32(both) * LSB_44 < dynamics.element(&element, data.feed).0.v * LONGEST_TICKS;
+        let in_time = to_f32(both) * LSB_44 < dynamics.line(line.tangent(), data.feed).0.v * LONGEST_TICKS;
         let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
         if !on_it
             || turns > TURN
@@ -226,10 +244,14 @@ impl<const AXES: usize> HeldBlock<AXES> {
             || !in_time
             || max(stray.path, stray.track) > MERGED_STRAY
         {
-            return None;
+            return false;
         }
-        let block = ProgrammedBlock { element, from: self.block.from, ..*block };
-        Some(Self { block, length: self.length.saturating_add(next.length), stray, ..*next })
+        line.assign_to(&mut self.block.element);
+        (self.block.to, self.block.data) = (block.to, *data);
+        (self.length, self.stray) = (self.length.saturating_add(next.length), stray);
+        (self.rule, self.previous, self.slow) = (next.rule, next.previous, next.slow);
+        self.skipped = next.skipped;
+        true
     }
 
     /// What came last has no curve at its end: this block, or those left out behind it.

@@ -47,14 +47,14 @@ pub use parameters::{Parameters, Preset};
 
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
-use self::held_block::{HeldBlock, Stray};
+use self::held_block::HeldBlock;
 use self::joining::{Joining, Setting};
 use self::kernel::Kernel;
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
-use crate::path::{Element, Measure, Passage, line};
+use crate::path::{Element, Measure, Passage, line, straight};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
@@ -320,7 +320,10 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.parameters.update(contour);
-        if self.parameters != before && self.held.is_some_and(|held| held.skipped.is_some()) && !in_motion {
+        if self.parameters != before
+            && self.held.as_ref().is_some_and(|held| held.skipped.is_some())
+            && !in_motion
+        {
             // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
@@ -342,46 +345,40 @@ impl<const AXES: usize> Contouring<AXES> {
         self.waiting.as_mut().or(self.held.as_mut())
     }
 
-    /// The next block comes behind the one held back: left out, part of it, or behind a corner. `behind`:
-    /// length of the one after it, LSB 2^-44 mm, if the corner between them is rounded and that is known.
-    fn enter(
-        &mut self,
-        mut next: HeldBlock<AXES>,
-        behind: Option<i64>,
-        parted: bool,
-        dynamics: &Dynamics<AXES>,
-    ) {
-        if self.left_out(&mut next) || !parted && self.merges(&next, dynamics) {
-            return;
+    /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
+    /// `behind`: length of the one after it, LSB 2^-44 mm, if the corner between them is rounded and that is
+    /// known.
+    fn enter(&mut self, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
+        if !self.left_out() && (parted || !self.merges(dynamics)) {
+            self.join(behind, dynamics);
+            self.held = self.waiting;
         }
-        self.join(&mut next, behind, dynamics);
-        self.held = Some(next);
+        self.waiting = None;
     }
 
     /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over
     /// both.
     #[inline(never)]
-    fn left_out(&mut self, next: &mut HeldBlock<AXES>) -> bool {
-        let Some(held) = &mut self.held else { return false };
-        let Some(rule) = held.rule else { return false };
+    fn left_out(&mut self) -> bool {
+        let Self { held: slot, waiting: Some(next), measure, .. } = self else { return false };
+        let Some(held) = slot else { return false };
+        let Some(rule) = &held.rule else { return false };
         if next.rule.is_some()
-            && let Some(skipped) = held.leave_out(next, &rule, &self.measure)
+            && let Some(skipped) = held.leave_out(next, rule, measure)
         {
             held.skipped = Some(skipped);
             return true;
         }
-        if let Some(standing) = held.stands(next, &rule, &self.measure) {
+        if let Some(standing) = held.stands(next, rule, measure) {
             let from = if standing.whole { held.block.from } else { held.block.to };
-            if let Ok(Some(element)) = line(&from, &next.block.to, &self.measure) {
-                next.block.element = element;
-                next.block.from = from;
-                next.block.form = Form::Line;
+            if let Ok(Some(rest)) = straight(&from, &next.block.to, measure) {
+                next.become_line(&from, &rest);
                 next.length = next.block.element.shape.length.to_bits();
                 next.stray = standing.stray;
                 held.skipped = None;
                 if standing.whole {
                     // The short one to begin with is part of it.
-                    self.held = None;
+                    *slot = None;
                 }
             }
         }
@@ -390,38 +387,37 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether the line that came last grows by the next block. A line behind a corner that is done begins
     /// where that ends.
-    fn gathers(&mut self, next: &HeldBlock<AXES>, dynamics: &Dynamics<AXES>) -> bool {
+    fn gathers(
+        &mut self,
+        block: &ProgrammedBlock<AXES>,
+        rule: Option<&Parameters>,
+        dynamics: &Dynamics<AXES>,
+    ) -> bool {
         let last = match (&mut self.waiting, &mut self.held) {
             (Some(waiting), _) => waiting,
             (None, Some(held)) if held.is_untouched() => held,
             _ => return false,
         };
-        let Some(both) = self.chords.gather(last, next, dynamics, &self.measure) else { return false };
-        *last = both;
-        true
+        self.chords.gather(last, (block, rule), dynamics, &self.measure)
     }
 
     /// Whether the block held back and the next one become one.
     #[inline(never)]
-    fn merges(&mut self, next: &HeldBlock<AXES>, dynamics: &Dynamics<AXES>) -> bool {
-        let Some(held) = &self.held else { return false };
-        let merged = held.rule.and_then(|rule| held.merged(next, &rule, dynamics, &self.measure));
-        if merged.is_some() {
-            self.held = merged;
-            return true;
-        }
-        false
+    fn merges(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        let Self { held: Some(held), waiting: Some(next), measure, .. } = self else { return false };
+        held.merge(next, dynamics, measure)
     }
 
     /// The corner between the block held back and the next one.
     #[inline(never)]
-    fn join(&mut self, next: &mut HeldBlock<AXES>, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Some(held) = &self.held else { return };
+    fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
+        let Self { held: slot, waiting: Some(next), measure, joining, .. } = self else { return };
+        let Some(held) = slot else { return };
         let Parameters { check_jerk, const_vel, .. } = self.parameters;
-        let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
-        next.previous = held.rule.map(|_| held.length);
-        let remark = self.joining.insert(Joining::new(*held)).go_into(next, behind, &setting);
-        self.held = None;
+        let setting = Setting { measure, check_jerk, const_vel, dynamics };
+        next.previous = held.rule.as_ref().map(|_| held.length);
+        let remark = joining.insert(Joining::new(*held)).go_into(next, behind, &setting);
+        *slot = None;
         if remark.is_some() {
             self.remark = remark;
         }
@@ -463,17 +459,36 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.is_before || self.bridge.is_some() {
             return false;
         }
-        let over =
-            self.held.as_mut().filter(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over));
-        let next = match over {
-            Some(held) => held.behind(&self.measure),
-            None if self.waiting.as_ref().is_none_or(HeldBlock::waits) => return false,
-            None => self.waiting.take(),
-        };
-        if let Some(next) = next {
-            self.enter(next, None, true, dynamics);
+        if self.held.as_ref().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
+            self.let_in_skipped(dynamics);
+            return true;
         }
+        if self.waiting.as_ref().is_none_or(HeldBlock::waits) {
+            return false;
+        }
+        self.enter(None, true, dynamics);
         true
+    }
+
+    /// The line over blocks left out comes in, before a block that waits.
+    #[cold]
+    #[inline(never)]
+    fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
+        let next = self.held.as_mut().and_then(|held| held.behind(&self.measure));
+        if next.is_some() {
+            let waiting = core::mem::replace(&mut self.waiting, next);
+            self.enter(None, true, dynamics);
+            self.waiting = waiting;
+        }
+    }
+
+    /// A block waits.
+    #[inline(never)]
+    fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
+        self.waiting = Some(HeldBlock::new(block));
+        if let Some(waiting) = &mut self.waiting {
+            waiting.rule = rule;
+        }
     }
 }
 
@@ -486,30 +501,22 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             rounds = false;
             self.remark = Some(NcWarningKind::PtpArc);
         }
-        let next = HeldBlock {
-            block: *block,
-            length: block.element.shape.length.to_bits(),
-            rule: if rounds { Some(self.parameters.by(self.parameters.method)) } else { None },
-            stray: Stray::NONE,
-            previous: None,
-            slow: [0.0; 2],
-            skipped: None,
-        };
-        if parting == Parting::None && self.gathers(&next, dynamics) {
+        let rule = if rounds { Some(self.parameters.by(self.parameters.method)) } else { None };
+        if parting == Parting::None && self.gathers(block, rule.as_ref(), dynamics) {
             return;
         }
         self.chords.clear();
-        if let Some(waiting) = self.waiting.take() {
-            let behind = waiting.rule.map(|_| next.length);
-            self.waiting = Some(next);
-            self.enter(waiting, behind, true, dynamics);
+        if let Some(waiting) = &self.waiting {
+            let behind = waiting.rule.as_ref().map(|_| block.element.shape.length.to_bits());
+            self.enter(behind, true, dynamics);
+            self.put(block, rule);
             return;
         }
-        if next.waits() && self.held.is_some() {
-            self.waiting = Some(next);
+        self.put(block, rule);
+        if self.held.is_some() && self.waiting.as_ref().is_some_and(HeldBlock::waits) {
             return;
         }
-        self.enter(next, None, parting != Parting::None, dynamics);
+        self.enter(None, parting != Parting::None, dynamics);
     }
 
     #[inline(never)]
