@@ -317,7 +317,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 held,
                 travel,
                 refused: None,
-                uniform: Uniform { since: 0, by_ramps: check_jerk == 2 },
+                uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
