@@ -327,24 +327,29 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        let Command::Motion(motion) = command else { return self.carry_out(command) };
+        if self.planning.moves(motion, self.released) {
+            self.planning.drop_motion();
+            return Err(Error::Motion(motion.place, MotionError::Released));
+        }
+        if OVERLAYS > 0 && self.joins(motion) {
+            return Ok(Progress::Working);
+        }
+        self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
+        if motion.exact_stop && self.settling() > 0 {
+            self.planning.rest(self.settling());
+        }
+        if let Some(kind) = self.planning.remark() {
+            return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
+        }
+        Ok(Progress::Working)
+    }
+
+    /// Any command but a motion: what that needs of the stack is not below motions.
+    #[inline(never)]
+    fn carry_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         match command {
-            Command::Motion(motion) => {
-                if self.planning.moves(motion, self.released) {
-                    self.planning.drop_motion();
-                    return Err(Error::Motion(motion.place, MotionError::Released));
-                }
-                if OVERLAYS > 0 && self.joins(motion) {
-                    return Ok(Progress::Working);
-                }
-                self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
-                if motion.exact_stop && self.settling() > 0 {
-                    self.planning.rest(self.settling());
-                }
-                if let Some(kind) = self.planning.remark() {
-                    return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
-                }
-            }
             Command::Dwell(head, DwellTime::Seconds(time)) => {
                 let at_corner = self.planning.rounds();
                 // 2^-32 s to µs to ticks, up

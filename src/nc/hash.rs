@@ -190,9 +190,10 @@ const OTHER: &[&str] = &[
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The command behind `#`. A call of its own: its stack is not below words.
+    /// The command behind `#` becomes the only one of its line. A call of its own: its stack is not below
+    /// words.
     #[inline(never)]
-    pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Command<AXES>, Fault> {
+    pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<(), Fault> {
         let mark = c.mark();
         c.bump();
         let words = c.mark();
@@ -211,9 +212,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             });
         };
         let head = self.head_of(line, c.since(mark));
-        let command = self.arguments(c, *id, head)?;
-        c.require_end("a # command")?;
-        Ok(command)
+        self.arguments(c, *id, head)?;
+        let end = c.require_end("a # command");
+        if end.is_err() {
+            self.single = None;
+        }
+        end
     }
 
     /// Units of keywords that concern the main axes.
@@ -221,78 +225,18 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.length_factor(), feed: Factor::ONE }
     }
 
-    fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<Command<AXES>, Fault> {
-        let units = self.main_units();
-        let p = &self.calculator;
-        let here = c.peek();
-        Ok(match id {
+    fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<(), Fault> {
+        self.single = Some(match id {
             Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
             Hash::LogClear => Command::ContourLog(head, ContourLog::Clear),
-            Hash::LogOn | Hash::LogOff | Hash::Log => {
-                let mut words = LogWords::default();
-                if here == b'[' || id == Hash::Log {
-                    list(c, p, units, &mut words)?;
-                }
-                Command::ContourLog(
-                    head,
-                    match (id, words.param) {
-                        (Hash::LogOn, param) => ContourLog::On(param),
-                        (Hash::LogOff, param) => ContourLog::Off(param),
-                        (_, Some(param)) => ContourLog::Parameter(param),
-                        _ => return c.expected("ON, OFF, CLEAR or [PARAM=…]"),
-                    },
-                )
-            }
-            Hash::Hsc(switch) => {
-                let mut words = HscWords::default();
-                words.hsc.switch = switch;
-                let mark = c.mark();
-                if here == b'[' || switch.is_none() {
-                    list(c, p, units, &mut words)?;
-                }
-                if let Some(mode) = words.opmode {
-                    if mode == 0 {
-                        let kind =
-                            NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
-                        return c.since(mark).fault(kind);
-                    }
-                    words.hsc.method = Some(HscMethod::Op(mode));
-                }
-                Command::Hsc(head, words.hsc)
-            }
+            Hash::LogOn | Hash::LogOff | Hash::Log => Command::ContourLog(head, self.log(c, id)?),
+            Hash::Hsc(switch) => Command::Hsc(head, self.hsc(c, switch)?),
             Hash::SlopeDefault => Command::Slope(head, Slope { default: true, ..Slope::default() }),
-            Hash::Slope => {
-                let mut slope = Slope::default();
-                list(c, p, units, &mut slope)?;
-                if slope == Slope::default() {
-                    return c.expected("TYPE or NO_OPT in brackets");
-                }
-                Command::Slope(head, slope)
-            }
+            Hash::Slope => Command::Slope(head, self.slope(c)?),
             Hash::SetSlope => Command::Slope(head, self.old_slope(c)?),
-            Hash::Filter(switch) => {
-                let mut filter = Filter { switch, ..Filter::default() };
-                if here == b'[' || switch.is_none() {
-                    list(c, p, units, &mut filter)?;
-                }
-                Command::Filter(head, filter)
-            }
-            Hash::VectorLimit(on) => {
-                let mut limit = VectorLimit { on, ..VectorLimit::default() };
-                limit.all = c.eat_words("ALL");
-                if !limit.all && c.peek() != b'[' {
-                    return c.expected("ALL or [ and limits");
-                }
-                while c.peek() == b'[' {
-                    list(c, p, units, &mut limit)?;
-                }
-                Command::VectorLimit(head, limit)
-            }
-            Hash::AkimaTrans => {
-                let mut words = AkimaWords::default();
-                list(c, p, units, &mut words)?;
-                Command::Spline(head, Spline::Transition { start: words.start, end: words.end })
-            }
+            Hash::Filter(switch) => Command::Filter(head, self.filter(c, switch)?),
+            Hash::VectorLimit(on) => Command::VectorLimit(head, self.vector_limit(c, on)?),
+            Hash::AkimaTrans => Command::Spline(head, self.akima(c)?),
             Hash::StartVector => Command::Spline(head, Spline::StartVector(self.axis_vector(c)?)),
             Hash::EndVector => Command::Spline(head, Spline::EndVector(self.axis_vector(c)?)),
             Hash::SplineType(kind) => Command::Spline(head, Spline::Type(kind)),
@@ -331,13 +275,88 @@ impl<const AXES: usize> Interpreter<AXES> {
             Hash::WaitIndependent => Command::WaitIndependent(head, self.axis_list(c)?),
             Hash::Time => {
                 let mark = c.mark();
-                let seconds = number(c, p, mark, Range::new(0, 100_000, "s"))?;
+                let seconds = number(c, &self.calculator, mark, Range::new(0, 100_000, "s"))?;
                 Command::Dwell(head, DwellTime::Seconds(seconds))
             }
-        })
+        });
+        Ok(())
+    }
+
+    // Calls of their own: of their keywords only one list is on the stack.
+
+    #[inline(never)]
+    fn log(&self, c: &mut Cursor<'_>, id: Hash) -> Result<ContourLog, Fault> {
+        let mut words = LogWords::default();
+        if c.peek() == b'[' || id == Hash::Log {
+            list(c, &self.calculator, self.main_units(), &mut words)?;
+        }
+        match (id, words.param) {
+            (Hash::LogOn, param) => Ok(ContourLog::On(param)),
+            (Hash::LogOff, param) => Ok(ContourLog::Off(param)),
+            (_, Some(param)) => Ok(ContourLog::Parameter(param)),
+            _ => c.expected("ON, OFF, CLEAR or [PARAM=…]"),
+        }
+    }
+
+    #[inline(never)]
+    fn hsc(&self, c: &mut Cursor<'_>, switch: Option<bool>) -> Result<Hsc, Fault> {
+        let mut words = HscWords::default();
+        words.hsc.switch = switch;
+        let mark = c.mark();
+        if c.peek() == b'[' || switch.is_none() {
+            list(c, &self.calculator, self.main_units(), &mut words)?;
+        }
+        if let Some(mode) = words.opmode {
+            if mode == 0 {
+                let kind = NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
+                return c.since(mark).fault(kind);
+            }
+            words.hsc.method = Some(HscMethod::Op(mode));
+        }
+        Ok(words.hsc)
+    }
+
+    #[inline(never)]
+    fn slope(&self, c: &mut Cursor<'_>) -> Result<Slope, Fault> {
+        let mut slope = Slope::default();
+        list(c, &self.calculator, self.main_units(), &mut slope)?;
+        if slope == Slope::default() {
+            return c.expected("TYPE or NO_OPT in brackets");
+        }
+        Ok(slope)
+    }
+
+    #[inline(never)]
+    fn filter(&self, c: &mut Cursor<'_>, switch: Option<bool>) -> Result<Filter, Fault> {
+        let mut filter = Filter { switch, ..Filter::default() };
+        if c.peek() == b'[' || switch.is_none() {
+            list(c, &self.calculator, self.main_units(), &mut filter)?;
+        }
+        Ok(filter)
+    }
+
+    #[inline(never)]
+    fn vector_limit(&self, c: &mut Cursor<'_>, on: bool) -> Result<VectorLimit, Fault> {
+        let mut limit = VectorLimit { on, ..VectorLimit::default() };
+        limit.all = c.eat_words("ALL");
+        if !limit.all && c.peek() != b'[' {
+            return c.expected("ALL or [ and limits");
+        }
+        while c.peek() == b'[' {
+            list(c, &self.calculator, self.main_units(), &mut limit)?;
+        }
+        Ok(limit)
+    }
+
+    #[inline(never)]
+    fn akima(&self, c: &mut Cursor<'_>) -> Result<Spline<AXES>, Fault> {
+        let mut words = AkimaWords::default();
+        list(c, &self.calculator, self.main_units(), &mut words)?;
+        Ok(Spline::Transition { start: words.start, end: words.end })
     }
 
     /// #CONTOUR MODE: the interim point becomes a machine coordinate.
+    #[inline(never)]
     fn contour(&self, c: &mut Cursor<'_>, switch: Option<ContourSwitch>) -> Result<Contour, Fault> {
         let mut contour = Contour { switch, ..Contour::default() };
         let mark = c.mark();
@@ -354,6 +373,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// `#SET SLOPE PROFIL [1]` or with the keywords of #SLOPE.
+    #[inline(never)]
     fn old_slope(&self, c: &mut Cursor<'_>) -> Result<Slope, Fault> {
         let mark = c.mark();
         c.require(b'[', "[ and the profile")?;
@@ -410,6 +430,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// `X1 Y0 …` as numbers per axis.
+    #[inline(never)]
     fn axis_vector(&self, c: &mut Cursor<'_>) -> Result<[Option<Value>; AXES], Fault> {
         let mut vector = [None; AXES];
         if c.at_end() {

@@ -271,7 +271,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             0 => Ok(Next::Line),
             b'$' => self.control(c, line, bounds),
             b'#' => {
-                self.single = Some(self.hash_command(c, line)?);
+                self.hash_command(c, line)?;
                 Ok(Next::Line)
             }
             b'/' => c.here().fault(NcErrorKind::NotAvailable("block skip")),
