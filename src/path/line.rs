@@ -23,7 +23,20 @@ pub fn line<const AXES: usize>(
     target: &[Position; AXES],
     measure: &Measure,
 ) -> Result<Option<Element<AXES>>, PathError> {
-    Ok(straight(start, target, measure)?.map(|line| line.element()))
+    Ok(straight_line(start, target, measure)?.map(|line| line.element()))
+}
+
+/// As [`straight`], as a call: beside what every block needs.
+///
+/// # Errors
+/// [`PathError::TooLong`].
+#[inline(never)]
+pub(crate) fn straight_line<const AXES: usize>(
+    start: &[Position; AXES],
+    target: &[Position; AXES],
+    measure: &Measure,
+) -> Result<Option<Straight<AXES>>, PathError> {
+    straight(start, target, measure)
 }
 
 /// A line from `start` to `target` that is not an element yet; `None` where nothing moves.

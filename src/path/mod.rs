@@ -25,7 +25,7 @@ pub mod poly;
 
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
-pub(crate) use line::{Straight, straight};
+pub(crate) use line::{Straight, straight, straight_line};
 pub use measure::Measure;
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::{Bounds, Passage};
@@ -319,6 +319,15 @@ impl<const AXES: usize> Shape<AXES> {
                 *x = add(*base, w.times(Halves::of(*gain)));
             }
         }
+    }
+
+    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it, as a call: not for the
+    /// tick.
+    #[inline(never)]
+    pub fn point(&self, distance: i64, start: &[Position; AXES]) -> [Position; AXES] {
+        let mut point = *start;
+        self.at(distance, &self.base(start), &mut point);
+        point
     }
 
     /// A polynomial at `w`. Not inlined: lines would pay for its registers.

@@ -72,18 +72,16 @@ impl Approach {
         self.time(way.rise.v as f32, [way.rise.distance() as f32; 2], way.duration() as f32)
     }
 
-    /// With the curve over arc length that has these distances.
+    /// With the curve over arc length that has this path length and these distances.
     pub fn even<const AXES: usize>(
         &self,
-        corner: &Corner<'_, AXES>,
+        (curve, length): (&Quintic<AXES>, f32),
         distances: [f32; 2],
         rapid: bool,
         setting: &Setting<'_, AXES>,
     ) -> f32 {
-        let curve = corner.between(distances);
-        let length = corner.path(&curve);
         let [v1, v2] = self.v;
-        let through = speed(&curve, length, min(v1, v2), rapid, setting);
+        let through = speed(curve, length, min(v1, v2), rapid, setting);
         self.time(through, distances, length / through)
     }
 }

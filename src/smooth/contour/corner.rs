@@ -279,6 +279,11 @@ impl<const AXES: usize> Reach<AXES> {
         Self { tolerance, search: Search::new(corner, distances, false), first: 1.0 }
     }
 
+    /// The curve with the part that was found, if it was the last one tried.
+    pub fn curve(&self, part: f32) -> Option<&Quintic<AXES>> {
+        (self.first * self.search.part == part).then_some(&self.search.curve)
+    }
+
     /// Goes on; at the end the part, and how far the curve's elements may be beside it, or that there is
     /// none.
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {

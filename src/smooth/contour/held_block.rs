@@ -4,7 +4,7 @@ use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoot
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
-use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight};
+use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
 use crate::quantity::{Distance, Position};
 
 /// A block whose end waits for the next one.
@@ -224,7 +224,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         {
             return false;
         }
-        let Ok(Some(line)) = straight(&self.block.from, &block.to, measure) else { return false };
+        let Ok(Some(line)) = straight_line(&self.block.from, &block.to, measure) else { return false };
         let [first, both] = [self.block.element.shape.length, line.length()].map(Distance::to_bits);
         let part = first as f64 / both as f64;
         let ways = self.block.from.iter().zip(&self.block.to).zip(&block.to);
@@ -325,7 +325,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
         match self.block.form {
             Form::Line => {
-                let rest = straight(from, &self.block.to, measure)?;
+                let rest = straight_line(from, &self.block.to, measure)?;
                 Ok(rest.map_or(self.block.element.entry, |rest| rest.end()))
             }
             Form::Arc { .. } => Ok(self.rest_of_arc(from, measure)?.entry),
@@ -339,7 +339,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
         match self.block.form {
             Form::Line => {
-                if let Some(rest) = straight(from, &self.block.to, measure)? {
+                if let Some(rest) = straight_line(from, &self.block.to, measure)? {
                     rest.assign_to(&mut self.block.element);
                 }
             }

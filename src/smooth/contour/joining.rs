@@ -261,12 +261,21 @@ impl<const AXES: usize> Joining<AXES> {
         next: &HeldBlock<AXES>,
         rule: &Parameters,
         (room, rivals, found): (&Room, &Rivals, Option<(f32, f32)>),
+        (corner, reach): (&Corner<'_, AXES>, &Reach<AXES>),
         setting: &Setting<'_, AXES>,
     ) -> Option<JoinStep<AXES>> {
         let Rivals { approach, candidate, stop } = rivals;
         let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
             let distances = room.distances.map(|c| c * part);
-            approach.even(&corner(held, next, setting.measure), distances, held.is_rapid(), setting)
+            let made;
+            let curve = match reach.curve(part) {
+                Some(curve) => curve,
+                None => {
+                    made = corner.between(distances);
+                    &made
+                }
+            };
+            approach.even((curve, corner.path(curve)), distances, held.is_rapid(), setting)
         });
         let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
         let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
@@ -334,8 +343,10 @@ impl<const AXES: usize> Joining<AXES> {
                 Self::choose(held, next, rule, room, setting, stage);
             }
             JoinStep::Reaching { room, reach, rivals } => {
-                let Some(found) = reach.go_on(&corner(held, next, setting.measure)) else { return };
-                let following = Self::compare(held, next, rule, (room, rivals, found), setting);
+                let corner = corner(held, next, setting.measure);
+                let Some(found) = reach.go_on(&corner) else { return };
+                let following =
+                    Self::compare(held, next, rule, (room, rivals, found), (&corner, reach), setting);
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
             _ => {}
@@ -621,13 +632,12 @@ impl<const AXES: usize> Ends<AXES> {
         let rest = element.shape.length.to_bits() - cut.before;
         let mut from = Knot { position: held.block.from, end: element.entry };
         if rest > 0 {
-            element.shape.at(rest, &element.shape.base(&held.block.from), &mut from.position);
+            from.position = element.shape.point(rest, &held.block.from);
             from.end = element.end_at(rest);
         }
         let mut begin = next.block.from;
         if cut.behind > 0 {
-            let shape = &next.block.element.shape;
-            shape.at(cut.behind, &shape.base(&next.block.from), &mut begin);
+            begin = next.block.element.shape.point(cut.behind, &next.block.from);
         }
         let end = next.entry_at(&begin, measure).ok()?;
         Some(Self { cut, from, to: Knot { position: begin, end } })

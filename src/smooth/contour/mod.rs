@@ -54,7 +54,7 @@ use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
-use crate::path::{Element, Measure, Passage, line, straight};
+use crate::path::{Element, Measure, Passage, line, straight_line};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
@@ -371,7 +371,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
         if let Some(standing) = held.stands(next, rule, measure) {
             let from = if standing.whole { held.block.from } else { held.block.to };
-            if let Ok(Some(rest)) = straight(&from, &next.block.to, measure) {
+            if let Ok(Some(rest)) = straight_line(&from, &next.block.to, measure) {
                 next.become_line(&from, &rest);
                 next.length = next.block.element.shape.length.to_bits();
                 next.stray = standing.stray;

@@ -77,8 +77,7 @@ impl<const AXES: usize> Source<AXES> {
         let end = self.next.to_bits().saturating_add(self.step.to_bits());
         let mut to = self.block.to;
         if end < self.block.element.shape.length.to_bits() {
-            let shape = &self.block.element.shape;
-            shape.at(end, &shape.base(&self.block.from), &mut to);
+            to = self.block.element.shape.point(end, &self.block.from);
         }
         let mut chord = Chord::new(&self.from, &to, programmed, window)?;
         chord.arc = self.block.form != Form::Line;
