@@ -28,6 +28,9 @@ pub struct Spot {
 const CELL: f32 = 0.9;
 /// No element is made shorter than this part of that, for the end of a kernel.
 const SLIVER: f32 = 0.1;
+/// Of the widest kernel: so much further on the path has been looked at. What makes kernels narrower there moves
+/// points here, and an element that begins where they were and ends where they are turns sharply.
+const SETTLED: f32 = 0.5;
 /// Longest element, mm.
 const LONGEST: f32 = 8.0;
 /// Shortest line, mm.
@@ -177,7 +180,8 @@ impl<const AXES: usize> Window<AXES> {
                 return Some(Aim { way: ahead.start, is_straight: false });
             }
         }
-        if !all && known < way + self.reach {
+        let settled = if self.is_full() { 0.0 } else { SETTLED * self.reach };
+        if !all && known < way + self.reach + settled {
             return None;
         }
         if near < 4.0 * way {

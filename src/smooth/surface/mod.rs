@@ -23,7 +23,7 @@ mod window;
 pub use parameters::Parameters;
 
 use self::cell::{Beside, Hull, Straight};
-use self::chords::{BETWEEN, Between, Chord, Source};
+use self::chords::{Between, Chord, Source};
 use self::knot::{Aim, Spot};
 use self::window::{Programmed, Vertex, Window};
 use crate::dynamics::{Curving, Dynamics};
@@ -140,7 +140,7 @@ impl<const AXES: usize> Surface<AXES> {
         if self.window.ended {
             return false;
         }
-        if self.pending.is_some() && self.window.room() < BETWEEN + 2 {
+        if self.pending.is_some() && self.window.is_full() {
             // Full, and nothing can be made of it.
             self.window.hurry();
             return true;
@@ -259,7 +259,8 @@ impl<const AXES: usize> Surface<AXES> {
             return true;
         }
         // Asked again where more is known, not with each vertex that comes in, gets its width or is moved.
-        let known = Some((self.window.checked, self.window.reach, self.window.ended));
+        let known =
+            Some((self.window.checked, self.window.reach, self.window.ended || self.window.is_full()));
         if self.waits == known {
             return false;
         }

@@ -219,6 +219,11 @@ impl<const AXES: usize> Window<AXES> {
         self.vertices.len()
     }
 
+    /// There is no room for another chord.
+    pub fn is_full(&self) -> bool {
+        self.room() < super::chords::BETWEEN + 2
+    }
+
     pub fn room(&self) -> usize {
         VERTICES - self.vertices.len()
     }
