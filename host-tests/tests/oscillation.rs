@@ -306,6 +306,9 @@ fn positions_of_the_reversals() {
     machine.axes[2].swe_pos = 30 * 10_000;
     let refused = |text: &str| run(text, &machine, &[], 40).expect_err(text);
     assert!(refused("Z[OSC ON 1ST_POS=0 2ND_POS=31 FREQ=1]\nM30\n").contains("P-AXIS-00178"));
+    // A stroke of months: the message speaks of what the command has.
+    let slow = refused("X[OSC ON 1ST_POS=0 2ND_POS=5 FREQ=0.000001]\nG04 1\nM30\n");
+    assert!(slow.contains("raise FEED or FREQ"), "{slow}");
     let run = good(
         "G92 Y7\nY[OSC ON 1ST_POS=1 2ND_POS=2 FREQ=2 \\\n INCL_OFFSETS NBR_OSC=3]\nG04 2\nM30\n",
         &machine,

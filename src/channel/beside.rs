@@ -332,7 +332,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let how = Oscillating { ends, waits, pace, count };
         let within = single
             .oscillate(axis as u8, from, &how, &limits)
-            .map_err(|_| Error::Motion(head.place, MotionError::TooSlow))?;
+            .map_err(|_| Error::Motion(head.place, MotionError::StrokeTooSlow))?;
         self.beside.pending = Some(Pending::Start(axis, ends[1], 0));
         Ok(said(within, head.place, NcWarningKind::OscillationLimited))
     }
@@ -380,7 +380,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let Some(single) = self.beside.free() else { return Err(Error::NotEnabled(head.place, FULL)) };
         let within = single
             .go(axis as u8, [from, target], pace, &limits)
-            .map_err(|_| Error::Motion(head.place, MotionError::TooSlow))?;
+            .map_err(|_| Error::Motion(head.place, MotionError::StrokeTooSlow))?;
         let awaited = if independent.synchronous { bit(axis) } else { 0 };
         self.beside.pending = Some(Pending::Start(axis, target, awaited));
         // A feed above that of the axis is lowered, as on the path.
@@ -463,7 +463,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let single = self.beside.free().ok_or(MoveError::Full)?;
         single
             .go(axis as u8, [from, target], pace, &limits)
-            .map_err(|_| MoveError::Motion(MotionError::TooSlow))?;
+            .map_err(|_| MoveError::Motion(MotionError::StrokeTooSlow))?;
         self.beside.pending = Some(Pending::Start(axis, target, 0));
         Ok(())
     }

@@ -141,6 +141,9 @@ impl core::fmt::Display for Error {
             Self::PathAcceleration(_) => f.write_str(
                 "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
             ),
+            Self::Motion(_, MotionError::StrokeTooSlow) => f.write_str(
+                "at this speed a motion of the axis takes longer than can be planned; raise FEED or FREQ, or shorten TIME",
+            ),
             Self::ReducedTooSlow => f.write_str(
                 "at the reduced speed a block takes more than 134 217 728 ticks; raise vb_max_red (P-AXIS-00214) or the override",
             ),

@@ -276,7 +276,10 @@ impl fmt::Display for NcError {
             ),
             K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
-            K::NoSubroutine => write!(f, "subroutine \"{found}\" is not in this file: expected %L {found}"),
+            K::NoSubroutine => write!(
+                f,
+                "subroutine \"{found}\" is not in this file: expected %L {found} before the main program"
+            ),
             K::NoFile => write!(f, "no file \"{found}\" to call: expected the name of a program file"),
             K::SubroutineTwice => write!(f, "subroutine \"{found}\" is declared twice"),
             K::TooManySubroutines => {

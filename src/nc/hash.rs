@@ -303,7 +303,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut words = HscWords::default();
         words.hsc.switch = switch;
         let mark = c.mark();
-        if c.peek() == b'[' || switch.is_none() {
+        if is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut words)?;
         }
         if let Some(mode) = words.opmode {
@@ -329,7 +329,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     #[inline(never)]
     fn filter(&self, c: &mut Cursor<'_>, switch: Option<bool>) -> Result<Filter, Fault> {
         let mut filter = Filter { switch, ..Filter::default() };
-        if c.peek() == b'[' || switch.is_none() {
+        if is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut filter)?;
         }
         Ok(filter)
@@ -360,7 +360,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn contour(&self, c: &mut Cursor<'_>, switch: Option<ContourSwitch>) -> Result<Contour, Fault> {
         let mut contour = Contour { switch, ..Contour::default() };
         let mark = c.mark();
-        if c.peek() == b'[' || switch.is_none() {
+        if is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut contour)?;
         }
         for (value, main) in contour.point.iter_mut().zip(self.setup.main) {
@@ -496,5 +496,15 @@ impl<const AXES: usize> Interpreter<AXES> {
         let span = c.here();
         let usual = matches!(c.peek_upper(), b'A'..=b'C' | b'Q' | b'U'..=b'Z');
         span.fault(if usual { NcErrorKind::AxisNotHere } else { NcErrorKind::Expected("an axis") })
+    }
+}
+
+/// Whether keywords come, in brackets. Behind a switch there may be none, but nothing else.
+fn is_list(c: &mut Cursor<'_>, switched: bool) -> Result<bool, Fault> {
+    match c.peek() {
+        b'[' => Ok(true),
+        _ if !switched => Ok(true),
+        0 => Ok(false),
+        _ => c.expected("[ and keywords, or nothing behind the switch"),
     }
 }

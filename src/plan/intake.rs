@@ -25,6 +25,8 @@ pub enum MotionError {
     NoFeed,
     /// It would take more than 2^26 ticks.
     TooSlow,
+    /// A motion beside the path would take longer than can be planned.
+    StrokeTooSlow,
     /// It moves an axis that was given away.
     Released,
     /// 120254: an arc in a direct B-spline.

@@ -1,7 +1,7 @@
 //! The summary says how far the driven path is from the programmed one, and of how many curves it is made.
 mod common;
 
-use common::{LSB, Run, number, run, shipped, written};
+use common::{LSB, Run, number, run, run_with, shipped, written};
 use serde_json::json;
 
 /// Distance of a point from the line through two others, no further than their ends.
@@ -76,4 +76,51 @@ fn methods_without_a_tolerance_are_told_without_one() {
     let plain = crate::run("plain-off", &written("plain-off", text), None);
     assert_eq!(plain.summary["deviation"], json!(null));
     assert!(number(&plain.summary["elements_per_block"]) < 1.0, "{}", plain.stdout);
+}
+
+/// One line stands for many chords, and the corner between two lines for the last and the first of them.
+#[test]
+fn lines_over_many_chords_are_followed() {
+    let mut text = String::from("#CONTOUR MODE [DEV PATH_DEV=0.1]\nG261 G01 F3000\n");
+    for k in 1..=120 {
+        let angle = f64::from(k) * std::f64::consts::TAU / 120.0;
+        text += &format!("N{k} X{:.6} Y{:.6}\n", 20.0 * angle.sin(), 20.0 - 20.0 * angle.cos());
+    }
+    let file = std::fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
+    let machine = written("merged.toml", &file.replacen("[channel]", "[channel]\nmerge_chords = 50", 1));
+    let run = run("merged", &written("merged", &(text + "M30\n")), Some(&machine));
+    let told = &run.summary["deviation"];
+    // Two chords each: what is between them is 0.0274 mm beside their line.
+    assert!((number(&told["value"]) - 0.0274).abs() < 1e-4, "{told}");
+    assert!(number(&run.summary["elements_per_block"]) < 1.1, "{}", run.stdout);
+}
+
+/// Behind an abort no end of a block is missed.
+#[test]
+fn an_abort_misses_nothing() {
+    let text = "#CONTOUR MODE [DEV PATH_DEV=0.2]\nG261 G01 X50 F3000\nY50\nX100\nM30\n";
+    let events = written("abort.events", "0.3 abort\n");
+    let run = run_with("aborted", &written("aborted", text), None, &["--events", &events]);
+    assert!(run.trace.rows.last().expect("rows").axes[0] as f64 * LSB < 20.0);
+    let told = &run.summary["deviation"];
+    assert!(told.is_null() || number(&told["value"]) <= 0.2 + 1e-6, "{told}");
+}
+
+/// An axis that moves beside the path is not compared, and that is said.
+#[test]
+fn an_axis_beside_the_path_is_left_out() {
+    let text = "N5 #HSC ON [SURFACE PATH_DEV=0.01]\nG01 Y1 F1000\nX[INDP_SYN G01 G90 POS=5 FEED=1000]\nN20 Y5\nN30 Y9 Z1\nM30\n";
+    let run = run("beside", &written("beside", text), Some(&surface("beside.toml")));
+    let told = &run.summary["deviation"];
+    assert!(number(&told["value"]) <= 0.01, "{told}");
+    assert_eq!(run.summary["left_out"], json!(["X"]));
+    assert!(run.stdout.contains(", without X: beside the path"), "{}", run.stdout);
+}
+
+/// The built-in machine, with Surface.
+fn surface(name: &str) -> String {
+    let file = std::fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
+    let table = "[channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_SURFACE\"\n";
+    let with = if file.contains("FCT_SURFACE") { file } else { file + "\n" + table };
+    written(name, &with)
 }

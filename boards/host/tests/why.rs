@@ -137,3 +137,21 @@ fn it_is_not_asked_where_it_is_not_wanted() {
     );
     assert!(!seen.stdout.contains("what bound the speed"), "{}", seen.stdout);
 }
+
+/// With DEV, lines over many chords would be faster: that is said with what it would gain.
+#[test]
+fn one_line_of_many_chords_is_offered() {
+    let mut text = String::from("#CONTOUR MODE [DEV PATH_DEV=0.1]\nG261 G01 F6000\n");
+    for k in 1..=400 {
+        let angle = f64::from(k) * std::f64::consts::TAU / 400.0;
+        let _ = writeln!(text, "N{k} X{:.6} Y{:.6}", 20.0 * angle.sin(), 20.0 - 20.0 * angle.cos());
+    }
+    let program = written("chords.nc", &(text + "M30\n"));
+    let name = "one line of nearly straight chords (merge_chords)";
+    let merged = machine("chords", &[("[channel]", "[channel]\nmerge_chords = 50")]);
+    let [apart, one] = [("apart", None), ("one", Some(merged.as_str()))]
+        .map(|(name, machine)| run(&format!("chords-{name}"), &program, machine).summary);
+    let gained = number(&one["program_time_s"]);
+    assert!(gained < 0.8 * number(&apart["program_time_s"]), "{gained} of {}", apart["program_time_s"]);
+    assert_eq!((helps(&apart, name), helps(&one, name)), (Some(gained), None));
+}

@@ -130,6 +130,8 @@ impl Column {
 /// The comparison.
 pub struct Deviation {
     main: Vec<usize>,
+    /// Axes that move beside the path: what they do there is not compared.
+    beside: Vec<usize>,
     blocks: Vec<Block>,
     /// Of the end of each block: its distance from the driven path, where that is, and how far along.
     ends: Vec<(f64, Point, f64)>,
@@ -154,6 +156,12 @@ pub struct Deviation {
 
 fn apart(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The point of the main axes; where one moves beside the path, zero.
+fn point_of(all: &[f64], main: &[usize], beside: &[usize]) -> Point {
+    let of = |axis: &usize| all.get(*axis).filter(|_| !beside.contains(axis)).copied();
+    std::array::from_fn(|k| main.get(k).and_then(of).unwrap_or(0.0))
 }
 
 fn between(a: &Point, b: &Point, part: f64) -> Point {
@@ -211,10 +219,8 @@ impl Block {
 impl Deviation {
     /// Of a program on a machine.
     pub fn new(machine: &Machine, program: &Program) -> Self {
-        let main = machine.main_axes();
-        let point = |all: &[f64]| -> Point {
-            std::array::from_fn(|k| main.get(k).and_then(|&axis| all.get(axis)).copied().unwrap_or(0.0))
-        };
+        let (main, beside) = (machine.main_axes(), program.axes_beside());
+        let point = |all: &[f64]| point_of(all, &main, &beside);
         let mut from = program.start.clone();
         let mut blocks = Vec::with_capacity(program.motions);
         for segment in program.motions() {
@@ -261,6 +267,7 @@ impl Deviation {
             smooths: blocks.iter().any(|block| block.smoothed),
             blocks,
             main,
+            beside,
         }
     }
 
@@ -291,11 +298,7 @@ impl Deviation {
             return;
         }
         let block = (block as usize).min(self.blocks.len() - 1);
-        let main = self.main.clone();
-        let path: Vec<Point> = points
-            .iter()
-            .map(|all| std::array::from_fn(|k| main.get(k).map_or(0.0, |&axis| all[axis])))
-            .collect();
+        let path: Vec<Point> = points.iter().map(|all| point_of(all, &self.main, &self.beside)).collect();
         let mut column = Column::default();
         let mut at = block;
         for (all, q) in points.iter().zip(&path) {
@@ -348,7 +351,8 @@ impl Deviation {
         }
         let play = seen.distance / block.length;
         for (axis, value) in all.iter().enumerate() {
-            if self.main.contains(&axis) || block.from[axis] == block.to[axis] && tolerance.track.is_none() {
+            let apart = self.main.contains(&axis) || self.beside.contains(&axis);
+            if apart || block.from[axis] == block.to[axis] && tolerance.track.is_none() {
                 continue;
             }
             let at =
@@ -421,7 +425,8 @@ impl Deviation {
 
     /// All curves are there.
     pub fn finish(&mut self) {
-        self.settle(self.blocks.len().saturating_sub(1));
+        // Behind an abort no end is met.
+        self.settle(self.before.min(self.blocks.len().saturating_sub(1)));
         self.surround();
         self.places.sort_by(|one, other| other.largest.used().total_cmp(&one.largest.used()));
     }

@@ -17,6 +17,9 @@ pub struct Told {
     /// Of every other axis that leaves its programmed path.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     tracking: Vec<Off>,
+    /// Axes that move beside the path, and are not compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<String>,
 }
 
 /// A deviation and where it is.
@@ -45,12 +48,14 @@ impl Told {
                 n,
             }
         };
+        let name = |axis: usize| machine.axes.get(axis).map(|data| data.name.as_str().to_owned());
         let tracking = seen.track.iter().enumerate();
         let tracking = tracking.filter_map(|(axis, largest)| Some((Some(axis), (*largest)?)));
         Self {
             elements: seen.curves,
             elements_per_block: if blocks > 0 { seen.curves as f64 / blocks as f64 } else { 0.0 },
             deviation: seen.path.map(|largest| off(None, largest)),
+            left_out: seen.beside.iter().filter_map(|&axis| name(axis)).collect(),
             tracking: tracking
                 .filter(|(_, largest)| largest.value > NOTHING)
                 .map(|(axis, largest)| off(axis, largest))
@@ -69,7 +74,11 @@ impl Told {
             if let Some(tolerance) = tolerance {
                 write!(out, " of {tolerance} {unit} permitted, {:.1} %,", value / tolerance * 100.0)?;
             }
-            writeln!(out, " at N{n}")?;
+            write!(out, " at N{n}")?;
+            if index == 0 && !self.left_out.is_empty() {
+                write!(out, ", without {}: beside the path", self.left_out.join(", "))?;
+            }
+            writeln!(out)?;
         }
         Ok(())
     }
