@@ -4,10 +4,13 @@ use crate::cases::random::{Mix, Random, program};
 use crate::cases::{Program, machines, set_point};
 use crate::check;
 use crate::properties::{axis_limits, keeps_limits};
+use crate::reference::limits::Machine;
 use crate::reference::merge::path_tolerance;
+use crate::reference::planner::{Block, blocks};
+use crate::reference::profile::Profile;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Handles, Progress};
-use glidepath::machine::MachineData;
+use glidepath::machine::{AxisData, MachineData};
 use glidepath::nc::{Text, TextError};
 use glidepath::operator::Operator;
 use glidepath::quantity::Position;
@@ -311,6 +314,87 @@ pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act
     acts.push((last + 1, Act::Reduced(false)));
     acts.sort_by_key(|(tick, _)| *tick);
     acts
+}
+
+/// Ticks that the program takes with a standstill at the end of each block, by the f64 reference: it never takes
+/// longer.
+pub fn longest<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
+    let stands = |block: &Block| {
+        let limits = &block.limits;
+        let law = Profile::fastest(block.length, 0.0, 0.0, limits.v, limits.accelerate(), limits.brake());
+        law.map_or(0.0, |law| law.time())
+    };
+    let contour = program.contour(machine);
+    blocks(&contour, &Machine::new(&machine.axes, &machine.channel)).iter().map(stands).sum()
+}
+
+/// Whether a run that was given up for [`TOO_LONG`] may be one that takes so long, by what is expected. The
+/// operator's last act is at the tick `last`.
+pub fn is_long<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, last: usize) -> bool {
+    longest(program, machine) + last as f64 > LONGEST as f64
+}
+
+/// What came of [`crawl`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Crawled {
+    /// All is well.
+    Good,
+    /// It takes so long without an operator that it was not tried.
+    Long,
+    /// The first fault.
+    Fault(String),
+}
+
+/// Ticks of the longest program that is tried, and of the longest crawl.
+const TRIED: usize = 20_000;
+const CRAWLS: f64 = 300.0;
+
+/// A program of [`random_setup`], slowed down nearly to a standstill a few times, by the override or by the
+/// reduced speed. Behind each of these it is as fast as before: all together it takes as long as it does alone
+/// (a quarter more: spans of HSC entered slower than planned), the time of the crawls, and for each of them `2 · (v/a + ramps)` of the slowest axis, to slow down and to
+/// speed up again.
+pub fn crawl(seed: u64) -> Crawled {
+    let (program, machine, mut random) = random_setup(seed);
+    let alone = match operate::<3, 120>(&program, &machine, &[], 1000) {
+        Ok(run) if run.distances.len() <= TRIED => run.distances.len(),
+        Ok(_) => return Crawled::Long,
+        Err(fault) if fault.ends_with(TOO_LONG) => return Crawled::Long,
+        Err(fault) => return Crawled::Fault(fault),
+    };
+    let (mut acts, mut crawled, mut tick) = (Vec::new(), 0, 0);
+    let count = 1 + random.bits() as usize % 4;
+    for _ in 0..count {
+        let ticks = random.magnitude(5.0, CRAWLS) as usize;
+        tick += 1 + (random.unit() * alone as f64 / count as f64) as usize;
+        if random.once_in(4) {
+            acts.extend([(tick, Act::Reduced(true)), (tick + ticks, Act::Reduced(false))]);
+        }
+        let over = random.magnitude(1.0, 20.0) as u16;
+        acts.extend([(tick, Act::Override(over)), (tick + ticks, Act::Override(1000))]);
+        tick += ticks;
+        crawled += ticks;
+    }
+    acts.sort_by_key(|(tick, _)| *tick);
+    let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
+    let change = |axis: &AxisData| {
+        let a = [axis.a_beschl, axis.a_brems].into_iter().chain(axis.a_stufe).min().unwrap_or(1);
+        let ramp = axis.tr_beschl_zu.max(axis.tr_beschl_ab).max(axis.tr_brems_zu).max(axis.tr_brems_ab);
+        f64::from(axis.vb_max.max(axis.vb_eilgang)) * 1e-3 / f64::from(a.max(1)) + 2e-6 * f64::from(ramp)
+    };
+    let change = machine.axes.iter().map(change).fold(0.0, f64::max) / cycle;
+    let most = (1.25 * alone as f64) as usize + crawled + count * (2.0 * change) as usize + 100;
+    let run = match operate::<3, 120>(&program, &machine, &acts, 1000) {
+        Ok(run) => run,
+        Err(fault) => return Crawled::Fault(format!("{acts:?}: {fault}, {alone} ticks alone")),
+    };
+    if let Err(fault) = judge(&program, &machine, &run) {
+        return Crawled::Fault(format!("{acts:?}: {fault}"));
+    }
+    if run.distances.len() > most {
+        let ticks = run.distances.len();
+        return Crawled::Fault(format!("{acts:?}: {ticks} ticks, {most} expected, {alone} alone"));
+    }
+    Crawled::Good
 }
 
 /// Text that comes late at random ticks of a motion of so many, mixed with `others`, which come in order.

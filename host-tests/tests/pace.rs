@@ -4,7 +4,9 @@ use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
 use host_tests::check;
-use host_tests::operate::{Act, Operated, POLLS, judge, operate, operate_text, random_setup, with_overrides};
+use host_tests::operate::{
+    Act, Crawled, Operated, POLLS, crawl, judge, operate, operate_text, random_setup, with_overrides,
+};
 use host_tests::properties::permitted;
 
 fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)], polls: usize) -> Operated {
@@ -325,4 +327,19 @@ fn an_override_that_fell_leaves_nothing_slow_behind() {
         // What the changes to and fro take.
         assert!(2 * ticks < 3 * alone + 2 * 12 * 100, "seed {seed}: {ticks} ticks, alone {alone}");
     }
+}
+
+/// Nearly to a standstill and back, a few times. With the seeds that come last a span kept the speed of the
+/// crawl: one whose law was slowing down at it, and one that was entered slower than planned.
+#[test]
+fn behind_a_crawl_it_is_as_fast_as_before() {
+    let mut tried = 0;
+    for seed in host_tests::seeds::seeds((0..60).chain([4819, 8179, 11_799]), 8) {
+        match crawl(seed) {
+            Crawled::Good => tried += 1,
+            Crawled::Long => {}
+            Crawled::Fault(fault) => panic!("seed {seed}: {fault}"),
+        }
+    }
+    assert!(tried > 20, "{tried}");
 }

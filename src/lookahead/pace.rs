@@ -11,9 +11,9 @@
 //! every axis keeps its P-AXIS-00214. In rapid motion v_prog is v_max.
 //!
 //! The ring is planned for a *level*, and follows the override with it whenever a plan begins: at least 100
-//! %, but where the override counts for the programmed feed alone (mode 1) that of now. What is slower is
-//! decided when the time law of a span is made: so an override that falls acts at once, and what was possible
-//! stays possible. The level falls when the motion enters the ring at that part of the speed planned there
+//! %, but where the override counts for the programmed feed alone (mode 1) that of now, 25 % at least. What is
+//! slower is decided when the time law of a span is made: so an override that falls acts at once, and what was
+//! possible stays possible. The level falls when the motion enters the ring at that part of the speed planned there
 //! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level of the moment at which
 //! they are taken in, at least 100 %, and exceed that speed only when new blocks come.
 //!
@@ -80,6 +80,10 @@ const SAME: f32 = 1.0 + 1.0 / 262_144.0;
 /// That and as much again.
 const LESS: f32 = 1.0 - 1.0 / 131_072.0;
 
+/// The lowest level: a span that was handed on keeps the one it was planned for, and is to end in time when the
+/// override rises.
+const LEAST_LEVEL: f32 = 0.25;
+
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
@@ -115,7 +119,7 @@ impl Pace {
 
     /// The level it needs.
     pub fn level(&self) -> f32 {
-        if self.is_of_program() { self.over } else { max(1.0, self.over) }
+        if self.is_of_program() { max(LEAST_LEVEL, self.over) } else { max(1.0, self.over) }
     }
 
     /// All that was planned for `level` runs as planned.
@@ -171,7 +175,10 @@ impl Pace {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
         let as_planned = span.checked && v_in <= span.v_in;
-        (as_planned && most * SLOWER <= begins && begins <= most * SAME).then(|| min(begins, 1.0))
+        // Far slower than it could be, it may still be faster than its slowest block.
+        let slower = if self.is_planned(span) { f32::MAX } else { most * SLOWER };
+        let fast = slower <= begins || span.slow.shared < 0.5 * begins * span.limits.v;
+        (as_planned && fast && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
     /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next

@@ -392,7 +392,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if
-    /// that is the one of now.
+    /// that is the one of now, or the one at which the span is entered.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
@@ -401,7 +401,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         committed.look(committed.start.to_bits());
         let (span, v_in) = (&mut committed.span, committed.enters);
-        if self.orders.mode.stopping || self.orders.pace.is_planned(span) {
+        if self.orders.mode.stopping || (self.orders.pace.is_planned(span) && v_in >= span.v_in) {
             return false;
         }
         if let Some(part) = self.orders.pace.stretch(span, v_in) {

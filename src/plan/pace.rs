@@ -2,8 +2,8 @@
 //!
 //! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over
 //! there: to a slowing down to the new speed, or to a law without acceleration; the rest of the span then has
-//! a law of its own with the new speed. Where the motion slows down anyway, or too little of the span is
-//! left, the change begins with the next span. Spans that have no law yet get the right one when it is made.
+//! a law of its own with the new speed. Where the motion slows down anyway, if not at a crawl, or too little of
+//! the span is left, the change begins with the next span. Spans that have no law yet get the right one when it is made.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Work, clock};
@@ -11,6 +11,9 @@ use crate::lookahead::Block;
 use crate::math::float::{max, min};
 use crate::nc::SlopeType;
 use crate::quantity::speed_bits;
+
+/// A law that was made for so many times less speed ends even where it slows down.
+const CRAWL: f32 = 2.0;
 
 /// Ticks of motion in the queue that are enough, with HSC.
 const AHEAD: u32 = 1024;
@@ -94,14 +97,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     let committed = self.committed.get_mut(k)?;
                     committed.look(motion.distance);
                     let committed = *committed;
-                    let target = speed_bits(self.orders.pace.limit(&committed.span));
-                    // It slows down as it is.
-                    let slows = motion.accel < 0 && motion.speed <= target;
+                    let v = self.orders.pace.limit(&committed.span);
+                    let target = speed_bits(v);
+                    // It slows down as it is, unless that takes many times longer.
+                    let crawls = v > CRAWL * committed.limit;
+                    let slows = motion.accel < 0 && motion.speed <= target && !crawls;
                     let (end, v_out) = (committed.end(), committed.span.v_out.to_bits());
                     let limits = committed.span.braking();
                     if !slows
                         && let Some(brake) =
                             Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)
+                        && (motion.accel >= 0 || motion.speed > target || brake.ends_at_once(&motion, end))
                     {
                         return self.change(k, at, Some(Descent::inside(brake)));
                     }

@@ -183,6 +183,11 @@ impl Brake {
         }
     }
 
+    /// Whether it loses less than half of the speed, and leaves path before `end` for another law.
+    pub const fn ends_at_once(&self, motion: &Motion, end: i64) -> bool {
+        self.v_out > motion.speed / 2 && end.wrapping_sub(self.end) >= SHORT
+    }
+
     /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v`
     /// for good, mm.
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
