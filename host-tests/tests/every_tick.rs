@@ -106,6 +106,8 @@ fn a_stall_before_every_tick_with_step() {
 #[test]
 fn a_hold_before_every_tick() {
     holds("corners", "TRAPEZ", 1.5);
+    // A knee shows in the same two ticks as the deceleration.
+    holds("corners", "STEP", 1.5);
 }
 
 /// Chords of a millimetre, of which every joint has a curve: over length, and over time.
