@@ -242,8 +242,11 @@ impl<const AXES: usize> Shape<AXES> {
 
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
-        let shift = (length.to_bits().leading_zeros() as u8).saturating_sub(2);
-        Self { length, gain: [0; AXES], curve: Curve::Line, shift }
+        Self { length, gain: [0; AXES], curve: Curve::Line, shift: Self::shift_of(length) }
+    }
+
+    fn shift_of(length: Distance) -> u8 {
+        (length.to_bits().leading_zeros() as u8).saturating_sub(2)
     }
 
     /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.

@@ -169,7 +169,9 @@ impl<const AXES: usize> Draft<AXES> {
         length: f32,
         fastest: f32,
     ) -> Option<(Element<AXES>, Self)> {
-        let (shape, bounds) = (uncurved(length)?, Some(Bounds::none(fastest)));
+        let mut shape = Shape::BLANK;
+        shape.uncurve(length)?;
+        let bounds = Some(Bounds::none(fastest));
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
         Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
     }
@@ -182,8 +184,8 @@ impl<const AXES: usize> Draft<AXES> {
         fastest: f32,
     ) -> Option<Self> {
         let Element { shape, entry, exit, circle, bounds } = element;
-        (*shape, *bounds) = (uncurved(length)?, Some(Bounds::none(fastest)));
-        (*entry, *exit, *circle) = (from.end, to.end, None);
+        shape.uncurve(length)?;
+        (*entry, *exit, *circle, *bounds) = (from.end, to.end, None, Some(Bounds::none(fastest)));
         Some(Self { ends: [from.position, to.position], length, made: 0 })
     }
 
@@ -239,15 +241,20 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
-/// A polynomial of that length (mm) whose axes are to be made.
-fn uncurved<const AXES: usize>(length: f32) -> Option<Shape<AXES>> {
-    let bits = to_bits::<44>(length);
-    if bits <= 0 || bits >= LONGEST {
-        return None;
+impl<const AXES: usize> Shape<AXES> {
+    /// Becomes a polynomial of that length (mm) whose axes are to be made.
+    #[inline(always)]
+    fn uncurve(&mut self, length: f32) -> Option<()> {
+        let bits = to_bits::<44>(length);
+        if bits <= 0 || bits >= LONGEST {
+            return None;
+        }
+        self.length = Distance::from_bits(bits);
+        self.shift = Self::shift_of(self.length);
+        self.gain = [0; AXES];
+        self.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
+        Some(())
     }
-    let mut shape = Shape::resting(Distance::from_bits(bits));
-    shape.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
-    Some(shape)
 }
 
 /// What all axes of an element have in common.
