@@ -13,6 +13,7 @@ use crate::path::Bounds;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Limits, SlopeLaw};
+use core::cell::Cell;
 
 /// Speeds at which the parts of a way begin, and at which it ends, as parts of the highest one.
 type Speeds = [f32; PARTS + 1];
@@ -29,8 +30,8 @@ const FAIRLY: f32 = 1.6;
 /// Rounds, and what a round leaves of what the axes permit.
 const ROUNDS: usize = 6;
 const LESS: f32 = 0.97;
-/// Most curves in all parts of a way.
-const CURVES: usize = 32;
+/// Most parts of curves that are looked at for one standstill.
+const CURVES: usize = 48;
 /// A knee shows in so many ticks.
 const KNEE_TICKS: i64 = 2;
 
@@ -51,6 +52,8 @@ struct Begin {
     v: f32,
     /// Deceleration.
     begun: f32,
+    /// Parts of curves that may still be looked at.
+    left: Cell<usize>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -81,7 +84,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let v = fastest(speed_f32(motion.speed), accel, &planned);
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
-        let begin = Begin { cursor, curve, corners, planned, v, begun };
+        let begin = Begin { cursor, curve, corners, planned, v, begun, left: Cell::new(CURVES) };
         let [_, end] = ends;
         let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
         if stepped
@@ -129,7 +132,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // Of each stage of STEP something.
         let mut here = motion.distance;
         let parts = core::array::from_fn(|k| {
-            here = here.wrapping_add(SHORT);
+            if k % STAGE == 0 && k <= STAGE {
+                here = here.wrapping_add(SHORT);
+            }
             (speeds[k] * v, 0.0, here)
         });
         let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST)?;
@@ -224,7 +229,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut at = motion.distance;
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
-        let mut left = CURVES;
         let stands = parts.last().map_or(at, |(.., end)| *end);
         corners |= stands.wrapping_sub(self.queue.segments.recent(curve)?.end()) >= 0;
         for (stage, (v, change, until)) in parts.iter().enumerate() {
@@ -237,7 +241,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 loop {
                     let segment = self.queue.segments.recent(curve)?;
                     let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
-                    left = if is_of_now { left.checked_sub(1)? } else { return None };
+                    begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
                     let [from, to] = [at, end].map(|at| at.wrapping_sub(segment.start.to_bits()));
                     let to = to.min(segment.shape.length.to_bits());
                     if to > from.max(0) {
