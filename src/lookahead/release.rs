@@ -81,7 +81,8 @@ impl ReleasedSpan {
         checked: false,
         smooth: false,
         trades: false,
-        rapid: None,
+        // All bits zero, so that static memory needs no image in flash.
+        rapid: Some(false),
         override_range: OverrideRange::BLANK,
         next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
