@@ -1,7 +1,10 @@
 //! SIN2 and STEP, and slopes that change within a program: limits at every tick, exact ends, the same motion
 //! mirrored and again.
 use glidepath::machine::{ChannelData, MachineData};
-use glidepath::quantity::Position;
+use glidepath::quantity::{Distance, Position, Speed};
+use glidepath::slope::limits::{Joins, Limits, SlopeLaw};
+use glidepath::slope::profile::Profile;
+use glidepath::slope::ramp_shape::RampShape;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, set_point};
 use host_tests::check;
@@ -282,4 +285,23 @@ fn long_blocks_need_no_hsc_and_short_ones_do() {
     let [trapez, sin2, hsc] = [1, 2, 3].map(|slope| ticks(&short, slope));
     println!("{trapez} {sin2} {hsc}");
     assert!(hsc < 0.6 * trapez && hsc < 0.6 * sin2, "{trapez} {sin2} {hsc}");
+}
+
+/// Slopes longer than the block by a hair shrink; where they shrank by too much, the next lower peak serves.
+#[test]
+fn a_block_between_two_slow_ends_has_a_plan() {
+    let limits = Limits {
+        v: 0.012_945_141,
+        a_up: 1.413_443_3e-5,
+        a_down: 9.679_013e-6,
+        law: SlopeLaw::JerkLimited {
+            shape: RampShape::SineSquare,
+            joins: Joins::Alike,
+            j: [5.369_325_3e-8, 7.038_481_4e-8, 2.296_067_3e-8, 1.000_325_8e-8],
+        },
+    };
+    let length = Distance::from_bits(109_397_444_209_756);
+    let mut profile = Profile::default();
+    let planned = profile.plan(length, Speed::from_bits(25_793_776), Speed::from_bits(10_310_111), &limits);
+    assert_eq!(planned, Ok(()));
 }

@@ -243,12 +243,16 @@ const ROUNDED_LENGTHS: i64 = 4;
 /// of a short block, the length gives way instead of the times.
 const MARGIN: u32 = 22;
 
+/// A peak is lowered by this power of two.
+const LOWER: u32 = 18;
+
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
     /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules
     /// out; [`Unplannable::TooSlow`].
+    #[inline(always)]
     pub fn plan(
         &mut self,
         length: Distance,
@@ -256,12 +260,31 @@ impl Profile {
         v_out: Speed,
         limits: &Limits,
     ) -> Result<(), Unplannable> {
-        let (v_in, v_out, length) = (v_in.to_bits(), v_out.to_bits(), length.to_bits());
+        let [length, v_in, v_out] = [length.to_bits(), v_in.to_bits(), v_out.to_bits()];
+        match self.plan_to(length, [v_in, v_out], limits, false) {
+            // The peak is found in `f32`: where its slopes are longer than the block by more than the margins,
+            // they shrink by too much.
+            Err(Unplannable::Broken) => self.plan_to(length, [v_in, v_out], limits, true),
+            planned => planned,
+        }
+    }
+
+    /// The same with the highest peak, or a lower one.
+    #[inline(never)]
+    fn plan_to(
+        &mut self,
+        length: i64,
+        [v_in, v_out]: [i64; 2],
+        limits: &Limits,
+        lower: bool,
+    ) -> Result<(), Unplannable> {
         let up = limits.speed_up();
         let down = limits.brake();
         let low = v_in.max(v_out);
-        let peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
-
+        let mut peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
+        if lower {
+            peak -= (peak - low) >> LOWER;
+        }
         self.up.speed_up(&up, v_in, peak);
         self.down.slow_down(&down, peak, v_out);
         let slopes = self.up.length() + self.down.length();
