@@ -212,9 +212,10 @@ fn decode_axes<const AXES: usize>(
                     program.ends_smoothing();
                 }
             }
-            Step::Command(Command::Contour(_, contour)) => {
+            Step::Command(Command::Contour(head, contour)) => {
                 smoothing.contour(&contour);
-                if !smoothing.is_on() {
+                // In a block that moves, the corner before it stays rounded.
+                if !smoothing.is_on() && !head.in_motion {
                     program.ends_smoothing();
                 }
                 let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);

@@ -106,6 +106,44 @@ fn an_abort_misses_nothing() {
     assert!(told.is_null() || number(&told["value"]) <= 0.2 + 1e-6, "{told}");
 }
 
+/// Behind an abort the path is where it ended, though lines over many blocks were handed on beyond it.
+#[test]
+fn an_abort_takes_merged_lines_back() {
+    let mut text = String::from("#CONTOUR MODE [DEV PATH_DEV=1 RELEVANT_PATH=0.2]\nG261 G01 F3000\n");
+    for k in 1..=20 {
+        text += &format!("N{k} X{} Y{} Z{}\n", 3 * k.min(10), 3 * (k.max(10) - 10), f64::from(k % 3) * 0.001);
+    }
+    let file = std::fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");
+    let machine = written("back.toml", &file.replacen("[channel]", "[channel]\nmerge_chords = 50", 1));
+    let program = written("back", &(text + "M30\n"));
+    for event in ["0.3 abort\n", "0.9 abort\n", "0.8 feedhold\n1.4 abort\n"] {
+        let events = written("back.events", event);
+        let run = run_with("back", &program, Some(&machine), &["--events", &events]);
+        assert!(run.trace.rows.last().expect("rows").axes[1] as f64 * LSB < 20.0, "it is aborted on its way");
+        assert!(number(&run.summary["deviation"]["value"]) <= 1.0, "{}", run.summary["deviation"]);
+    }
+}
+
+/// A point beside a helix is nearest to it elsewhere than at its own angle.
+#[test]
+fn steep_helices_are_followed_in_space() {
+    let text = "#CONTOUR MODE [DEV PATH_DEV=0.0153]\nG261 G01 F678\n\
+                N10 G02 X0.254547 Y-0.577171 Z0.699484 I0.096698 J-0.302070\nN20 G01 X-0.1959 Y-0.8491 Z0.7694\nM30\n";
+    let run = run("helix", &written("helix", text), None);
+    let value = number(&run.summary["deviation"]["value"]);
+    assert!((0.014..=0.0153 + 1e-6).contains(&value), "{}", run.summary["deviation"]);
+}
+
+/// G260 in a block leaves the corner before it to the method of its own (D3-026).
+#[test]
+fn the_corner_before_g260_has_its_own_tolerance() {
+    let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=12]\nG01 X50 F9000\nN20 Y50\nN30 G260 X0\n\
+                #CONTOUR MODE ON [DEV PATH_DEV=0.02]\nN40 Y20\nN50 X20\nM30\n";
+    let run = run("ended", &written("ended", text), None);
+    let told = &run.summary["deviation"];
+    assert!(number(&told["value"]) <= 0.02 + 1e-6 && told["n"] == 40, "{told}");
+}
+
 /// An axis that moves beside the path is not compared, and that is said.
 #[test]
 fn an_axis_beside_the_path_is_left_out() {

@@ -21,6 +21,8 @@ const RECENT: usize = 96;
 /// Blocks around that of a curve that it may belong to, and as far as they are looked for.
 const NEAR: usize = 2;
 const FAR: usize = 64;
+/// Blocks that may lie between a curve and one that is taken back.
+const BACK: usize = 1024;
 /// Parts of a path that are shown at most.
 const COLUMNS: usize = 4096;
 
@@ -139,6 +141,8 @@ pub struct Deviation {
     done: usize,
     /// The block of the last curve, or the one that its end is at, where its block stands for several.
     before: usize,
+    /// Where the last curve ends.
+    last: Option<Point>,
     /// Curves so far.
     pub curves: u64,
     /// Of the main axes and of each other axis.
@@ -188,11 +192,25 @@ impl Block {
         point
     }
 
+    /// Where a point is nearest to an arc, around a part of it.
+    fn nearest(&self, part: f64, q: &Point) -> f64 {
+        let off = |part: f64| apart(q, &self.at(part));
+        let (mut part, mut step) = (part, 1.0 / 16.0);
+        while step > 1e-6 {
+            let sides = [(part - step).max(0.0), (part + step).min(1.0)];
+            match sides.into_iter().find(|&side| off(side) < off(part)) {
+                Some(side) => part = side,
+                None => step /= 2.0,
+            }
+        }
+        part
+    }
+
     /// Where a point is nearest to it, and how far.
     fn foot(&self, block: usize, q: &Point) -> Foot {
         let part = match &self.arc {
             None => along(q, &self.ends[0], &self.ends[1]),
-            // By the angle: exact in the plane, at most too far on a helix.
+            // By the angle, exact in the plane; on a helix around there.
             Some(Turn { plane, centre, first, swept, .. }) => {
                 let angle = (q[plane[1]] - centre[1]).atan2(q[plane[0]] - centre[0]) - first;
                 let turn = std::f64::consts::TAU;
@@ -201,7 +219,7 @@ impl Block {
                 let part = ahead / size;
                 // Behind the end or before the start, whichever is nearer.
                 if part <= 1.0 {
-                    part
+                    self.nearest(part, q)
                 } else if ahead - size < turn - ahead {
                     1.0
                 } else {
@@ -256,6 +274,7 @@ impl Deviation {
             ends: vec![(f64::INFINITY, [0.0; 3], 0.0); blocks.len()],
             done: 0,
             before: 0,
+            last: None,
             curves: 0,
             path: None,
             track: vec![None; machine.axes.len()],
@@ -299,6 +318,12 @@ impl Deviation {
         }
         let block = (block as usize).min(self.blocks.len() - 1);
         let path: Vec<Point> = points.iter().map(|all| point_of(all, &self.main, &self.beside)).collect();
+        if let (Some(last), Some(first)) = (&self.last, path.first())
+            && apart(last, first) > NOTHING
+        {
+            self.before = self.back(block, first);
+        }
+        self.last = path.last().copied();
         let mut column = Column::default();
         let mut at = block;
         for (all, q) in points.iter().zip(&path) {
@@ -310,6 +335,13 @@ impl Deviation {
         self.show(column);
         self.keep(path);
         self.before = at.min(block);
+    }
+
+    /// Curves were taken back, as an abort does: the block that the path is at, one of the last ones.
+    fn back(&self, block: usize, q: &Point) -> usize {
+        let to = block.max(self.before);
+        let near = (to.saturating_sub(BACK)..=to).map(|block| self.blocks[block].foot(block, q));
+        near.min_by(|one, other| one.distance.total_cmp(&other.distance)).map_or(block, |foot| foot.block)
     }
 
     /// A point of the driven path. The block that it is at.
