@@ -31,7 +31,7 @@ fn delay(kind: FilterType, order: u8) -> usize {
 
 #[test]
 fn a_motion_ends_where_the_path_ends_and_sums_are_equal() {
-    // D3-004, D3-223, D3-231: a filter of each type, at rest to the last bit, without drift.
+    // G-01, D3-004, D3-223, D3-231: a filter of each type, at rest to the last bit, without drift.
     for kind in TYPES {
         for order in [1, 2, 3, 8, 15, 16, 33, 64, 100, 101, 199, 200] {
             if kind == FilterType::Delay && order > 100 {
@@ -142,7 +142,7 @@ fn of_types(orders: &[u8]) -> impl Iterator<Item = (FilterType, u8)> + '_ {
 
 #[test]
 fn ax_dev_is_kept_and_used_at_corners() {
-    // D3-227, D3-234: every axis, at every tick, with each type.
+    // G-01, D3-227, D3-234: every axis, at every tick, with each type.
     for (kind, order) in of_types(&[8, 9, 16, 33, 40, 64, 101, 150, 200]) {
         for machine in [machines::even::<3>(1000), stiff(1000)] {
             let machine = with_filter(machine, kind, order);
@@ -177,7 +177,7 @@ fn ax_dev_is_kept_and_used_at_corners() {
 
 #[test]
 fn without_ax_dev_the_deviation_doubles_with_order_cycle_and_feed() {
-    // D3-224: where the corner is passed at the feed, N·T·v/8 of a mean.
+    // G-01, D3-224: where the corner is passed at the feed, N·T·v/8 of a mean.
     let corner = |order: u8, cycle_us: u32, feed: u32| {
         let machine = with_filter(stiff(cycle_us), FilterType::Average, order);
         let text = format!("#SLOPE [TYPE=TRAPEZ]\nN10 G01 X20 F{feed}\nN20 Y20\nN30 X0\nN40 Y0\nN50 M30\n");
@@ -473,4 +473,34 @@ fn exact_stops_dwells_and_functions_wait_for_the_axes() {
     let hold = run.holds[0];
     assert_eq!(run.drives.columns[0][hold], run.drives.columns[0][hold + 50]);
     assert_eq!(run.drives.columns[0][hold], run.path.columns[0][hold]);
+}
+
+/// D3-224: a mean is less than an LSB off that of its window, at every tick, alone or beside other filters, with
+/// all that comes of remainders.
+#[test]
+fn a_mean_is_that_of_its_window() {
+    let mut text = String::from("#SLOPE [TYPE=TRAPEZ]\nG01 F9000\n");
+    let mut random = Random::new(16);
+    for _ in 0..60 {
+        let [x, y] = [0; 2].map(|_| random.between(-40.0, 40.0));
+        text += &format!("X{x:.3} Y{y:.3}\n");
+    }
+    text += "M30\n";
+    for (order, beside) in
+        [(2, None), (3, Some(1)), (6, None), (30, Some(8)), (31, None), (127, None), (200, Some(60))]
+    {
+        let mut machine = with_filter(machines::even::<3>(1000), FilterType::Average, order);
+        if let Some(order) = beside {
+            machine.axes[1].filter = FilterData { kind: FilterType::Gauss, order, ..machine.axes[1].filter };
+        }
+        let run = run(&text, &machine, &[], 1000).unwrap();
+        let (path, drives) = (&run.path.columns[0], &run.drives.columns[0]);
+        let n = i128::from(order) + 1;
+        for (tick, y) in drives.iter().enumerate() {
+            let window = (0..=usize::from(order)).map(|ago| i128::from(path[tick.saturating_sub(ago)]));
+            let off = n * i128::from(*y) - window.sum::<i128>();
+            assert!(off.abs() < n, "order {order}, tick {tick}: {off} of {n}");
+        }
+        assert!(drives.len() > 10_000);
+    }
 }

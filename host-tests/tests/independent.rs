@@ -59,7 +59,7 @@ fn synchronous_and_asynchronous() {
     assert!(ended && !swinging, "{ended} {swinging}");
 }
 
-/// Every word, D3-271: the slope of SLOPE_TYPE.
+/// NC-010. Every word, D3-271: the slope of SLOPE_TYPE.
 #[test]
 fn words_d3_271() {
     let machine = even::<3>(1000);

@@ -1,11 +1,12 @@
 //! Oscillation: FCT-A8, row by row.
 use glidepath::channel::{Channel, Handles};
-use glidepath::machine::MachineData;
+use glidepath::machine::{FilterData, FilterType, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::State;
 use host_tests::beside::{ONE, Run, run};
 use host_tests::calls::call;
 use host_tests::cases::machines::{accelerations, even, machine, ramps};
+use host_tests::operate::Act;
 
 /// Slope 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
 fn with_slope(slope: u8) -> MachineData<3> {
@@ -87,7 +88,7 @@ fn range(run: &Run, axis: usize) -> [f64; 2] {
     [x.iter().min(), x.iter().max()].map(|x| *x.expect("a tick") as f64 / ONE as f64)
 }
 
-/// EX01 to EX09, with every slope: A8-045, A8-046, A8-047, A8-048, A8-049, A8-050, A8-051, A8-052, A8-053. All
+/// NC-010. EX01 to EX09, with every slope: A8-045, A8-046, A8-047, A8-048, A8-049, A8-050, A8-051, A8-052, A8-053. All
 /// end on position 2: A8-018. What they show beside that: A8-001, A8-002, A8-003, A8-004, A8-005, A8-007, A8-019,
 /// A8-020, A8-028, A8-029, A8-030, A8-031, A8-039, A8-040.
 #[test]
@@ -260,6 +261,65 @@ fn it_ends_as_told() {
     }
 }
 
+/// A8-039: FEED is the speed between the ramps. A8-023: OFF FEED goes to the second position at its own speed, at
+/// once, and not at that of the oscillation.
+#[test]
+fn speeds_are_those_told() {
+    let on = "X[OSC ON 1ST_POS=-20 2ND_POS=20 FEED=600 NBR_OSC=50]\nG04 7\n";
+    for slope in 0..4 {
+        let machine = with_slope(slope);
+        let fastest = |x: &[i64]| x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).max().unwrap_or(0);
+        let mm_s = |per_tick: i64| per_tick as f64 / ONE as f64 * 1000.0;
+        let off = good(&format!("{on}X[OSC OFF]\nM30\n"), &machine);
+        let swings = mm_s(fastest(&off.axes[0]));
+        assert!((swings / 10.0 - 1.0).abs() < 1e-5, "A8-039, slope {slope}: {swings}");
+        let fast = good(&format!("{on}X[OSC OFF FEED=4500]\nM30\n"), &machine);
+        let leaves = mm_s(fastest(&fast.axes[0]));
+        assert!((leaves / 75.0 - 1.0).abs() < 1e-5, "A8-023, slope {slope}: {leaves}");
+        assert_eq!(fast.ends()[0], 20.0);
+        assert!(off.axes[0].len() > fast.axes[0].len() + 1000, "A8-023, slope {slope}: at once");
+    }
+    // The override is the path's: an oscillation has the speed or time that it was told.
+    let text = "X[OSC ON 1ST_POS=-20 2ND_POS=20 FEED=6000 NBR_OSC=4]\nG04 8\nM30\n";
+    let [plain, slow] = [vec![], vec![(0, Act::Override(500))]].map(|acts| {
+        let run = run(text, &with_slope(1), &acts, 40).expect("it runs");
+        periods(&run, 0, 20)
+    });
+    assert!(plain.len() == 3 && plain == slow, "A8-007: {plain:?} {slow:?}");
+}
+
+/// A8-016: everything with which a program of this version asks where an axis is, or takes it out of the path
+/// and back; what goes on reading without that lets it swing.
+#[test]
+fn a_position_request_ends_it() {
+    let mut machine = with_slope(1);
+    machine.axes[0].filter = FilterData { kind: FilterType::Gauss, order: 10, ..FilterData::NONE };
+    let ended = |between: &str| {
+        let text = format!(
+            "X[OSC ON 1ST_POS=-20 2ND_POS=20 TIME=2 NBR_OSC=50]\nG04 1.9\n{between}\nG01 Y1 F1000\nG04 3\nM30\n"
+        );
+        let run = good(&text, &machine);
+        assert_eq!(run.ends(), [20.0, 1.0, 0.0], "{between}");
+        let begins = run.axes[1].iter().position(|y| *y != 0).expect("Y moves");
+        // What is seen is filtered: it comes to rest a few ticks later.
+        let rests = run.axes[0][begins + 20..].iter().all(|x| *x == 20 * ONE);
+        assert!(!rests || run.arrivals(0, 20 * ONE).len() == 2, "{between}: at the end of its cycle");
+        rests
+    };
+    for request in ["#FLUSH&WAIT", "#PUT AX [X]", "#CALL AX [X,1,0]", "#FILTER ON", "#FILTER [ORDER=8]"] {
+        assert!(ended(request), "A8-016: {request}");
+    }
+    for other in ["#PUT AX [Z]", "G54", "G92 Y0", "P1=3", "M7", "G04 0.1"] {
+        assert!(!ended(other), "A8-016: {other}");
+    }
+    // Variables that would ask for a position are refused: no value is made up.
+    for variable in ["V.A.ABS.X", "V.A.ACT_POS.X", "V.G.N"] {
+        let text = format!("X[OSC ON 1ST_POS=-20 2ND_POS=20 TIME=2]\nP1 = {variable}\nM30\n");
+        let error = run(&text, &machine, &[], 40).expect_err(variable);
+        assert!(error.contains("not available"), "{variable}: {error}");
+    }
+}
+
 /// A8-005: the linear slope has one acceleration, at once; the others have ramps; before the
 /// first stroke the axis goes to the first position.
 #[test]
@@ -288,7 +348,8 @@ fn shapes_of_the_figures() {
     }
 }
 
-/// A8-044: an oscillation under a transformation needs one. There is none.
+/// A8-044, CF-34: an oscillation under a transformation needs one. There is none: it is refused as known, before
+/// the axis moves.
 #[test]
 fn no_oscillation_under_a_transformation() {
     for trafo in ["#TRAFO ON", "#TRAFO[9]"] {
@@ -344,7 +405,6 @@ fn dynamics_of_the_strokes() {
 /// goes on.
 #[test]
 fn holds_aborts_and_stalls() {
-    use host_tests::operate::Act;
     for slope in 0..4 {
         let machine = with_slope(slope);
         let text = "X[OSC ON 1ST_POS=-20 2ND_POS=20 TIME=2 NBR_OSC=3]\nG01 Y90 F600\nM30\n";

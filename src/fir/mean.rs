@@ -2,44 +2,56 @@
 //!
 //! n·y grows by what the newest sample is more than the oldest one, whatever the length n.
 
-/// Shift of a difference before it is divided, and what is added to a remainder so that it is never negative:
-/// that many divisors.
+/// Shift of a difference before it is divided: the quotient of the upper bits counts so much.
 const SCALE: u32 = 13;
-const BIAS: u32 = 14;
+/// What the quotient of the upper bits is less than it might be: what is left is never negative.
+const BIAS: i32 = 2;
 
-/// What the mean of one axis remembers.
+/// What the mean of one axis remembers. Words that are in use together are one of 64 bits: one access.
 pub(super) struct Mean {
-    /// 2^32 by the length, up.
-    factor: i32,
-    /// Remainders of the last two set points, with [`BIAS`].
-    rest: [i32; 2],
+    /// 2^32 by the length, up, and the length times 2^[`SCALE`]. What a power of two is, is in memory too: a
+    /// multiplication is quicker than shifts.
+    upper: u64,
+    /// Remainders of the last set point and of the one before.
+    rest: u64,
+    /// 2^[`SCALE`], and the length.
+    lower: u64,
 }
 
 impl Mean {
     /// Of no axis.
-    pub const ZERO: Self = Self { factor: 0, rest: [0; 2] };
+    pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
     /// Of so many samples. Divides: once per change, not in a tick of motion.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
-        Self { factor: (u32::MAX / length).wrapping_add(1) as i32, rest: [(length << BIAS) as i32; 2] }
+        let factor = (u32::MAX / length).wrapping_add(1);
+        Self { upper: pair(factor, length << SCALE), rest: 0, lower: pair(1 << SCALE, length) }
     }
 
-    /// How much a mean of `length` samples grows where their sum does by `grows`, below 2^44.
+    /// The set point behind `y`, where the sum of the samples grows by `grows`, below 2^44.
     ///
     /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″
     /// − r. The quotient is found in two steps: of the upper bits, then of what is left.
     #[inline(always)]
-    pub fn grow(&mut self, grows: i64, length: u32) -> i64 {
-        let factor = i64::from(self.factor);
-        let [last, before] = self.rest;
-        let upper = ((((grows >> SCALE) as i32 as i64) * factor) >> 32) as i32;
-        let left = (grows as i32)
-            .wrapping_sub((upper << SCALE).wrapping_mul(length as i32))
-            .wrapping_add(2 * last - before);
-        let lower = ((left as i64 * factor) >> 32) as i32 - (1 << BIAS);
-        let rest = left.wrapping_sub(lower.wrapping_mul(length as i32));
-        self.rest = [rest, last];
-        (i64::from(upper) << SCALE).wrapping_add(i64::from(lower))
+    pub fn follow(&mut self, grows: i64, y: i64) -> i64 {
+        let ([factor, long], [last, before], [scale, length]) =
+            (halves(self.upper), halves(self.rest), halves(self.lower));
+        let quotient = |value: i32| ((i64::from(value) * i64::from(factor)) >> 32) as i32;
+        let upper = quotient((grows >> SCALE) as i32).wrapping_sub(BIAS);
+        let left =
+            (grows as i32).wrapping_sub(upper.wrapping_mul(long)).wrapping_add(2 * last).wrapping_sub(before);
+        let lower = quotient(left);
+        self.rest = pair(left.wrapping_sub(lower.wrapping_mul(length)) as u32, last as u32);
+        let y = y.wrapping_add(i64::from(upper) * i64::from(scale));
+        y.wrapping_add(i64::from(lower as u32))
     }
+}
+
+const fn pair(lower: u32, upper: u32) -> u64 {
+    (upper as u64) << 32 | lower as u64
+}
+
+const fn halves(pair: u64) -> [i32; 2] {
+    [pair as i32, (pair >> 32) as i32]
 }

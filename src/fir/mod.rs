@@ -7,6 +7,7 @@
 //! | `shape` | what a kernel does to a motion: how far it deviates, what it makes of the limits |
 //! | `bank` | the planner's end: commands, and the change from one set of kernels to another at a standstill |
 //! | `step` | the interrupt's end: one set point per axis and tick |
+//! | `samples` | memory of the last ticks of an axis |
 //! | `mean`, `taps` | what comes out in a tick |
 //!
 //! A filter of the order N has N + 1 symmetric taps and delays by N/2 cycles, a time delay by N. Every axis is
@@ -23,6 +24,7 @@ mod bank;
 mod design;
 mod kernel;
 mod mean;
+mod samples;
 mod shape;
 mod step;
 mod taps;

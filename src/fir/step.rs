@@ -4,11 +4,12 @@
 //! that of what went in, and where the path rests the set point is that of the path to the last bit.
 use super::bank::{COARSE, PLAIN};
 use super::mean::Mean;
+use super::samples::{Ring, Samples};
 use super::taps::{Taps, Window};
 use super::{AxisWords, FilterTick, Kind, Layout, Words};
 use crate::quantity::Position;
 use crate::queue::Lag;
-use core::sync::atomic::Ordering;
+use core::sync::atomic::{Ordering, compiler_fence};
 
 /// Samples per tick and axis that are filled with a new position.
 const FILLED: usize = 8;
@@ -17,7 +18,9 @@ const FILLED: usize = 8;
 pub(super) struct State<const AXES: usize, const TAPS: usize> {
     axes: [Axis<TAPS>; AXES],
     out: [Position; AXES],
-    /// Place of the newest sample.
+    /// Every axis has a mean that begins now.
+    all_means: bool,
+    /// Place of the newest second difference.
     at: usize,
     /// Path distance of the last tick.
     distance: i64,
@@ -36,19 +39,17 @@ pub(super) struct State<const AXES: usize, const TAPS: usize> {
 }
 
 /// One axis.
+#[repr(C)]
 struct Axis<const TAPS: usize> {
+    ring: Ring,
+    mean: Mean,
+    layout: Layout,
+    window: Window,
+    taps: Taps,
     samples: Samples<TAPS>,
     /// The taps as [`AxisWords`] has them.
     kernel: [u8; TAPS],
-    layout: Layout,
-    window: Window,
-    mean: Mean,
-    taps: Taps,
 }
-
-/// Memory of the last ticks: positions, or second differences, each of them twice so that any window of them
-/// lies in one piece.
-struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
 
 impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
     /// All bits zero.
@@ -56,6 +57,7 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
         Self {
             axes: [const { Axis::ZERO }; AXES],
             out: [Position::ZERO; AXES],
+            all_means: false,
             at: 0,
             distance: 0,
             rested: 0,
@@ -67,6 +69,13 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
             lag: Lag::NONE,
             runs: false,
         }
+    }
+
+    /// An axis moves beside the path.
+    #[cold]
+    #[inline(never)]
+    const fn accompany(&mut self) {
+        self.alone = 0;
     }
 }
 
@@ -108,7 +117,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
                 Kind::Taps => 0,
                 _ => position.to_bits(),
             };
-            axis.samples.0.iter_mut().skip(from).take(FILLED).for_each(|slot| *slot = split(sample));
+            axis.samples.fill(from, FILLED, sample);
             for (own, byte) in axis.kernel.iter_mut().zip(&words.taps).skip(from).take(FILLED) {
                 *own = byte.load(Ordering::Relaxed);
             }
@@ -125,20 +134,58 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         state.lag.delay = delay.div_ceil(2);
         state.window = words.window.load(Ordering::Relaxed);
         state.tolerance = words.tolerance.load(Ordering::Relaxed);
+        let is_mean = |axis: &Axis<TAPS>| axis.layout.kind == Kind::Mean && axis.layout.newest == 0;
+        state.all_means = state.axes.iter().all(is_mean);
         (state.filled, state.at) = (0, 0);
         (state.rested, state.alone) = (state.window, state.window);
         state.runs = words.runs.load(Ordering::Relaxed) != 0;
         words.done.store(asked, Ordering::Release);
     }
 
+    /// The path moves on.
+    #[cold]
+    #[inline(never)]
+    fn start(&mut self) {
+        self.state.rested = 0;
+        self.words.unsettled.store(1, Ordering::Release);
+    }
+
+    /// Counts a tick in which the path rests.
+    #[inline(never)]
+    fn settle(&mut self, beside: bool) {
+        let state = &mut *self.state;
+        if !beside && state.alone < state.window {
+            state.alone += 1;
+        }
+        if state.rested < state.window {
+            state.rested += 1;
+            if state.rested == state.window {
+                for (axis, words) in state.axes.iter().zip(&self.words.axes) {
+                    if axis.taps.is_passed {
+                        words.deviation.store(u32::MAX, Ordering::Relaxed);
+                    }
+                }
+                self.words.unsettled.store(0, Ordering::Release);
+            }
+        }
+    }
+
     /// Filters a set point of every axis.
     #[inline(always)]
     fn filter(&mut self, path: &[Position; AXES]) {
-        let State { axes, out, at, .. } = &mut *self.state;
-        let next = *at + 1;
-        *at = if next >= TAPS { 0 } else { next };
-        for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {
-            axis.step(*at, x.to_bits(), y);
+        let State { axes, out, at, all_means, .. } = &mut *self.state;
+        if *all_means {
+            average_all(axes, path, out);
+        } else {
+            let next = *at + 1;
+            *at = if next >= TAPS { 0 } else { next };
+            for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {
+                if axis.layout.kind == Kind::Taps {
+                    *y = Position::from_bits(y.to_bits().wrapping_add(axis.weigh(*at, x.to_bits())));
+                } else {
+                    axis.delay(x.to_bits(), y);
+                }
+            }
         }
         if self.state.tolerance != 0 {
             self.monitor();
@@ -146,11 +193,12 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
     }
 
     /// Keeps the largest deviations from the delayed set points.
+    #[cold]
     #[inline(never)]
     fn monitor(&mut self) {
         let State { axes, out, at, delayed, .. } = &mut *self.state;
         for ((axis, words), y) in axes.iter_mut().zip(&self.words.axes).zip(out) {
-            let [later, earlier] = axis.delayed(*at, *delayed);
+            let [later, earlier] = axis.delayed(*at, *delayed, y.to_bits());
             // The mean of both: of half cycles.
             let twice = later.wrapping_add(earlier).wrapping_sub(y.to_bits().wrapping_mul(2));
             let coarse = twice.unsigned_abs().wrapping_add((2 << COARSE) - 1) >> (COARSE + 1);
@@ -172,23 +220,14 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
         }
         // Of a channel without overlays the compiler knows that it is false.
         if beside {
-            state.alone = 0;
-        } else if state.alone < state.window {
-            state.alone += 1;
+            state.accompany();
         }
-        if distance != state.distance {
+        if distance == state.distance {
+            self.settle(beside);
+        } else {
             state.distance = distance;
-            state.rested = 0;
-            self.words.unsettled.store(1, Ordering::Release);
-        } else if state.rested < state.window {
-            state.rested += 1;
-            if state.rested == state.window {
-                for (axis, words) in state.axes.iter().zip(&self.words.axes) {
-                    if axis.taps.is_passed {
-                        words.deviation.store(u32::MAX, Ordering::Relaxed);
-                    }
-                }
-                self.words.unsettled.store(0, Ordering::Release);
+            if state.rested > 0 {
+                self.start();
             }
         }
         self.filter(points);
@@ -220,104 +259,99 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
 
 impl<const TAPS: usize> Axis<TAPS> {
     const ZERO: Self = Self {
-        samples: Samples([[0; 2]; TAPS]),
-        kernel: [0; TAPS],
+        ring: Ring::of(1),
+        mean: Mean::ZERO,
         layout: Layout { length: 0, ..PLAIN },
         window: Window::ZERO,
-        mean: Mean::ZERO,
         taps: Taps::ZERO,
+        samples: Samples::ZERO,
+        kernel: [0; TAPS],
     };
 
     /// With the kernel written for it, at rest at `x`.
     fn begin(&mut self, words: &AxisWords<TAPS>, x: i64) {
         self.layout = words.layout();
+        let Layout { kind, newest, length } = self.layout;
         words.deviation.store(0, Ordering::Relaxed);
+        self.ring = Ring::of(if kind == Kind::Mean { newest + length } else { newest });
         self.window = Window::of::<TAPS>(&self.layout);
-        self.mean = Mean::of(self.layout.length);
+        self.mean = Mean::of(length);
         self.taps = Taps::at(x);
     }
 
+    /// Takes in a position; the one that leaves the ring. There is none of a ring longer than the memory.
     #[inline(always)]
-    fn step(&mut self, at: usize, x: i64, y: &mut Position) {
-        *y = Position::from_bits(match self.layout.kind {
-            Kind::Mean => y.to_bits().wrapping_add(self.average(at, x)),
-            Kind::Taps => y.to_bits().wrapping_add(self.weigh(at, x)),
-            Kind::Delay => {
-                self.samples.put_position(at, x);
-                self.samples.position(at, self.layout.newest)
-            }
-        });
+    fn exchange(&mut self, x: i64) -> Option<i64> {
+        let Some(oldest) = self.samples.exchange(self.ring.place(), x) else { return self.exchange_last(x) };
+        self.ring.pass();
+        Some(oldest)
     }
 
-    /// How much the set point of an axis with a mean moves. Its own function, as the next one: the tick has no
-    /// registers left for them.
+    /// The same behind the first place.
+    #[cold]
     #[inline(never)]
-    fn average(&mut self, at: usize, x: i64) -> i64 {
-        let Layout { newest, length, .. } = self.layout;
-        // Before the new sample is put in: with the longest window both have one place.
-        let mut grows = x.wrapping_sub(self.samples.position(at, newest + length));
-        self.samples.put_position(at, x);
-        if newest > 0 {
-            grows = grows.wrapping_sub(x).wrapping_add(self.samples.position(at, newest));
-        }
-        self.mean.grow(grows, length)
+    fn exchange_last(&mut self, x: i64) -> Option<i64> {
+        self.ring.rewind();
+        let oldest = self.samples.exchange(self.ring.place(), x)?;
+        self.ring.pass();
+        Some(oldest)
     }
 
-    /// The same of an axis with taps.
+    /// A tick with a mean that begins now: the set point `y`, with `x` of the path.
+    #[inline(always)]
+    fn average(&mut self, x: i64, y: &mut Position) {
+        let Some(oldest) = self.exchange(x) else { return };
+        let grows = x.wrapping_sub(oldest);
+        // Without it the compiler loads all of it first, and has no registers for it.
+        compiler_fence(Ordering::SeqCst);
+        *y = Position::from_bits(self.mean.follow(grows, y.to_bits()));
+    }
+
+    /// A tick with taps: how much the set point moves; `at` is the place of the newest second difference. Its
+    /// own function: the tick has no registers left for it.
     #[inline(never)]
     fn weigh(&mut self, at: usize, x: i64) -> i64 {
         let second = self.taps.take(x);
         self.samples.put_difference(at, second);
-        let sum = self.window.weigh(self.samples.0.as_flattened(), &self.kernel, at, self.taps.carried());
-        self.taps.give(sum)
+        let moved = self.window.weigh(self.samples.differences(), &self.kernel, at, self.taps.moved());
+        self.taps.give(moved)
     }
 
-    /// The positions of these ages; `at` is the place of the newest. Once per tick.
-    fn delayed(&mut self, at: usize, ages: [u32; 2]) -> [i64; 2] {
-        if self.layout.kind == Kind::Taps {
-            let [later, earlier] = ages;
-            let second = self.samples.difference(at, later);
-            let [now, before] = self.taps.late(second);
-            [now, if earlier > later { before } else { now }]
+    /// The same delayed, and then with a mean or none.
+    #[inline(never)]
+    fn delay(&mut self, x: i64, y: &mut Position) {
+        let Layout { kind, newest, .. } = self.layout;
+        let Some(oldest) = self.exchange(x) else { return };
+        *y = Position::from_bits(if kind == Kind::Mean {
+            let first = self.samples.position(&self.ring, newest);
+            self.mean.follow(first.wrapping_sub(oldest), y.to_bits())
+        } else if newest > 0 {
+            oldest
         } else {
-            ages.map(|age| self.samples.position(at, age))
+            x
+        });
+    }
+
+    /// The positions of these ages, with the set point `y`; `at` is the place of the newest second difference.
+    /// Once per tick.
+    fn delayed(&mut self, at: usize, ages: [u32; 2], y: i64) -> [i64; 2] {
+        match self.layout.kind {
+            Kind::Taps => {
+                let [later, earlier] = ages;
+                let second = self.samples.difference(at, later);
+                let [now, before] = self.taps.late(second);
+                [now, if earlier > later { before } else { now }]
+            }
+            Kind::Mean => ages.map(|age| self.samples.position(&self.ring, age)),
+            Kind::Delay => [y; 2],
         }
     }
 }
 
-const fn split(position: i64) -> [i32; 2] {
-    [position as i32, (position >> 32) as i32]
-}
-
-impl<const TAPS: usize> Samples<TAPS> {
-    #[inline(always)]
-    fn put_position(&mut self, at: usize, x: i64) {
-        if let Some(slot) = self.0.get_mut(at) {
-            *slot = split(x);
-        }
-    }
-
-    /// The position of that age; `at` is the place of the newest.
-    #[inline(always)]
-    fn position(&self, at: usize, age: u32) -> i64 {
-        let place = at.wrapping_sub(age as usize);
-        let place = if place > at { place.wrapping_add(TAPS) } else { place };
-        let [lower, upper] = self.0.get(place).copied().unwrap_or([0; 2]);
-        i64::from(upper) << 32 | i64::from(lower as u32)
-    }
-
-    #[inline(always)]
-    fn put_difference(&mut self, at: usize, second: i32) {
-        if let Some((first, again)) = self.0.as_flattened_mut().split_at_mut_checked(TAPS)
-            && let (Some(slot), Some(copy)) = (first.get_mut(at), again.get_mut(at))
-        {
-            (*slot, *copy) = (second, second);
-        }
-    }
-
-    /// The second difference of that age.
-    #[inline(always)]
-    fn difference(&self, at: usize, age: u32) -> i32 {
-        self.0.as_flattened().get((at + TAPS).wrapping_sub(age as usize)).copied().unwrap_or(0)
+/// A tick of axes that all have a mean that begins now.
+#[inline(always)]
+fn average_all<const TAPS: usize>(axes: &mut [Axis<TAPS>], path: &[Position], out: &mut [Position]) {
+    for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {
+        axis.average(x.to_bits(), y);
     }
 }

@@ -12,19 +12,19 @@ const BITS: u32 = 31;
 /// Largest second difference of an axis with taps, mm or degrees per cycle².
 pub(crate) const REACH: f32 = 0.25;
 
-/// Pairs at a time.
-const BLOCK: usize = 8;
+/// Pairs at a time, as long as so many are left; of what is left then, so many once.
+const BLOCK: usize = 16;
+const SMALL_BLOCK: usize = 8;
 
 /// What the taps of one axis remember. All bits zero at rest at 0.
 pub(super) struct Taps {
     /// The path of the last tick: where it was, and how much it had moved.
     x: i64,
     dx: i64,
-    /// How much the set point moved.
-    dy: i64,
-    /// What the remainders r of the set points before add to the next three: to the next one
-    /// 3r′ − 3r″ + r‴.
-    rest: [i32; 3],
+    /// Σ h·x′: how much the set point moved, times [`ONE`], but for remainders.
+    moved: i64,
+    /// Remainders of the last set point and of the one before.
+    rest: [i32; 2],
     /// The same as x and dx, half a window ago. Only where that is asked for in every tick.
     late: [i64; 2],
     /// A second difference did not fit.
@@ -33,7 +33,7 @@ pub(super) struct Taps {
 
 impl Taps {
     /// At rest at 0.
-    pub const ZERO: Self = Self { x: 0, dx: 0, dy: 0, rest: [0; 3], late: [0; 2], is_passed: false };
+    pub const ZERO: Self = Self { x: 0, dx: 0, moved: 0, rest: [0; 2], late: [0; 2], is_passed: false };
 
     /// At rest at `x`.
     pub const fn at(x: i64) -> Self {
@@ -41,38 +41,44 @@ impl Taps {
     }
 
     /// Second difference of the path, whose set point is `x` now.
-    ///
-    /// One that does not fit goes past the filter at once: the axis ends where the path ends, whatever comes.
     #[inline(always)]
     pub fn take(&mut self, x: i64) -> i32 {
         let dx = x.wrapping_sub(self.x);
         let second = dx.wrapping_sub(self.dx);
         (self.x, self.dx) = (x, dx);
-        if second.wrapping_add(1 << (BITS - 1)) as u64 >> BITS == 0 {
-            return second as i32;
+        if second.wrapping_add(1 << (BITS - 1)) as u64 >> BITS != 0 {
+            return self.pass(second);
         }
-        self.dy = self.dy.wrapping_add(second);
+        second as i32
+    }
+
+    /// A second difference that does not fit goes past the filter at once: the axis ends where the path ends,
+    /// whatever comes.
+    #[cold]
+    #[inline(never)]
+    const fn pass(&mut self, second: i64) -> i32 {
+        self.moved = self.moved.wrapping_add(second.wrapping_mul(ONE as i64));
         self.is_passed = true;
         0
     }
 
-    /// What the remainders so far add to the next sum.
+    /// [`Self::give`] takes it with Σ h·x″ added.
     #[inline(always)]
-    pub fn carried(&self) -> i64 {
-        self.rest[0].into()
+    pub const fn moved(&self) -> i64 {
+        self.moved
     }
 
-    /// How much the set point moves, from Σ h·x″ and what is carried.
+    /// How much the set point moves.
     ///
-    /// ONE·y + r = Σ h·x + r′, with the remainders r of this set point and r′ of the last one; this is the
-    /// second difference of that.
+    /// ONE·y + r = Σ h·x + r′, with the remainders r of this set point and r′ of the last one: ONE·Δy = Σ h·x′
+    /// + 2r′ − r″ − r.
     #[inline(always)]
-    pub fn give(&mut self, sum: i64) -> i64 {
-        let [_, next, last] = self.rest;
-        let rest = sum as i32 & (ONE - 1);
-        self.rest = [next + 3 * rest, last - 3 * rest, rest];
-        self.dy = self.dy.wrapping_add(sum >> ONE.trailing_zeros());
-        self.dy
+    pub fn give(&mut self, moved: i64) -> i64 {
+        self.moved = moved;
+        let [last, before] = self.rest;
+        let whole = moved.wrapping_add(i64::from(2 * last - before));
+        self.rest = [whole as i32 & (ONE - 1), last];
+        whole >> ONE.trailing_zeros()
     }
 
     /// Where the path was, from its second difference then; and a tick before.
@@ -86,73 +92,80 @@ impl Taps {
 }
 
 /// The window of an axis in the memory of its samples, as places behind that of the newest one.
-///
-/// Pairs go from the outside in: whole blocks first. With an odd number of samples the one in the centre is a
-/// pair with itself.
 #[derive(Clone, Copy)]
 pub(super) struct Window {
     /// Where the oldest sample is, and the one behind the newest of the window.
     oldest: usize,
     behind: usize,
-    /// Blocks, and pairs that are left.
-    blocks: usize,
-    left: usize,
+    /// Taps of one side. With an odd number of samples the one in the centre is a pair with itself.
+    pairs: usize,
 }
 
 impl Window {
     /// Of no axis.
-    pub const ZERO: Self = Self { oldest: 0, behind: 0, blocks: 0, left: 0 };
+    pub const ZERO: Self = Self { oldest: 0, behind: 0, pairs: 0 };
 
     /// In a memory that holds `TAPS` samples twice.
     pub fn of<const TAPS: usize>(layout: &Layout) -> Self {
         let (behind, length) = ((TAPS + 1).wrapping_sub(layout.newest as usize), layout.length as usize);
-        let pairs = length.div_ceil(2);
-        let (blocks, left) = (pairs / BLOCK, pairs % BLOCK);
-        Self { oldest: behind.wrapping_sub(length), behind, blocks, left }
+        Self { oldest: behind.wrapping_sub(length), behind, pairs: length.div_ceil(2) }
     }
 
-    /// `sum` + Σ h·x″. The newest sample is at `at`, and once more in the other half of the memory.
+    /// `sum` + Σ h·x″. The newest sample is at `at`, and once more in the other half of the memory. Pairs go from
+    /// the outside in.
     #[inline(always)]
     pub fn weigh(&self, samples: &[i32], taps: &[u8], at: usize, mut sum: i64) -> i64 {
-        let blocks = self.blocks;
-        let older = samples.get(at.wrapping_add(self.oldest)..).map(<[i32]>::as_chunks::<BLOCK>);
-        let newer = samples.get(..at.wrapping_add(self.behind)).map(<[i32]>::as_rchunks::<BLOCK>);
-        let Some((older, _)) = older else { return 0 };
-        let Some(older) = older.get(..blocks) else { return 0 };
-        let Some((_, newer)) = newer else { return 0 };
-        let Some(newer) = newer.get(newer.len().wrapping_sub(blocks)..) else { return 0 };
-        let Some(taps_of_blocks) = taps.as_chunks::<2>().0.as_chunks::<BLOCK>().0.get(..blocks) else {
-            return 0;
-        };
-        for ((older, newer), taps) in older.iter().zip(newer.iter().rev()).zip(taps_of_blocks) {
-            for (k, tap) in taps.iter().enumerate() {
-                if let (Some(older), Some(newer)) = (older.get(k), newer.get(BLOCK - 1 - k)) {
-                    sum = pair(sum, [*older, *newer], *tap);
-                }
+        let mut left = self.pairs;
+        let [mut oldest, mut behind] = [self.oldest, self.behind].map(|place| at.wrapping_add(place));
+        for taps in taps.as_chunks::<2>().0.as_chunks::<BLOCK>().0 {
+            if left < BLOCK {
+                break;
             }
+            sum = weigh_block(samples, taps, [oldest, behind], sum);
+            left -= BLOCK;
+            (oldest, behind) = (oldest.wrapping_add(BLOCK), behind.wrapping_sub(BLOCK));
         }
-        if self.left == 0 { sum } else { self.weigh_left(samples, taps, at, sum) }
+        if left == 0 { sum } else { self.weigh_rest(samples, taps, [at, left], sum) }
     }
 
-    /// The same of the pairs that are no block.
+    /// The pairs that are `left`, less than a block.
+    #[cold]
     #[inline(never)]
-    fn weigh_left(&self, samples: &[i32], taps: &[u8], at: usize, sum: i64) -> i64 {
-        let done = self.blocks * BLOCK;
-        let first = at.wrapping_add(self.oldest).wrapping_add(done);
-        let last = at.wrapping_add(self.behind).wrapping_sub(done);
-        let part = |from: usize| samples.get(from..).and_then(|samples| samples.get(..self.left));
-        let taps = taps.as_chunks::<2>().0.get(done..).and_then(|taps| taps.get(..self.left));
-        let (Some(older), Some(newer), Some(taps)) = (part(first), part(last.wrapping_sub(self.left)), taps)
-        else {
-            return 0;
-        };
+    fn weigh_rest(&self, samples: &[i32], taps: &[u8], [at, left]: [usize; 2], mut sum: i64) -> i64 {
+        let done = self.pairs.wrapping_sub(left);
+        let mut taps = taps.as_chunks::<2>().0.get(done..self.pairs).unwrap_or(&[]);
+        let mut oldest = at.wrapping_add(self.oldest).wrapping_add(done);
+        let mut behind = at.wrapping_add(self.behind).wrapping_sub(done);
+        if let Some((block, ones)) = taps.split_first_chunk::<SMALL_BLOCK>() {
+            sum = weigh_block(samples, block, [oldest, behind], sum);
+            (oldest, behind) = (oldest.wrapping_add(SMALL_BLOCK), behind.wrapping_sub(SMALL_BLOCK));
+            taps = ones;
+        }
+        let (Some(older), Some(newer)) = (samples.get(oldest..), samples.get(..behind)) else { return sum };
         let pairs = older.iter().zip(newer.iter().rev()).zip(taps);
-        pairs.fold(sum, |sum, ((older, newer), tap)| pair(sum, [*older, *newer], *tap))
+        pairs.fold(sum, |sum, ((older, newer), tap)| weigh_pair(sum, [*older, *newer], *tap))
     }
 }
 
+/// A block of pairs, the oldest sample at one place, the newest one before another.
 #[inline(always)]
-fn pair(sum: i64, [older, newer]: [i32; 2], tap: [u8; 2]) -> i64 {
+fn weigh_block<const N: usize>(
+    samples: &[i32],
+    taps: &[[u8; 2]; N],
+    [oldest, behind]: [usize; 2],
+    mut sum: i64,
+) -> i64 {
+    let older = samples.get(oldest..).and_then(<[i32]>::first_chunk::<N>);
+    let newer = samples.get(..behind).and_then(<[i32]>::last_chunk::<N>);
+    let (Some(older), Some(newer)) = (older, newer) else { return sum };
+    for ((older, newer), tap) in older.iter().zip(newer.iter().rev()).zip(taps) {
+        sum = weigh_pair(sum, [*older, *newer], *tap);
+    }
+    sum
+}
+
+#[inline(always)]
+fn weigh_pair(sum: i64, [older, newer]: [i32; 2], tap: [u8; 2]) -> i64 {
     let both = older.wrapping_add(newer);
     let sum = sum.wrapping_add(i64::from(both) * i64::from(i16::from_ne_bytes(tap)));
     // Without it the compiler loads all samples of a block first, and has no registers for them.

@@ -1,0 +1,100 @@
+//! Memory of the last ticks of one axis.
+//!
+//! Positions lie in a ring as long as their window, so that the oldest one leaves the place that the newest one
+//! takes. Second differences lie in it twice, so that any window of them is one piece.
+
+/// Positions, or second differences. All bits zero when new.
+pub(super) struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
+
+/// A ring of positions, from its last place to its first one.
+#[repr(C)]
+pub(super) struct Ring {
+    /// Where the next position goes, and where the oldest one is; none behind the first one: that is the last
+    /// one again.
+    place: usize,
+    /// The last place.
+    last: usize,
+}
+
+impl Ring {
+    /// Of so many positions, at least one.
+    pub const fn of(length: u32) -> Self {
+        let last = (length as usize).saturating_sub(1);
+        Self { place: last, last }
+    }
+
+    /// The place of the next position, if it is not the last one again.
+    #[inline(always)]
+    pub const fn place(&self) -> usize {
+        self.place
+    }
+
+    /// A position is at the place of the next one.
+    #[inline(always)]
+    pub const fn pass(&mut self) {
+        self.place = self.place.wrapping_sub(1);
+    }
+
+    /// From the first place to the last one.
+    pub const fn rewind(&mut self) {
+        self.place = self.last;
+    }
+
+    /// The place of the position of that age, less than the length of the ring.
+    const fn place_of(&self, age: u32) -> usize {
+        let place = self.place.wrapping_add(1 + age as usize);
+        if place > self.last { place.wrapping_sub(self.last + 1) } else { place }
+    }
+}
+
+impl<const TAPS: usize> Samples<TAPS> {
+    pub const ZERO: Self = Self([[0; 2]; TAPS]);
+
+    /// Fills some places from `from` on with a sample.
+    pub fn fill(&mut self, from: usize, some: usize, sample: i64) {
+        self.0.iter_mut().skip(from).take(some).for_each(|slot| *slot = split(sample));
+    }
+
+    /// Takes in a position; the one that was at its place. `None`: there is no such place.
+    #[inline(always)]
+    pub fn exchange(&mut self, place: usize, x: i64) -> Option<i64> {
+        let slot = self.0.get_mut(place)?;
+        let oldest = join(*slot);
+        *slot = split(x);
+        Some(oldest)
+    }
+
+    /// The position of that age, less than the length of the ring.
+    pub fn position(&self, ring: &Ring, age: u32) -> i64 {
+        self.0.get(ring.place_of(age)).copied().map_or(0, join)
+    }
+
+    /// Takes in a second difference.
+    #[inline(always)]
+    pub fn put_difference(&mut self, at: usize, second: i32) {
+        if let Some((first, again)) = self.0.as_flattened_mut().split_at_mut_checked(TAPS)
+            && let (Some(slot), Some(copy)) = (first.get_mut(at), again.get_mut(at))
+        {
+            (*slot, *copy) = (second, second);
+        }
+    }
+
+    /// The second difference of that age; `at` is the place of the newest.
+    pub fn difference(&self, at: usize, age: u32) -> i32 {
+        self.differences().get((at + TAPS).wrapping_sub(age as usize)).copied().unwrap_or(0)
+    }
+
+    /// All second differences, twice, from older to newer ones.
+    #[inline(always)]
+    pub const fn differences(&self) -> &[i32] {
+        self.0.as_flattened()
+    }
+}
+
+const fn split(position: i64) -> [i32; 2] {
+    [position as i32, (position >> 32) as i32]
+}
+
+const fn join([lower, upper]: [i32; 2]) -> i64 {
+    (upper as i64) << 32 | lower as u32 as i64
+}
