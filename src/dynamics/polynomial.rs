@@ -32,6 +32,13 @@ const FLOWING_SLOPE_PART: f32 = 0.25;
 /// Its speed leaves that part of the acceleration that its jerk reaches; one of so many speeds.
 const FLOWING_PULL: f32 = 0.25;
 const FLOWING_SPEEDS: usize = 8;
+/// The same in a sharp turn: what changes the speed is beside it.
+const SHARP_NORMAL_PART: f32 = 0.75;
+const SHARP_PART: f32 = 0.85;
+/// From that part of the feed on, acceleration is bought with speed.
+const NEARLY: f32 = 0.9;
+/// A law with less jerk and any acceleration may take so many times longer than one with less acceleration.
+const SLOWER: f32 = 1.2;
 /// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature.
 const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.8, 0.0];
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
@@ -46,6 +53,28 @@ pub struct Curving {
     pub jerk: u8,
     /// CONST_VEL: its speed does not change.
     pub constant: Option<Steady>,
+    /// A sharp turn of the curve that it is a part of.
+    pub near: Near,
+}
+
+/// A sharp turn of a curve of many elements, beside one of them or in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    /// Highest speed in the turn, mm/tick.
+    pub v: f32,
+    /// From the turn to the farther end of the element, mm; 0 in the turn.
+    pub way: f32,
+}
+
+impl Near {
+    /// There is none.
+    pub const NONE: Self = Self { v: f32::MAX, way: f32::MAX };
+
+    /// Highest speed of an element with a law of that jerk. It comes from rest of acceleration, or goes there, at
+    /// the turn: with j the way is v·t + j·t³/6, so the speed changes by no more than ∛(9/2·j·way²).
+    fn speed(&self, jerk: f32) -> f32 {
+        if self.way <= 0.0 { f32::MAX } else { self.v + cbrt_f32(4.5 * jerk * self.way * self.way) }
+    }
 }
 
 /// One speed for all of a curve.
@@ -68,11 +97,12 @@ const CONSTANT: f32 = 3e-4;
 
 /// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the
 /// slope.
-const fn parts(passage: Passage, stepped: bool) -> [f32; 3] {
+const fn parts(passage: Passage, sharp: bool, stepped: bool) -> [f32; 3] {
     match passage {
         // A deceleration of STEP has to be there from the first tick on.
         Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
         Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
+        Passage::Flowing if sharp => [SHARP_NORMAL_PART, SHARP_PART, FLOWING_SLOPE_PART],
         Passage::Flowing => [FLOWING_NORMAL_PART, FLOWING_PART, FLOWING_SLOPE_PART],
         Passage::Constant => [TIMED_PART, CONSTANT_PART, CONSTANT_SLOPE_PART],
         Passage::Through => THROUGH_PARTS,
@@ -151,7 +181,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
         }
         limits.law = self.law(change_over);
-        let [normal_part, curve_part, slope_part] = parts(bounds.passage, stepped);
+        let [normal_part, curve_part, slope_part] = parts(bounds.passage, curving.near.way <= 0.0, stepped);
         let trades = bounds.trades() && !stepped;
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
@@ -175,28 +205,46 @@ impl<const AXES: usize> Dynamics<AXES> {
                 }
             }
         }
-        self.share_out(bounds, length, &mut limits, (rapid, curving));
+        let mut slow = false;
+        if bounds.flows() {
+            let jerk = (0..4).fold(0.0, |most, ramp| max(most, limits.jerk(ramp)));
+            let near = curving.near.speed(jerk);
+            slow = near < limits.v;
+            limits.v = min(limits.v, near);
+        }
+        let whole = if rapid { f32::MAX } else { feed * bounds.fastest * self.level };
+        self.share_out(bounds, (length, whole, slow), &mut limits, (rapid, curving));
         self.path.lower(&mut limits, rapid, true);
         let override_range = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, override_range)
     }
 
     /// Limits of an element that is one of many of a curve: the highest of some speeds, each four fifths of the
-    /// one before, that leaves a part of the acceleration with which it is reached.
-    fn flow(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
+    /// one before, that leaves a part of the acceleration with which it is reached. `feed`: no law of its span is
+    /// faster. At nearly that speed there is little acceleration: see [`Self::trade`].
+    #[inline(never)]
+    fn flow(
+        &self,
+        bounds: &Bounds<AXES>,
+        (feed, slow): (f32, bool),
+        limits: &mut Limits,
+        budget_of: impl Fn(&Axis) -> f32,
+    ) {
         // A corner that acceleration passes has its highest speed.
-        let speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
+        let mut speeds = if bounds.flows() { FLOWING_SPEEDS } else { 0 };
         let most = min(limits.a_up, limits.a_down);
-        let mut left = self.left(bounds, limits.v, most, &budget_of);
-        for _ in 0..speeds {
-            let [a, j] = left;
-            if a >= FLOWING_PULL * min(most, sqrt_f32(j * limits.v)) {
-                break;
+        let [a, jerk] = loop {
+            let [a, j] = self.left(bounds, (limits.v, slow), most, &budget_of);
+            if speeds == 0 || a >= FLOWING_PULL * min(most, sqrt_f32(j * limits.v)) {
+                break [a, j];
             }
             limits.v *= ARC_SPEED_STEP;
-            left = self.left(bounds, limits.v, most, &budget_of);
+            speeds -= 1;
+        };
+        if bounds.flows() && limits.v >= NEARLY * feed && self.trade(bounds, (feed, jerk), limits, &budget_of)
+        {
+            return;
         }
-        let [a, jerk] = left;
         if let SlopeLaw::JerkLimited { shape, j, .. } = &mut limits.law {
             lower(j, [jerk / shape.peak_jerk(); 4]);
         }
@@ -208,56 +256,74 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// if all were for one, a change by v takes v/(sA) + sA/((1−s)J): least for s = 1/(1 + A/√(vJ)). Here v is
     /// twice the speed, since a law also has stretches without a change. What the acceleration does not use is
     /// left to the jerk.
+    ///
+    /// Any law begins and ends without acceleration, so with a jerk j it has a ≤ √(2jv). Where that is the least
+    /// (`slow`) the acceleration is left to it: a span has the least acceleration of all its elements, and the
+    /// others are faster.
+    #[inline(never)]
     fn left(
         &self,
         bounds: &Bounds<AXES>,
-        v: f32,
+        (v, slow): (f32, bool),
         mut most: f32,
         budget_of: &impl Fn(&Axis) -> f32,
     ) -> [f32; 2] {
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
         let left = |axis: &Axis, third: f32| max(budget_of(axis) - third * v * v * v, 0.0);
-        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+        for (axis, ((first, second), _)) in self.axes.iter().zip(derivatives()) {
             if *first > 0.0 {
                 most = min(most, max(axis.a_max - second * v * v, 0.0) / first);
             }
+        }
+        let (all, mut root) = (most, f32::MAX);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             if *second > 0.0 && budget_of(axis) < f32::MAX {
                 let left = left(axis, *third);
                 let whole = left / (3.0 * second * v);
                 let reached = sqrt_f32(2.0 * v * left / max(*first, TINY));
                 most = min(most, whole / (1.0 + whole / max(reached, TINY)));
+                root = min(root, root_of(left, 1.5 * second * v * sqrt_f32(2.0 * v), *first));
             }
         }
-        let mut jerk = NO_LIMIT;
+        let (mut jerk, mut any) = (NO_LIMIT, root * root);
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             if *first > 0.0 && budget_of(axis) < f32::MAX {
-                jerk = min(jerk, ROUNDED * max(left(axis, *third) - 3.0 * second * v * most, 0.0) / first);
+                let left = left(axis, *third);
+                jerk = min(jerk, max(left - 3.0 * second * v * most, 0.0) / first);
+                any = min(any, left / first);
             }
         }
-        [max(most, TINY), max(jerk, TINY)]
+        let time = |a: f32, j: f32| {
+            let a = min(a, sqrt_f32(j * v));
+            v / a + a / j
+        };
+        if slow && any > TINY && time(all, any) <= SLOWER * time(most, jerk) {
+            (most, jerk) = (all, any);
+        }
+        [max(most, TINY), max(jerk * ROUNDED, TINY)]
     }
 
     /// What an element of a curve leaves to the slope: all of it is shared out by its passage.
     fn share_out(
         &self,
         bounds: &Bounds<AXES>,
-        length: f32,
+        (length, feed, slow): (f32, f32, bool),
         limits: &mut Limits,
         (rapid, curving): (bool, Curving),
     ) {
         let stepped = self.slope == SlopeType::Step;
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
         let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
-        let [.., slope_part] = parts(bounds.passage, stepped);
+        let [.., slope_part] = parts(bounds.passage, curving.near.way <= 0.0, stepped);
         let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
         if bounds.passes() && !stepped {
-            self.flow(bounds, limits, |axis| budget_of(axis.set(rapid)));
+            self.flow(bounds, (feed, slow), limits, |axis| budget_of(axis.set(rapid)));
         } else if bounds.trades() && !stepped {
             let whole = |axis: &Axis| {
                 let set = axis.set(rapid);
                 max(set.curving_budget(curving.jerk), set.joint.budget)
             };
-            self.trade(bounds, limits, whole);
+            self.trade(bounds, (limits.v, 0.0), limits, whole);
         } else {
             let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
             limits.choose(length, speeds, curving.constant, |v: f32, mut a: f32| {
@@ -316,7 +382,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / third));
             }
         }
-        self.trade(bounds, &mut limits, |axis| axis.set(rapid).joint.budget);
+        self.trade(bounds, (limits.v, 0.0), &mut limits, |axis| axis.set(rapid).joint.budget);
         self.path.lower(&mut limits, rapid, true);
         let override_range = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, override_range)
@@ -341,9 +407,16 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so
     /// j is known from it. With a lower V and the same x, the rule is stricter at any speed.
-    fn trade(&self, bounds: &Bounds<AXES>, limits: &mut Limits, budget_of: impl Fn(&Axis) -> f32) {
-        let v = limits.v;
-        let SlopeLaw::JerkLimited { shape: ramp, j: ramps, .. } = &mut limits.law else { return };
+    ///
+    /// `false`, and nothing has changed, if j is less than `least`.
+    fn trade(
+        &self,
+        bounds: &Bounds<AXES>,
+        (v, least): (f32, f32),
+        limits: &mut Limits,
+        budget_of: impl Fn(&Axis) -> f32,
+    ) -> bool {
+        let SlopeLaw::JerkLimited { shape: ramp, j: ramps, .. } = &mut limits.law else { return false };
         let mut most = f32::MAX;
         let derivatives = bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives) {
@@ -357,17 +430,25 @@ impl<const AXES: usize> Dynamics<AXES> {
             let budget = min(budget_of(axis), NO_LIMIT);
             let (cubed, across, along) = (third * v * v * v, second * v, first / (2.0 * v));
             // The largest x of 0.385·D·x + |x'|·j ≤ rest.
-            let reach = |rest: f32| {
-                let half = 0.5 * 0.385 * 3.0 * across;
-                rest / max(half + sqrt_f32(half * half + along * rest), TINY)
-            };
+            let reach = |rest: f32| root_of(rest, 0.5 * 0.385 * 3.0 * across, along);
             let slack = max(budget - cubed, 0.0);
             let evenly = sqrt_f32(cubed * slack / max(across * across + cubed * along, f32::MIN_POSITIVE));
             let whole = reach(budget - 0.421_875 * cubed);
             most = min(most, max(reach(slack), min(evenly, whole)));
         }
         most *= TRADED;
-        lower(ramps, [most * most / (2.0 * v * ramp.peak_jerk()); 4]);
+        let j = most * most / (2.0 * v);
+        if j < least {
+            return false;
+        }
+        lower(ramps, [j / ramp.peak_jerk(); 4]);
         limits.lower_accelerations(most);
+        true
     }
+}
+
+/// The largest x with along·x² + 2·half·x ≤ rest.
+#[inline(never)]
+fn root_of(rest: f32, half: f32, along: f32) -> f32 {
+    rest / max(half + sqrt_f32(half * half + along * rest), TINY)
 }

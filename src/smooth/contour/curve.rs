@@ -294,13 +294,14 @@ impl<const AXES: usize> Quintic<AXES> {
     }
 
     /// How far the feed axes are faster at most than a path of so many mm per u says, relative, and the main
-    /// axes than `space_per_path` times that, at places between the ends.
+    /// axes than `space_per_path` times that, if there is any, at places between the ends.
     pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
             let first = self.first(u);
             let fed = measure.length(&first) / path;
-            let along = size(&measure.main, &first) / (path * space_per_path);
+            let space = path * space_per_path;
+            let along = if space > 0.0 { size(&measure.main, &first) / space } else { 0.0 };
             most = max(most, max(fed, along) - 1.0);
         }
         most

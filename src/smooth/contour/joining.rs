@@ -8,7 +8,7 @@ use super::held_block::{HeldBlock, Stray, travel};
 use super::kernel::Kernel;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
-use crate::dynamics::{Curving, Dynamics, Steady};
+use crate::dynamics::{Curving, Dynamics, Near, Steady};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
@@ -409,7 +409,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         };
         let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
-        let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE) };
+        let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE), near: Near::NONE };
         if let Some(bounds) = &element.bounds {
             let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
             let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
@@ -686,7 +686,7 @@ impl<const AXES: usize> Turning<AXES> {
             Some(ContourAction::Post) => [first.number; 2],
             _ => [first.number, second.number],
         };
-        let curving = Curving { jerk: setting.check_jerk, constant: None };
+        let curving = Curving { jerk: setting.check_jerk, constant: None, near: Near::NONE };
         let halves = [(first, due[0]), (second, due[1])];
         Self { course, halves, curving, passage: Passage::Varying, draft: None }
     }

@@ -29,7 +29,7 @@ use self::akima::{Given, is_corner, slopes};
 use self::cut::{BENT, Cut, Joint, Piece, curvature};
 use self::polygon::{Inside, Tolerance, direct, exceeds, part, reach};
 use self::window::{Leg, Vertex, Window, along};
-use crate::dynamics::{Curving, Dynamics};
+use crate::dynamics::{Curving, Dynamics, Near};
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::{NcWarningKind, Place};
@@ -499,7 +499,7 @@ impl<const AXES: usize> Splining<AXES> {
                 if let Some(bounds) = &mut element.bounds {
                     bounds.passage = Passage::Flowing;
                 }
-                let curving = Some(Curving { jerk: self.check_jerk, constant: None });
+                let curving = Some(Curving { jerk: self.check_jerk, constant: None, near: Near::NONE });
                 self.made = Some(Made { element, data, curving, due, draft: Some(draft) });
             }
             Cut::Straight(to, _) => self.go_straight(&from, &to, (data, due)),

@@ -149,6 +149,21 @@ impl<const AXES: usize> Window<AXES> {
         ahead
     }
 
+    /// The sharp turn at a place, or the next one behind it whose kernel ends before the neighbours of its vertex,
+    /// and the distance to where it begins.
+    pub fn sharp(&self, spot: &Spot) -> Option<(&Vertex<AXES>, f32)> {
+        let mut away = -spot.x;
+        let mut vertices = self.from(spot.vertex).take(self.moved.saturating_sub(spot.vertex)).peekable();
+        while let (Some(vertex), Some(next)) = (vertices.next(), vertices.peek()) {
+            let alone = vertex.width <= vertex.moved_length && vertex.width <= next.moved_length;
+            if alone && vertex.is(Vertex::<AXES>::STRONG) && away + vertex.width > NOTHING {
+                return Some((vertex, max(away - vertex.width, 0.0)));
+            }
+            away += next.moved_length;
+        }
+        None
+    }
+
     /// How far the next element goes; `None` if more vertices have to be known.
     pub fn aim(&self, spot: &Spot) -> Option<Aim> {
         let all = self.ended && self.checked == self.len();

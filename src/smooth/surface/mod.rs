@@ -26,7 +26,7 @@ use self::cell::{Beside, Hull, Straight};
 use self::chords::{Between, Chord, Source};
 use self::knot::{Aim, Spot};
 use self::window::{Programmed, Vertex, Window};
-use crate::dynamics::{Curving, Dynamics};
+use crate::dynamics::{Curving, Dynamics, Near};
 use crate::math::float::{max, min};
 use crate::math::wide::mul_shift;
 use crate::nc::{NcWarningKind, Place};
@@ -41,7 +41,8 @@ struct Made<const AXES: usize> {
     element: Element<AXES>,
     data: Data,
     due: u32,
-    is_curve: bool,
+    /// Of a curve, the sharp turn beside it.
+    curve: Option<Near>,
     /// Axes still to be made.
     draft: Option<Draft<AXES>>,
 }
@@ -88,6 +89,8 @@ pub struct Surface<const AXES: usize> {
     waits: Waits,
     made: Option<Made<AXES>>,
     place: Place,
+    /// The last sharp turn, and how far the front is behind it.
+    behind: Near,
     /// What is to be said about corners that stay.
     remark: Option<NcWarningKind>,
 }
@@ -100,6 +103,11 @@ const NARROWER: f32 = 0.7;
 /// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
 /// Beyond it the path would be much shorter than its polygon.
 const SHARPEST: f32 = 1.554_29;
+
+/// A turn (twice the sine of half the angle) that the motion slows down for and passes at one speed: 41 degrees.
+const SHARP: f32 = 0.7;
+/// It may be so much faster than curves of corners are.
+const QUICK: f32 = 1.1;
 
 /// A cell may be so much faster than its path.
 const FASTEST: f32 = 1.5;
@@ -122,6 +130,7 @@ impl<const AXES: usize> Surface<AXES> {
             waits: None,
             made: None,
             place: Place::default(),
+            behind: Near::NONE,
             remark: None,
         }
     }
@@ -132,7 +141,7 @@ impl<const AXES: usize> Surface<AXES> {
         (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
         self.window.ended = false;
         (self.pending, self.passed, self.heading, self.front, self.ending) = (None, None, None, None, None);
-        (self.tried, self.waits) = (Tried::NOTHING, None);
+        (self.tried, self.waits, self.behind) = (Tried::NOTHING, None, Near::NONE);
     }
 
     /// Takes a chord, or the end of the row, into the window. `false` if nothing is to be done.
@@ -240,7 +249,7 @@ impl<const AXES: usize> Surface<AXES> {
     }
 
     /// Makes the next element, or a part of it. `false` if more has to be known.
-    fn advance(&mut self) -> bool {
+    fn advance(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let Some(front) = self.front else {
             if self.window.checked < 2 {
                 return false;
@@ -269,9 +278,9 @@ impl<const AXES: usize> Surface<AXES> {
             return false;
         };
         if aim.is_straight {
-            self.go_straight(&front, &aim);
+            self.go_straight(&front, &aim, dynamics);
         } else {
-            self.bend(&front, &aim);
+            self.bend(&front, &aim, dynamics);
         }
         true
     }
@@ -290,7 +299,7 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// A line, where nothing turns. The polygon itself may leave the tolerance: then what is there is narrowed.
     #[inline(never)]
-    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim) {
+    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) {
         let spot = self.window.advance(&front.spot, aim.way);
         let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
             let mut straight = Straight::new(&front.knot.position, &knot.position);
@@ -303,23 +312,25 @@ impl<const AXES: usize> Surface<AXES> {
             Some((Knot { end: element.exit, ..knot }, element))
         });
         let Some((knot, element)) = made else {
-            self.bend(front, &Aim { is_straight: false, ..*aim });
+            self.bend(front, &Aim { is_straight: false, ..*aim }, dynamics);
             return;
         };
         let (data, due) = self.data(&front.spot, &spot);
-        self.made = Some(Made { element, data, due, is_curve: false, draft: None });
+        self.behind.way += aim.way;
+        self.made = Some(Made { element, data, due, curve: None, draft: None });
         self.reach(Front { spot, knot });
     }
 
     /// A cell.
     #[inline(never)]
-    fn bend(&mut self, front: &Front<AXES>, aim: &Aim) {
+    fn bend(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) {
         let way = aim.way / f32::from(1u8 << self.tried.halved.min(HALVED));
         let spot = self.window.advance(&front.spot, way);
         match self.cell(front, &spot) {
             Some((knot, element, draft)) => {
                 let (data, due) = self.data(&front.spot, &spot);
-                self.made = Some(Made { element, data, due, is_curve: true, draft: Some(draft) });
+                let curve = Some(self.near(&front.spot, way, data.feed.is_none(), dynamics));
+                self.made = Some(Made { element, data, due, curve, draft: Some(draft) });
                 self.reach(Front { spot, knot });
             }
             None if self.tried.halved < HALVED => self.tried.halved += 1,
@@ -330,6 +341,26 @@ impl<const AXES: usize> Surface<AXES> {
             }
             None => self.give_up(),
         }
+    }
+
+    /// The sharp turn in an element of that length, or the nearer one of those beside it.
+    #[inline(never)]
+    fn near(&mut self, from: &Spot, length: f32, rapid: bool, dynamics: &Dynamics<AXES>) -> Near {
+        self.behind.way += length;
+        let Some((vertex, way)) = self.window.sharp(from) else { return self.behind };
+        let per = 1.0 / vertex.width;
+        let second = vertex.moved_turn.map(|x| x * per);
+        let third = second.map(|x| x * per);
+        let v = QUICK * dynamics.passing([&second, &third], rapid, self.parameters.check_jerk());
+        if way < 0.5 * length {
+            self.behind = Near { v, way: 0.0 };
+            if self.window.length(&vertex.moved_turn) < SHARP {
+                return Near::NONE;
+            }
+        } else if way < self.behind.way {
+            return Near { v, way };
+        }
+        self.behind
     }
 
     /// The cell from the front to a place, if it is inside the tolerance.
@@ -469,7 +500,7 @@ impl<const AXES: usize> Surface<AXES> {
             && let Ok(Some(element)) = line(&start, &at, &self.measure)
         {
             let (data, due) = self.data(&from, &Spot { vertex: next, x: 0.0 });
-            self.made = Some(Made { element, data, due, is_curve: false, draft: None });
+            self.made = Some(Made { element, data, due, curve: None, draft: None });
         }
         (self.tried, self.waits) = (Tried::NOTHING, None);
         self.front = None;
@@ -489,7 +520,7 @@ impl<const AXES: usize> Surface<AXES> {
         if let Some(front) = &self.front
             && let Ok(Some(element)) = line(draft.from(), &front.knot.position, &self.measure)
         {
-            (made.element, made.is_curve) = (element, false);
+            (made.element, made.curve) = (element, None);
         } else {
             self.made = None;
         }
@@ -518,7 +549,7 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     }
 
     #[inline(never)]
-    fn work(&mut self, _: &Dynamics<AXES>) -> bool {
+    fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some(made) = &mut self.made {
             let Some(draft) = &mut made.draft else { return false };
             let done = draft.go_on(&mut made.element).is_some();
@@ -531,7 +562,7 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             return true;
         }
         if self.window.len() > 0
-            && (self.advance() || self.window.check(&self.parameters) || self.window.move_out())
+            && (self.advance(dynamics) || self.window.check(&self.parameters) || self.window.move_out())
         {
             return true;
         }
@@ -543,7 +574,7 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             && let Some(source) = self.source.filter(|source| source.exact)
         {
             let ProgrammedBlock { element, data, .. } = source.block;
-            self.made = Some(Made { element, data, due: data.number, is_curve: false, draft: None });
+            self.made = Some(Made { element, data, due: data.number, curve: None, draft: None });
             (self.source, self.ending) = (None, None);
             return true;
         }
@@ -552,8 +583,9 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
         let Some(made) = self.made.as_ref().filter(|made| made.draft.is_none()) else { return false };
-        let Made { element, data, due, is_curve, .. } = made;
-        let curving = is_curve.then_some(Curving { jerk: self.parameters.check_jerk(), constant: None });
+        let Made { element, data, due, curve: near, .. } = made;
+        let jerk = self.parameters.check_jerk();
+        let curving = near.map(|near| Curving { jerk, constant: None, near });
         into(&Smoothed { element, data, curving, due: *due });
         self.made = None;
         true
