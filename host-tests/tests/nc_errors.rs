@@ -90,7 +90,7 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("L \"\"", 1, 4, 1, "unexpected \"\"\": expected a file name after L"),
     ("L \"sub", 1, 7, 0, "end of line: expected \" behind the file name"),
     ("L sub X1", 1, 7, 2, "unexpected \"X1\": expected L alone in its block"),
-    ("LL sub", 1, 4, 3, "subroutine \"sub\" is not in this file: expected %L sub before the main program"),
+    ("LL sub", 1, 4, 3, "subroutine \"sub\" does not stand before the main program: expected %L sub there"),
     ("LLsub", 1, 3, 3, "unexpected \"sub\": expected a blank and a name after LL"),
     ("LL", 1, 3, 0, "end of line: expected a blank and a name after LL"),
     ("%L s\nM29\n%main\nLL s X1", 4, 6, 2, "unexpected \"X1\": expected LL alone in its block"),

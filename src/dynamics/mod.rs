@@ -41,7 +41,7 @@ use axis::{Axis, TransitionLimits};
 use filter::Watched;
 pub use override_range::OverrideRange;
 pub use permitted::Share;
-pub use polynomial::{Curving, Steady};
+pub use polynomial::{Curving, Near, Steady};
 pub use stopping::{Braking, Passed};
 use vector::PathLimits;
 pub use vector::TooLow;

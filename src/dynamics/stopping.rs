@@ -3,11 +3,13 @@
 //! An element is planned for its highest speed, and for the place where it bends most. A motion that comes to a
 //! standstill passes a part of it, slower and slower: there the axes permit more.
 use super::axis::Set;
+use super::permitted::TRANSITION_PART;
 use super::{Dynamics, KNEE_PART, MARGIN};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
 use crate::path::Bounds;
+use crate::slope::ramp_shape::RampShape;
 
 /// Acceleration and jerk of a way to a standstill.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +48,7 @@ pub struct Passed {
     pub change: [f32; 2],
     /// The stage of STEP: 0, or 1 from the lower speed on.
     pub stage: usize,
-    /// A transition is near, which has its part of STEP's acceleration.
+    /// A transition is near, which has its part of acceleration and jerk.
     pub corners: bool,
 }
 
@@ -77,21 +79,28 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// - a ≤ A or j ≤ (A − d)²/2u, whichever is more, with A = (a_max − |x″|·v²)/|x′|;
     /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the a at hand, or
     ///   |x′|·j + c·√(2u)·√j ≤ B − |x‴|·v³ − c·d.
+    #[inline(never)]
     fn ramps(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
-        let Passed { v, by_ramps, change: [begun, u], .. } = *passed;
+        let Passed { v, by_ramps, change: [begun, u], corners, .. } = *passed;
+        let part = if corners { 1.0 - KNEE_PART } else { 1.0 };
+        let shape = if self.slope == SlopeType::Sin2 { RampShape::SineSquare } else { RampShape::Linear };
+        let peak = TRANSITION_PART / shape.peak_jerk();
         let Braking { a: [a, _], j } = braking;
         let path = self.path.deceleration(rapid);
         let moves = |first: &f32| *first > 0.0;
         for (axis, first) in self.axes.iter().zip(&bounds.first).filter(|(_, first)| moves(first)) {
-            let Set { a_down, j: [.., rise, fall], .. } = axis.set(rapid);
+            let Set { a_down, j: [.., rise, fall], joint, .. } = axis.set(rapid);
             // Path limits leave the ramp times.
             *j = min(*j, min(*rise, *fall) / first * min(path * first / a_down, 1.0));
             *a = min(*a, min(a_down / first, path));
+            if corners {
+                *j = min(*j, peak * joint.budget / first);
+            }
         }
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let first = max(*first, TINY);
-            let left = max(axis.a_max - second * v * v, 0.0) / first;
+            let left = max(part * axis.a_max - second * v * v, 0.0) / first;
             let rises = max(left - begun, 0.0);
             if *a > left && *j * (2.0 * u) > rises * rises {
                 *a = left;
@@ -107,6 +116,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Deceleration of STEP.
+    #[inline(never)]
     fn stage(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool) -> f32 {
         let v = passed.v;
         let part = if passed.corners { 1.0 - KNEE_PART } else { MARGIN };

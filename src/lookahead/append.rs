@@ -2,7 +2,7 @@
 //! both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Marks, UNPLANNED};
 use super::pace::Slowest;
-use super::ring::Ring;
+use super::ring::{Ring, Tail};
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Permitted, Share};
@@ -42,6 +42,9 @@ const LONGEST_SPAN: i64 = 1 << 62;
 /// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
 const STEEP: f32 = 1000.0;
 
+/// From that part of its feed on, a part of a curve has its acceleration for less speed.
+const BOUGHT: f32 = 0.89;
+
 /// A block that comes in.
 struct Next<'a, const AXES: usize> {
     piece: &'a Piece<'a, AXES>,
@@ -50,6 +53,10 @@ struct Next<'a, const AXES: usize> {
     /// Its speed at 100 %, or at the level if that is higher.
     full: f32,
     rapid: bool,
+    /// Its feed, mm/min.
+    feed: f32,
+    /// Nearly at its feed, acceleration inside it is bought with speed.
+    bought: bool,
     share: Share,
     /// The block before is shorter than a tick takes.
     after_brief: bool,
@@ -132,6 +139,19 @@ impl<const AXES: usize> Next<'_, AXES> {
     }
 }
 
+impl<const AXES: usize> Tail<AXES> {
+    /// A block with that feed (mm/min) comes in, behind an anchor or not.
+    #[inline(always)]
+    fn pass(&mut self, anchor: bool, feed: f32, bought: bool) {
+        if anchor {
+            (self.span, self.feeds) = (0, [if bought { feed } else { f32::MAX }, feed]);
+            return;
+        }
+        let [lowest, highest] = self.feeds;
+        self.feeds = [if bought { min(lowest, feed) } else { lowest }, max(highest, feed)];
+    }
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than
     /// the way to a standstill from its speed.
@@ -140,7 +160,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         &mut self,
         piece: &Piece<'_, AXES>,
         permitted: &Permitted,
-        rapid: bool,
+        feed: Option<f32>,
         dynamics: &Dynamics<AXES>,
         long: bool,
     ) {
@@ -155,15 +175,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             limits.v *= override_range.raised(self.level);
         }
         let slope = dynamics.slope();
-        let next = Next { piece, length, full, rapid, share, after_brief };
+        let rapid = feed.is_none();
+        let feed = feed.unwrap_or(f32::MAX);
+        let bought = piece.flows && !rapid && override_range.parts()[1] >= BOUGHT;
+        let next = Next { piece, length, full, rapid, feed, bought, share, after_brief };
         let Transition { cap, highest, shared, smooth, mut anchor } = self.join(&next, &mut limits, dynamics);
         let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
-        if anchor {
-            self.tail.span = 0;
-        } else {
-            self.counts.through += 1;
-        }
+        self.counts.through += usize::from(!anchor);
+        self.tail.pass(anchor, feed, bought);
         self.tail.span += distance;
         self.counts.spare = if limits.may_have_valleys() { self.depth / SPARE } else { 0 };
         self.tail.stop = false;
@@ -209,7 +229,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             override_range,
-            joint: AnchorMarks::new(!anchor && hsc, flows && hsc, rapid),
+            joint: AnchorMarks::new(!anchor && hsc, flows && hsc, [rapid, shared, bought]),
             marks,
             continued: false,
             trades,
@@ -285,7 +305,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && (!(last.through || piece.through) || passes())
         };
         let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
-        let anchor = !(through && smooth && alike() && fits());
+        // Where acceleration is bought with speed, no law of its span may have a higher feed.
+        let [bought_at, fastest_feed] = self.tail.feeds;
+        let fed_alike = || next.feed <= bought_at && (!next.bought || fastest_feed <= next.feed);
+        let anchor = !(through && smooth && alike() && fits() && fed_alike());
         cap = min(cap, min(before.limits.v, limits.v));
         Transition { cap, highest, shared, smooth, anchor }
     }

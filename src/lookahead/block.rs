@@ -38,7 +38,8 @@ pub struct Block {
 
 /// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*:
 /// it is the piece of a slow block in a faster span, where the speed at the anchor beside it keeps its limit
-/// ([`super::valley`]). Beside that, whether the block is rapid motion.
+/// ([`super::valley`]). Beside that, whether the block is rapid motion, and whether the path turns at its start,
+/// so that a transition has its part of the limits there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -47,12 +48,33 @@ impl AnchorMarks {
     const LENT: u8 = 2;
     const FLOWS: u8 = 4;
     const RAPID: u8 = 8;
+    const KNEE: u8 = 16;
+    const BOUGHT: u8 = 32;
 
     /// Not lent. `flows`: it is between two parts of one curve of many elements.
-    pub(super) fn new(open: bool, flows: bool, rapid: bool) -> Self {
-        let [open, flows, rapid] = [(open, Self::OPEN), (flows, Self::FLOWS), (rapid, Self::RAPID)]
-            .map(|(on, mark)| if on { mark } else { 0 });
-        Self(open | flows | rapid)
+    /// `bought`: acceleration inside it is bought with speed, below that of its feed.
+    pub(super) fn new(open: bool, flows: bool, [rapid, knee, bought]: [bool; 3]) -> Self {
+        let [open, flows] = [(open, Self::OPEN), (flows, Self::FLOWS)];
+        let marks = [open, flows, (rapid, Self::RAPID), (knee, Self::KNEE), (bought, Self::BOUGHT)];
+        Self(marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all }))
+    }
+
+    /// What is so of this or the other one.
+    pub(super) const fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// What is so of both.
+    pub(super) const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    pub(super) const fn has_knee(self) -> bool {
+        self.0 & Self::KNEE != 0
+    }
+
+    pub(super) const fn is_bought(self) -> bool {
+        self.0 & Self::BOUGHT != 0
     }
 
     pub(super) const fn flows(self) -> bool {

@@ -28,8 +28,8 @@ pub struct ReleasedSpan {
     /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the
     /// faster one of `v_least` and `v_in`.
     pub checked: bool,
-    /// A deceleration may pass its start.
-    pub smooth: bool,
+    /// How the path turns where it begins.
+    pub turns: Turns,
     /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
     pub trades: bool,
     /// Whether it is rapid motion; `None` where some of it is.
@@ -42,6 +42,15 @@ pub struct ReleasedSpan {
     pub v_reduced: f32,
     /// The level that all speeds were planned for.
     pub level: f32,
+}
+
+/// How the path turns at transitions of a span.
+#[derive(Clone, Copy, Debug)]
+pub struct Turns {
+    /// A deceleration may pass its start.
+    pub smooth: bool,
+    /// At the start of one of its blocks, at least, a transition has its part of the limits.
+    pub knees: bool,
 }
 
 /// Speeds that all blocks of a span permit.
@@ -57,6 +66,8 @@ pub struct Slow {
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another
     /// speed.
     pub ceiling: f32,
+    /// Acceleration in some of them is bought with speed: v + a²/2j is at most that of its limits, or little more.
+    pub bought: bool,
 }
 
 /// The block behind a span.
@@ -75,11 +86,11 @@ impl ReleasedSpan {
         length: Distance::ZERO,
         limits: Limits::NOTHING,
         a_down: 0.0,
-        slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
+        slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0, bought: false },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
-        smooth: false,
+        turns: Turns { smooth: false, knees: false },
         trades: false,
         // All bits zero, so that static memory needs no image in flash.
         rapid: Some(false),
@@ -207,7 +218,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
         let mut limits = first.limits;
-        let mut rapid = Some(first.joint.is_rapid());
+        let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
             match ring.next() {
                 Some(block) if !block.is(Marks::ANCHOR) => {
@@ -217,7 +228,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     v_least = min(v_least, min(block.cap, block.speed()));
                     limits.join(&block.limits);
                     override_range.join(block.override_range);
-                    rapid = rapid.filter(|rapid| *rapid == block.joint.is_rapid());
+                    (any, all) = (any.or(block.joint), all.and(block.joint));
                     length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
@@ -259,7 +270,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
-        (release.smooth, release.trades, release.rapid) = (first.is(Marks::SMOOTH), first.trades, rapid);
+        release.turns = Turns { smooth: first.is(Marks::SMOOTH), knees: any.has_knee() };
+        let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
+        (release.trades, release.rapid) = (first.trades, rapid);
+        release.slow.bought = any.is_bought();
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -37,6 +37,8 @@ pub(super) struct Tail<const AXES: usize> {
     pub gate: bool,
     /// Path length since the last anchor, LSB 2^-44 mm.
     pub span: i64,
+    /// Since there, mm/min: the lowest feed with which acceleration is bought with speed, and the highest of all.
+    pub feeds: [f32; 2],
     /// What the last blocks leave to a tick.
     pub row: Row,
     /// The lowest reduced speed of the last blocks.
@@ -78,6 +80,7 @@ impl<const AXES: usize> Tail<AXES> {
         stop: false,
         gate: false,
         span: 0,
+        feeds: [f32::MAX, 0.0],
         row: Row::NONE,
         slowest: Slowest::NONE,
     };

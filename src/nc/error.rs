@@ -278,7 +278,7 @@ impl fmt::Display for NcError {
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
             K::NoSubroutine => write!(
                 f,
-                "subroutine \"{found}\" is not in this file: expected %L {found} before the main program"
+                "subroutine \"{found}\" does not stand before the main program: expected %L {found} there"
             ),
             K::NoFile => write!(f, "no file \"{found}\" to call: expected the name of a program file"),
             K::SubroutineTwice => write!(f, "subroutine \"{found}\" is declared twice"),

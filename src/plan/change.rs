@@ -219,8 +219,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (self.frontier, self.orders.mode, self.reserve.behind) =
             (before.frontier, before.mode, before.behind);
         if let Some((k, span)) = before.span {
-            // A standstill that is wanted is tried again.
-            self.orders.mode.stopping = false;
+            // A standstill that is wanted is tried again, if there is none yet.
+            self.orders.mode.stopping = before.mode.is_standing();
             if let Some(committed) = self.committed.get_mut(k) {
                 *committed = span;
             }

@@ -183,10 +183,15 @@ impl CommittedSpans {
 
     /// Those from the one `k` behind the front on.
     pub fn from(&mut self, k: usize) -> impl Iterator<Item = &mut CommittedSpan> {
-        let (front, len) = (self.front, self.len);
+        self.among(k, self.len)
+    }
+
+    /// Those from the one `from` behind the front to before the one `to` behind it.
+    pub fn among(&mut self, from: usize, to: usize) -> impl Iterator<Item = &mut CommittedSpan> {
+        let (front, to) = (self.front, to.min(self.len));
         let slots = self.slots.iter_mut().enumerate();
         slots
-            .filter(move |(slot, _)| (k..len).contains(&behind(*slot, SLOTS - front)))
+            .filter(move |(slot, _)| (from..to).contains(&behind(*slot, SLOTS - front)))
             .map(|(_, committed)| committed)
     }
 

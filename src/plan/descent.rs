@@ -1,7 +1,7 @@
 //! The way down to a standstill from a motion at hand: one law through as many spans as it takes.
 //!
 //! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path
-//! turns little between two spans ([`ReleasedSpan::smooth`]) a deceleration passes. The law brakes with the
+//! turns little between two spans ([`ReleasedSpan::turns`]) a deceleration passes. The law brakes with the
 //! least deceleration and jerk of all spans on its way, from the first to the one in which it stands. It is
 //! no faster at any transition than planned, and it is slowing down there, so the spans behind keep their
 //! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
@@ -18,6 +18,7 @@ use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
+use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
@@ -88,6 +89,10 @@ pub(super) struct Stretch {
     pub smooth: bool,
     /// Acceleration inside it is bought with speed.
     trades: bool,
+    /// The path turns at its start, or inside it where it is of several blocks.
+    pub knees: bool,
+    pub is_many: bool,
+    bought: bool,
     /// Rapid motion.
     pub rapid: Option<bool>,
     /// Path distance of its end, and the speed planned there.
@@ -96,6 +101,7 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    #[inline(always)]
     fn new(span: &ReleasedSpan, v_in: Speed, end: i64, fall: Option<&Fall>) -> Self {
         let mut limits = Limits { a_down: span.a_down, ..span.limits };
         if let Some(fall) = fall {
@@ -107,8 +113,11 @@ impl Stretch {
             v_slow: span.slow.shared,
             v_least: min(span.slow.least, span.limits.v),
             is_uneven: span.is_uneven(),
-            smooth: span.smooth,
+            smooth: span.turns.smooth,
             trades: span.trades,
+            knees: span.turns.knees,
+            is_many: span.blocks > 1,
+            bought: span.slow.bought,
             rapid: span.rapid,
             end,
             v_out: span.v_out,
@@ -119,6 +128,16 @@ impl Stretch {
     fn permits(&self, motion: &Instant) -> bool {
         let decel = speed_f32(motion.accel.wrapping_neg());
         matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.limits.a_down
+    }
+
+    /// Where acceleration is bought with speed: the highest speed without, and the acceleration at standstill.
+    fn bought(&self) -> Option<(f32, f32)> {
+        let Limits { v, a_down, .. } = self.limits;
+        if self.trades {
+            Some((self.v_least, a_down))
+        } else {
+            self.bought.then(|| (v, sqrt_f32(2.0 * v * self.limits.jerk(2))))
+        }
     }
 
     /// Highest speed at which a law with these limits may be in it.
@@ -296,8 +315,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let Some(stretch) = self.ahead(&mut cursor, span, false) else { return Err(spans.max(1)) };
             let mut cap = stretch.cap(limits);
             if spans > 0 {
-                if stretch.trades && !short {
-                    cap = min(cap, brake.trade(&self.profile, stretch.v_least, stretch.limits.a_down));
+                if !short && let Some((v, a)) = stretch.bought() {
+                    cap = min(cap, brake.trade(&self.profile, v, a));
                 }
                 cap = min(cap, speed_f32(stretch.v_in.to_bits()));
             }

@@ -32,6 +32,12 @@ pub const REACTION: u32 = 4;
 /// it, and there is one change at a time.
 const NEAR: u32 = 64;
 
+/// A way down is looked at anew where it has lost that power of two of its speed since the last time, if it has
+/// so many ticks left. Another one is shorter by that power of two.
+const SLOWED: u32 = 3;
+const WORTH: u32 = 8;
+const SHORTER: u32 = 5;
+
 /// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
 
@@ -55,6 +61,8 @@ pub(super) struct Mode {
     tried: Option<u32>,
     /// What a way down passes, until its spans know.
     pub(super) passed: Option<Passed>,
+    /// At that speed a shorter way down is looked for: [`Planning::stand_sooner`].
+    slowed: Speed,
 }
 
 impl Mode {
@@ -69,10 +77,16 @@ impl Mode {
         cut: None,
         tried: None,
         passed: None,
+        slowed: Speed::ZERO,
     };
 
     /// From a standstill that was no command; what the commands are is to be looked at.
     pub const AGAIN: Self = Self { busy: true, uneven: true, ..Self::RUN };
+
+    /// A way to a standstill is handed out.
+    pub(super) const fn is_standing(&self) -> bool {
+        self.standing
+    }
 
     /// A way to a standstill is made behind the law with the emitter, whatever the commands are.
     pub const fn stop(self) -> Self {
@@ -154,7 +168,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.trim();
         // What has been handed out holds: a span knows of one standstill only.
         if self.queue.clock.now() != self.frontier.end {
-            return Some(Work::Waiting);
+            return Some(self.stand_sooner().unwrap_or(Work::Waiting));
         }
         if commands.abort {
             if self.queue.control.commands().abort {
@@ -168,6 +182,49 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.orders.mode = Mode { cut: self.orders.mode.cut, ..Mode::RUN };
         None
+    }
+
+    /// The slower the motion, the more deceleration the axes have for it, and what was in its way is behind. So
+    /// on its way down another one takes its place, if that is shorter by a part.
+    #[inline(never)]
+    fn stand_sooner(&mut self) -> Option<Work> {
+        let at = self.queue.clock.now().wrapping_add(clock::TICK * self.orders.lead);
+        let worth = clock::is_before(at.wrapping_add(clock::TICK * WORTH), self.frontier.end);
+        if !worth || self.orders.mode.cut.is_some() || self.reserve.behind.is_some() {
+            return None;
+        }
+        let motion = self.motion_at(at)?;
+        let slowed = self.orders.mode.slowed.to_bits();
+        if slowed > 0 && motion.speed > slowed {
+            return None;
+        }
+        self.orders.mode.slowed = Speed::from_bits(motion.speed - (motion.speed >> SLOWED));
+        // The way in the queue is still new.
+        if slowed == 0 {
+            return None;
+        }
+        self.orders.trying = true;
+        let stands = self.motion_at(self.frontier.end)?.distance;
+        let k = (0..self.committed.len()).find(|&k| {
+            self.committed.get(k).is_some_and(|committed| committed.end().wrapping_sub(motion.distance) > 0)
+        })?;
+        let descent = self.descend(k, &motion)?;
+        let [way, now] = [descent.brake.end, stands].map(|end| end.wrapping_sub(motion.distance));
+        if descent.brake.v_out > 0 || way >= now - (now >> SHORTER) {
+            return None;
+        }
+        let work = self.change(k, at, Some(descent))?;
+        // All of it is handed out, or nothing of it counts.
+        if self.reserve.pending.is_some() {
+            self.undo();
+            return None;
+        }
+        // Spans that the other way passed were to begin at its end.
+        let passed = |committed: &&mut CommittedSpan| clock::is_before(at, committed.first);
+        for committed in self.committed.among(0, k + 1).filter(passed) {
+            committed.first = at;
+        }
+        Some(work)
     }
 
     /// What is left of a dwell goes, if nothing but that is left.

@@ -132,7 +132,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
             None => element.shape.end(&base, self.entered),
         }
         self.ring.before(gate);
-        self.ring.push(element, limits, pass.feed.is_none(), self.dynamics, long);
+        self.ring.push(element, limits, pass.feed, self.dynamics, long);
         self.dynamics.settle();
         if pass.stop {
             self.ring.stop_here();

@@ -44,8 +44,8 @@ struct Begin {
     cursor: Cursor,
     /// Number of its first curve.
     curve: u32,
-    /// Near a transition behind.
-    corners: bool,
+    /// Near the start of its first span.
+    starts: bool,
     /// Limits of its first span.
     planned: Limits,
     /// Highest speed.
@@ -72,7 +72,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let first = self.queue.segments.recent(curve)?;
         let behind = motion.distance.wrapping_sub(first.start.to_bits());
         let is_line = first.shape.is_line();
-        let corners = behind <= KNEE_TICKS * (motion.speed >> 14);
+        let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
         let (planned, ends, mut way) = self.as_planned(cursor, span, motion)?;
         if is_line && Brake::fits(motion, ends[0], &planned, CLOSE) {
             return None;
@@ -84,7 +84,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let v = fastest(speed_f32(motion.speed), accel, &planned);
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
-        let begin = Begin { cursor, curve, corners, planned, v, begun, left: Cell::new(CURVES) };
+        let begin = Begin { cursor, curve, starts, planned, v, begun, left: Cell::new(CURVES) };
         let [_, end] = ends;
         let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
         if stepped
@@ -225,12 +225,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         parts: &Parts,
         mut braking: Braking,
     ) -> Option<Braking> {
-        let Begin { mut cursor, mut curve, mut corners, begun, .. } = *begin;
+        let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
         let mut at = motion.distance;
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
-        let stands = parts.last().map_or(at, |(.., end)| *end);
-        corners |= stands.wrapping_sub(self.queue.segments.recent(curve)?.end()) >= 0;
+        let mut corners = stretch.knees && (starts || stretch.is_many);
         for (stage, (v, change, until)) in parts.iter().enumerate() {
             while until.wrapping_sub(at) > 0 {
                 let mut end = *until;
@@ -261,6 +260,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 if stretch.end.wrapping_sub(end) <= 0 && until.wrapping_sub(at) > 0 {
                     stretch = self.ahead(&mut cursor, span, false)?;
                     v_in = speed_f32(stretch.v_in.to_bits());
+                    corners = stretch.knees;
+                    if corners {
+                        // It shows before it, too.
+                        self.dynamics.stopping(&bounds, &Passed { corners, ..passed }, &mut braking)?;
+                    }
                 }
             }
         }
