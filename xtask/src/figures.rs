@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
 pub(crate) const LIMITS: [(&str, u64); 35] = [
-    ("total.block_mean_plain_3_axes", 7600),
+    ("total.block_mean_plain_3_axes", 7650),
     ("total.block_mean_3_axes", 19_000),
     ("case.surface.block_mean", 25_000),
     ("case.splines.block_mean", 85_000),
@@ -40,8 +40,8 @@ pub(crate) const LIMITS: [(&str, u64); 35] = [
     ("stack.bound_start_3_axes", 8704),
     ("stack.bound_poll_3_axes", 7424),
     ("stack.bound_poll_6_axes", 8192),
-    ("beside.tick_32_taps", 215),
-    ("beside.tick_moving_average", 72),
+    ("beside.tick_32_taps", 160),
+    ("beside.tick_moving_average", 40),
     ("beside.tick_oscillating_axis", 120),
     ("beside.bytes_per_tap", 10),
     ("beside.bytes_per_overlay", 3584),
@@ -54,7 +54,7 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 12] = [
+pub(crate) const GOALS: [(&str, u64); 10] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
     ("total.poll_max_3_axes", 40_000),
@@ -65,8 +65,6 @@ pub(crate) const GOALS: [(&str, u64); 12] = [
     ("flash.reference", 256 * 1024),
     ("stack.bound_poll_3_axes", 4096),
     ("stack.bound_poll_6_axes", 4096),
-    ("beside.tick_32_taps", 160),
-    ("beside.tick_moving_average", 40),
 ];
 
 /// Programs in contour mode, with curves in corners.
