@@ -29,9 +29,11 @@ impl Braking {
         self.a[0] <= other.a[0] && self.a[1] <= other.a[1] && self.j <= other.j
     }
 
-    /// A part of it.
-    pub fn part(&self, part: f32) -> Self {
-        Self { a: self.a.map(|a| a * part), j: self.j * part }
+    /// Less than that, where it is less than `tried`: by as much again, or by a part.
+    pub fn below(&self, tried: &Self) -> Self {
+        let below = |left: f32, tried: f32| max(left - max(tried - left, 0.0), left * LESS);
+        let [a, b] = self.a;
+        Self { a: [below(a, tried.a[0]), below(b, tried.a[1])], j: below(self.j, tried.j) }
     }
 }
 
@@ -133,6 +135,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
+/// What is left of it at least.
+const LESS: f32 = 0.94;
 /// Less is none.
 const LEAST: f32 = 1e-11;
 /// In place of a zero in a denominator.

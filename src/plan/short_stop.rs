@@ -27,9 +27,8 @@ const SLOWS: Speeds = [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.55, 0.5];
 const NEARLY: f32 = 1.2;
 /// The same with another slope, in place of several laws.
 const FAIRLY: f32 = 1.6;
-/// Rounds, and what a round leaves of what the axes permit.
+/// Rounds.
 const ROUNDS: usize = 6;
-const LESS: f32 = 0.97;
 /// Most parts of curves that are looked at for one standstill.
 const CURVES: usize = 48;
 /// A knee shows in so many ticks.
@@ -73,8 +72,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let behind = motion.distance.wrapping_sub(first.start.to_bits());
         let is_line = first.shape.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
-        let (planned, ends, mut way) = self.as_planned(cursor, span, motion)?;
-        if is_line && Brake::fits(motion, ends[0], &planned, CLOSE) {
+        let (planned, is_many, ends, mut way) = self.as_planned(cursor, span, motion)?;
+        // Of several blocks the limits are those of the worst one.
+        if is_line && !is_many && Brake::fits(motion, ends[0], &planned, CLOSE) {
             return None;
         }
         if surely {
@@ -164,20 +164,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if braking.is_within(&left) {
                 return Some((brake, limits, needs / nearest));
             }
-            braking = left.part(LESS);
+            braking = left.below(&braking);
         }
         None
     }
 
-    /// The limits of the first span, its end and the path distance up to which a deceleration may go on, and how
-    /// much path a standstill takes with the limits of the spans, if that is one law.
+    /// The limits of the first span, whether it is of several blocks, its end and the path distance up to which a
+    /// deceleration may go on, and how much path a standstill takes with the limits of the spans, if that is one
+    /// law.
     fn as_planned(
         &self,
         mut cursor: Cursor,
         span: &mut ReleasedSpan,
         motion: &Instant,
-    ) -> Option<(Limits, [i64; 2], f32)> {
-        let Stretch { limits: planned, end: first, .. } = self.ahead(&mut cursor, span, false)?;
+    ) -> Option<(Limits, bool, [i64; 2], f32)> {
+        let Stretch { limits: planned, is_many, end: first, .. } = self.ahead(&mut cursor, span, false)?;
         let mut end = first;
         let mut limits = planned;
         let room = |end: i64| to_f32(end.wrapping_sub(motion.distance)) * (1.0 / (1u64 << 44) as f32);
@@ -202,7 +203,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 _ => break,
             }
         }
-        Some((planned, [first, end], way))
+        Some((planned, is_many, [first, end], way))
     }
 
     /// The number of the curve that a path distance is on.

@@ -11,6 +11,9 @@ pub(crate) const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
 /// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
 const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
+/// A slowing down is as hard as another one with that part of its limits: what it is faster by is less than speeds
+/// leave for rounding.
+const AS_HARD: f32 = 1.0 - 1.0 / 131_072.0;
 /// An acceleration below this part of another one is far less.
 const WEAK: f32 = 1.0 / 64.0;
 /// The same between parts of one curve.
@@ -197,16 +200,16 @@ impl Limits {
         }
     }
 
-    /// Whether a slowing down with these limits is at least as hard as with the others.
+    /// Whether a slowing down with these limits is at least as hard as with the others, but for rounding.
     pub fn brakes_like(&self, other: &Self) -> bool {
         let ramps = match (&self.law, &other.law) {
             (
                 SlopeLaw::JerkLimited { j: [.., rise, fall], .. },
                 SlopeLaw::JerkLimited { j: [.., other_rise, other_fall], .. },
-            ) => rise >= other_rise && fall >= other_fall,
+            ) => *rise >= other_rise * AS_HARD && *fall >= other_fall * AS_HARD,
             _ => false,
         };
-        ramps && self.a_down >= other.a_down
+        ramps && self.a_down >= other.a_down * AS_HARD
     }
 
     /// Of STEP: whether each of its decelerations is above those of the others.
