@@ -24,16 +24,15 @@ impl Braking {
     /// All of it.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: f32::MAX };
 
-    /// Whether none of it is more than of the other.
-    pub fn is_within(&self, other: &Self) -> bool {
-        self.a[0] <= other.a[0] && self.a[1] <= other.a[1] && self.j <= other.j
-    }
-
-    /// Less than that, where it is less than `tried`: by as much again, or by a part.
-    pub fn below(&self, tried: &Self) -> Self {
-        let below = |left: f32, tried: f32| max(left - max(tried - left, 0.0), left * LESS);
+    /// Less than `left`, where that is less than `self`: by as much again, or by a part. `None` where all of it is
+    /// left.
+    pub fn less(&self, left: &Self) -> Option<Self> {
+        if *left == *self {
+            return None;
+        }
+        let less = |tried: f32, left: f32| max(left - (tried - left), left * LESS);
         let [a, b] = self.a;
-        Self { a: [below(a, tried.a[0]), below(b, tried.a[1])], j: below(self.j, tried.j) }
+        Some(Self { a: [less(a, left.a[0]), less(b, left.a[1])], j: less(self.j, left.j) })
     }
 }
 

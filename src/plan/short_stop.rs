@@ -72,9 +72,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let behind = motion.distance.wrapping_sub(first.start.to_bits());
         let is_line = first.shape.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
-        let (planned, is_many, ends, mut way) = self.as_planned(cursor, span, motion)?;
+        let (now, ends, mut way) = self.as_planned(cursor, span, motion)?;
+        let planned = now.limits;
         // Of several blocks the limits are those of the worst one.
-        if is_line && !is_many && Brake::fits(motion, ends[0], &planned, CLOSE) {
+        if is_line && !now.is_many && Brake::fits(motion, ends[0], &planned, CLOSE) {
             return None;
         }
         if surely {
@@ -161,26 +162,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 (from, min(v - to, from), until)
             });
             let left = self.permitted(begin, span, motion, &parts, braking)?;
-            if braking.is_within(&left) {
+            let Some(less) = braking.less(&left) else {
                 return Some((brake, limits, needs / nearest));
-            }
-            braking = left.below(&braking);
+            };
+            braking = less;
         }
         None
     }
 
-    /// The limits of the first span, whether it is of several blocks, its end and the path distance up to which a
-    /// deceleration may go on, and how much path a standstill takes with the limits of the spans, if that is one
-    /// law.
+    /// The first stretch, its end and the path distance up to which a deceleration may go on, and how much path a
+    /// standstill takes with the limits of the spans, if that is one law.
     fn as_planned(
         &self,
         mut cursor: Cursor,
         span: &mut ReleasedSpan,
         motion: &Instant,
-    ) -> Option<(Limits, bool, [i64; 2], f32)> {
-        let Stretch { limits: planned, is_many, end: first, .. } = self.ahead(&mut cursor, span, false)?;
+    ) -> Option<(Stretch, [i64; 2], f32)> {
+        let now = self.ahead(&mut cursor, span, false)?;
+        let (first, mut limits) = (now.end, now.limits);
         let mut end = first;
-        let mut limits = planned;
         let room = |end: i64| to_f32(end.wrapping_sub(motion.distance)) * (1.0 / (1u64 << 44) as f32);
         let needs = |limits: &Limits, end: i64| {
             let needs = Brake::needs(motion, limits);
@@ -203,7 +203,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 _ => break,
             }
         }
-        Some((planned, is_many, [first, end], way))
+        Some((now, [first, end], way))
     }
 
     /// The number of the curve that a path distance is on.
@@ -231,42 +231,38 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
         let mut corners = stretch.knees && (starts || stretch.is_many);
-        for (stage, (v, change, until)) in parts.iter().enumerate() {
+        for (part, (v, change, until)) in parts.iter().enumerate() {
+            let stage = usize::from(part >= STAGE);
             while until.wrapping_sub(at) > 0 {
-                let mut end = *until;
-                if stretch.end.wrapping_sub(end) < 0 {
-                    end = stretch.end;
-                }
+                let goes_on = until.wrapping_sub(stretch.end) > 0;
+                let end = if goes_on { stretch.end } else { *until };
                 let mut bounds = Bounds::NONE;
                 loop {
                     let segment = self.queue.segments.recent(curve)?;
                     let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
                     begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
                     let [from, to] = [at, end].map(|at| at.wrapping_sub(segment.start.to_bits()));
-                    let to = to.min(segment.shape.length.to_bits());
-                    if to > from.max(0) {
-                        segment.shape.bend([from.max(0), to], &mut bounds);
+                    let (from, to) = (from.max(0), to.min(segment.shape.length.to_bits()));
+                    if to > from {
+                        segment.shape.bend([from, to], &mut bounds);
                     }
                     if segment.end().wrapping_sub(end) >= 0 {
                         break;
                     }
                     curve = curve.wrapping_add(1);
                 }
-                let by_ramps = self.intake.uniform.by_ramps;
-                let (rapid, stage) = (stretch.rapid, usize::from(stage >= STAGE));
-                let change = [begun, *change];
-                let passed = Passed { v: min(*v, v_in), rapid, by_ramps, change, stage, corners };
-                self.dynamics.stopping(&bounds, &passed, &mut braking)?;
-                at = end;
-                if stretch.end.wrapping_sub(end) <= 0 && until.wrapping_sub(at) > 0 {
+                let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);
+                if goes_on {
                     stretch = self.ahead(&mut cursor, span, false)?;
                     v_in = speed_f32(stretch.v_in.to_bits());
                     corners = stretch.knees;
-                    if corners {
-                        // It shows before it, too.
-                        self.dynamics.stopping(&bounds, &Passed { corners, ..passed }, &mut braking)?;
-                    }
+                    // It shows before it, too.
+                    knee |= corners;
                 }
+                let by_ramps = self.intake.uniform.by_ramps;
+                let passed = Passed { v, rapid, by_ramps, change: [begun, *change], stage, corners: knee };
+                self.dynamics.stopping(&bounds, &passed, &mut braking)?;
+                at = end;
             }
         }
         Some(braking)
