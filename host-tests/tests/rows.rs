@@ -1,4 +1,5 @@
 //! Rows of docs/conformance.md of which a fault in the code was seen by no other test.
+use glidepath::machine::AxisKind;
 use glidepath::nc::{Contour, ContourMethod};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
@@ -42,7 +43,7 @@ fn no_method_makes_a_curve_straight_on_or_straight_back() {
     }
 }
 
-/// With HSC all four changes of acceleration take the longest of the four ramp times.
+/// CF-05: with HSC all four changes of acceleration take the longest of the four ramp times.
 #[test]
 fn hsc_has_the_longest_ramp_time() {
     let mut machine = machines::uneven::<3>(1000);
@@ -86,7 +87,7 @@ fn an_interim_point_leaves_no_block_out() {
     }
 }
 
-/// PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the
+/// CF-33, PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the
 /// smaller one counts.
 #[test]
 fn a_distance_of_ptp_counts_without_its_deviation() {
@@ -104,4 +105,86 @@ fn a_distance_of_ptp_counts_without_its_deviation() {
     assert!((4.5..5.4).contains(&shorter) && off > 0.1, "{shorter} mm before the corner, {off} mm off");
     let (_, kept) = corner("PTP PATH_DIST=20 PATH_DEV=0.3");
     assert!(kept <= 0.3 + 1e-3, "{kept} mm off");
+}
+
+/// D3-003, every slope with every method: of 100 mm the first half is what it is without a method, and another
+/// one with another slope.
+#[test]
+fn every_slope_goes_with_every_method_d3_003() {
+    let mut machine = machines::with_slope(machines::uneven::<3>(1000), 1);
+    (machine.channel.ptp, machine.channel.surface) = (true, true);
+    // Along X the feed is the same.
+    let led = machines::feeding(machine, &[0]);
+    let methods = [
+        ("#CONTOUR MODE ON [DEV PATH_DEV=0.2]", "#CONTOUR MODE OFF"),
+        ("#CONTOUR MODE ON [DIST PRE_DIST=2 POST_DIST=2]", "#CONTOUR MODE OFF"),
+        ("#CONTOUR MODE ON [POS PRE_DIST=4 POST_DIST=4 X100 Y0.3]", "#CONTOUR MODE OFF"),
+        ("#CONTOUR MODE ON [DIST_SOFT PATH_DIST=4]", "#CONTOUR MODE OFF"),
+        ("#CONTOUR MODE ON [DIST_MASTER SYM_DIST=4]", "#CONTOUR MODE OFF"),
+        ("#CONTOUR MODE ON [PTP PATH_DIST=4]", "#CONTOUR MODE OFF"),
+        ("#HSC ON [SURFACE PATH_DEV=0.2]", "#HSC OFF"),
+        ("#HSC ON [BSPLINE PATH_DEV=0.2]", "#HSC OFF"),
+    ];
+    let moved = |slope: &str, (on, off): (&str, &str)| {
+        let path = "N10 G01 X100 F9000\nN20 X150 Y40\nN30 X160 Y90";
+        let text = format!("#SLOPE [TYPE={slope}]\n{on}\n{path}\n{off}\nM30\n");
+        let machine = if on.contains("DIST_MASTER") { &led } else { &machine };
+        let run = run_from(&text, [Position::ZERO; 3], machine);
+        let begins = (0..run.trace.len()).map(|row| run.trace.mm(row)).take_while(|q| q[0] < 50.0);
+        (begins.collect::<Vec<_>>(), run.distance([100.0, 0.0]), run.trace.mm(run.trace.len() - 1))
+    };
+    // Limits of a spline are rounded: 1.2 µm here.
+    let alike = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a[0] - b[0]).abs() < 2e-3)
+    };
+    let mut plain: Vec<Vec<Vec<f64>>> = Vec::new();
+    for slope in ["STEP", "TRAPEZ", "SIN2", "HSC"] {
+        let (alone, off, _) = moved(slope, ("(none)", "(none)"));
+        assert!(off < 1e-3, "{slope}: {off} mm off");
+        assert!(!plain.iter().any(|other| alike(other, &alone)), "{slope} is another one");
+        for method in methods {
+            let (begins, off, end) = moved(slope, method);
+            assert!(alike(&begins, &alone), "{slope}, {}: another begin", method.0);
+            assert!(off > 0.02, "{slope}, {}: {off} mm off", method.0);
+            assert_eq!(end[..2], [160.0, 90.0], "{slope}, {}", method.0);
+        }
+        plain.push(alone);
+    }
+}
+
+/// CF-17, P-AXIS-00001 and P-AXIS-00011 of a spindle count for nothing, whatever they are.
+#[test]
+fn a_spindle_limits_nothing_cf_17() {
+    let path = "S1000 M3\nN10 G01 X100 F9000\nN20 Y60\nN30 G00 X20\nM30\n";
+    for slope in [0, 1] {
+        let moved = |of_spindle: u32| {
+            let mut machine = machines::with_slope(machines::uneven::<4>(1000), slope);
+            let spindle = &mut machine.axes[3];
+            spindle.kind = AxisKind::Spindle;
+            (spindle.a_beschl, spindle.a_stufe) = (of_spindle, [of_spindle; 2]);
+            (spindle.a_brems, spindle.d_stufe, spindle.a_max) = (of_spindle, [of_spindle; 2], of_spindle);
+            run_from(path, [Position::ZERO; 4], &machine)
+        };
+        let [usual, weak, none] = [1000, 1, 0].map(moved);
+        assert!(usual.trace.len() > 1000 && usual.trace.columns[3].iter().all(|turned| *turned == 0));
+        assert_eq!((usual.digest, usual.digest), (weak.digest, none.digest), "slope {slope}");
+    }
+}
+
+/// CF-26, each axis that moves before the corner has not come to its end when each one behind it leaves.
+#[test]
+fn with_dist_soft_all_axes_bend_cf_26() {
+    let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=8]\nN10 G01 X40 Z10 A30 F6000\nN20 G260 Y40 B30\nM30\n";
+    let machine = machines::mill::<5>(1000);
+    let run = run_from(text, [Position::ZERO; 5], &machine);
+    let rows: Vec<Vec<f64>> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+    let [before, behind] = [&[(0, 40.0), (2, 10.0), (3, 30.0)][..], &[(1, 40.0), (4, 30.0)][..]];
+    for (leaves, _) in behind {
+        let first = rows.iter().find(|q| q[*leaves] > 1e-6).expect("it moves");
+        for (axis, end) in before {
+            assert!(first[*axis] < end - 0.05, "axis {axis} is at {} when {leaves} leaves", first[*axis]);
+        }
+    }
+    let last = rows.last().expect("it moves");
+    assert!(before.iter().chain(behind).all(|(axis, end)| (last[*axis] - end).abs() < 1e-9), "{last:?}");
 }
