@@ -241,7 +241,7 @@ pub fn smooth<const AXES: usize>(
     let dynamics = Dynamics::new(machine);
     let ChannelData { check_jerk_on_poly_path: check_jerk, merge_chords, .. } = machine.channel;
     let preset = Preset { check_jerk, chords: f32::from(merge_chords) * 0.01 };
-    let mut stage = Smoothing::new(Measure::of(machine), preset, false);
+    let mut stage = Smoothing::new(Measure::of(machine), preset, 0);
     switch(&mut stage);
     let mut out = Vec::new();
     let mut at = blocks[0].from;

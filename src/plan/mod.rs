@@ -303,7 +303,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let channel = &machine.channel;
         let chords = f32::from(channel.merge_chords) * 0.01;
         let preset = Preset { check_jerk: channel.check_jerk_on_poly_path, chords };
-        let smoothing = smoothing.write(Smoothing::new(measure, preset, channel.auto_contour_mode == 1));
+        let smoothing = smoothing.write(Smoothing::new(measure, preset, channel.auto_contour_mode));
         let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {

@@ -2,6 +2,7 @@
 //!
 //! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
 //! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
+mod alternating;
 pub mod contour;
 pub mod spline;
 pub mod surface;
@@ -13,6 +14,7 @@ use crate::nc::{
 };
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
+use alternating::Alternating;
 use contour::{Contouring, Preset};
 use spline::{DirectParameters, HscParameters, Mode, Splining, Start};
 use surface::Surface;
@@ -143,6 +145,8 @@ enum Kind<const AXES: usize> {
     Contour(Contouring<AXES>),
     /// G151, #HSC \[BSPLINE\], #HSC \[OPMODE=2\].
     Spline(Splining<AXES>),
+    /// #HSC \[BSPLINE\] with P-CHAN-00239.
+    Alternating(Alternating<AXES>),
     /// #HSC \[SURFACE\].
     Surface(Surface<AXES>),
 }
@@ -214,8 +218,8 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, off; `rounds`: P-CHAN-00239 asks for curves where the HSC B-spline deselects itself.
-    pub fn new(measure: Measure, preset: Preset, rounds: bool) -> Self {
+    /// Contour mode, off; `auto_contour_mode`: P-CHAN-00239.
+    pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         let contouring = Contouring::new(measure, preset);
         let check_jerk = preset.check_jerk;
         Self {
@@ -223,7 +227,7 @@ impl<const AXES: usize> Smoothing<AXES> {
             contour: contouring.settings(),
             kind: Kind::Contour(contouring),
             spline: DirectParameters::at_start(),
-            hsc: HscParameters::new(rounds),
+            hsc: HscParameters::new(auto_contour_mode),
             surface: surface::Parameters::new(check_jerk),
             selected: Selected::None,
             wanted: None,
@@ -442,7 +446,13 @@ impl<const AXES: usize> Smoothing<AXES> {
                 Kind::Contour(Contouring::with(self.measure, &self.contour.on_with(&dev)))
             }
             Wanted::Spline(start) => {
-                Kind::Spline(Splining::new(self.measure, self.contour.check_jerk_of_channel(), start))
+                let splining = Splining::new(self.measure, self.contour.check_jerk_of_channel(), start);
+                match start.mode {
+                    Mode::Control(rules) if rules.rounds_arcs => {
+                        Kind::Alternating(Alternating::new(self.measure, splining, rules, &self.contour))
+                    }
+                    _ => Kind::Spline(splining),
+                }
             }
             Wanted::Surface => Kind::Surface(Surface::new(self.measure, &self.surface)),
         };
@@ -455,6 +465,7 @@ macro_rules! at_work {
         match &mut $smoothing.kind {
             Kind::Contour($kind) => $what,
             Kind::Spline($kind) => $what,
+            Kind::Alternating($kind) => $what,
             Kind::Surface($kind) => $what,
         }
     };
@@ -462,6 +473,7 @@ macro_rules! at_work {
         match &$smoothing.kind {
             Kind::Contour($kind) => $what,
             Kind::Spline($kind) => $what,
+            Kind::Alternating($kind) => $what,
             Kind::Surface($kind) => $what,
         }
     };

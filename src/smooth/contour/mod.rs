@@ -452,6 +452,12 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
+    /// Whether something goes out before anything comes in.
+    pub(super) fn hands_out(&self) -> bool {
+        let goes_out = self.held.as_ref().is_some_and(|held| held.rule.is_none());
+        self.is_before || self.bridge.is_some() || goes_out
+    }
+
     /// The block that waits comes in, when what is before it is done and gone and it need not wait for
     /// another one; or the line over blocks left out, when no more of them come. Whether one does.
     #[inline(never)]

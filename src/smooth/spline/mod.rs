@@ -209,7 +209,7 @@ impl<const AXES: usize> Splining<AXES> {
     }
 
     /// Whether a straight block is a leg of the curve: the axes along the path travel what its path says.
-    fn is_leg(&self, block: &ProgrammedBlock<AXES>) -> bool {
+    pub fn is_leg(&self, block: &ProgrammedBlock<AXES>) -> bool {
         let travel = window::travel(&block.from, &block.to);
         let length = to_f32(block.element.shape.length.to_bits()) * LSB_44;
         let along = size(self.window.axes(), &travel);

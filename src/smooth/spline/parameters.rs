@@ -103,13 +103,15 @@ pub struct Rules {
     pub longest: f32,
     /// Cosine of MAX_ANGLE.
     pub cosine: f32,
-    /// P-CHAN-00239: points where it deselects itself are rounded.
+    /// P-CHAN-00239 = 1: points where it deselects itself are rounded.
     pub rounds: bool,
+    /// P-CHAN-00239 = 1 or 2: so are the ends of arcs.
+    pub rounds_arcs: bool,
 }
 
 impl HscParameters {
-    /// As at program start; `rounds` as in [`Rules`].
-    pub fn new(rounds: bool) -> Self {
+    /// As at program start. `auto_contour_mode`: P-CHAN-00239.
+    pub fn new(auto_contour_mode: u8) -> Self {
         let rules = Rules {
             path_dev: PATH_DEV,
             track_dev: TRACK_DEV,
@@ -120,14 +122,17 @@ impl HscParameters {
             merge: false,
             longest: f32::MAX,
             cosine: cosine(MAX_ANGLE),
-            rounds,
+            rounds: auto_contour_mode == 1,
+            rounds_arcs: auto_contour_mode != 0,
         };
         Self { method: HscMethod::Surface, rules, conterror: CONTERROR }
     }
 
     /// As at program start.
     pub fn restarted(&self) -> Self {
-        Self::new(self.rules.rounds)
+        let Rules { rounds, rounds_arcs, .. } = self.rules;
+        let new = Self::new(0);
+        Self { rules: Rules { rounds, rounds_arcs, ..new.rules }, ..new }
     }
 
     /// CONTERROR, mm.
