@@ -108,6 +108,7 @@ impl Line {
     }
 
     /// The place of a part of the line.
+    #[inline(never)]
     pub fn place(&self, span: Span) -> Place {
         let mut found = Anchor::default();
         for anchor in &self.anchors {

@@ -254,6 +254,11 @@ impl Limits {
         }
     }
 
+    /// Highest jerk of a ramp.
+    pub fn steepest(&self) -> f32 {
+        (0..4).fold(0.0, |most, ramp| max(most, self.jerk(ramp)))
+    }
+
     /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has
     /// no jerk.
     pub fn along(&self) -> Option<[f32; 3]> {

@@ -5,20 +5,23 @@
 //! A line with an arc on one side is halved: one half is the last or the first leg of the curve, the other one a
 //! block of contour mode, of which a corner takes half at most. Both go straight where they meet.
 use super::contour::{Contouring, Settings};
-use super::spline::{Rules, Splining};
+use super::spline::{Mode, Rules, Splining, Start, is_leg};
 use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
 use crate::nc::{Contour, ContourMethod, NcWarningKind, Place};
-use crate::path::{Measure, line};
+use crate::path::{Element, Measure, line};
 use crate::quantity::Position;
 
-/// Which of the two is at work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Turn {
+/// The one at work.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
+enum Turn<const AXES: usize> {
+    /// Neither yet.
+    None,
     /// The B-spline.
-    Curve,
+    Curve(Splining<AXES>),
     /// Contour mode.
-    Corner,
+    Corner(Contouring<AXES>),
 }
 
 /// A block that waits, and what stands before it.
@@ -29,131 +32,152 @@ type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 pub struct Alternating<const AXES: usize> {
     measure: Measure,
     rules: Rules,
-    curve: Splining<AXES>,
-    corner: Contouring<AXES>,
-    turn: Turn,
+    /// Of contour mode.
+    settings: Settings,
+    turn: Turn<AXES>,
     /// The last line, or the half of it behind a corner.
     last: Option<Waiting<AXES>>,
     /// The block behind it, until what is before it is done.
     next: Option<Waiting<AXES>>,
     /// Nothing follows for now; `true` demands a standstill.
     ending: Option<bool>,
+    /// What is to be said about a corner.
+    remark: Option<NcWarningKind>,
 }
 
 impl<const AXES: usize> Alternating<AXES> {
-    /// On. `settings`: of contour mode, for what the tolerance does not say.
-    pub fn new(measure: Measure, curve: Splining<AXES>, rules: Rules, settings: &Settings) -> Self {
-        let [path, track] = [rules.path_dev, rules.track_dev]
-            .map(|mm| Some(Position::from_bits((mm * (1u64 << 32) as f32) as i64)));
-        let dev = Contour {
-            method: Some(ContourMethod::Dev),
-            path_dev: path,
-            track_dev: track,
-            relevant_path: path,
-            relevant_track: track,
-            ..Contour::default()
-        };
-        let corner = Contouring::with(measure, &settings.on_with(&dev));
-        Self { measure, rules, curve, corner, turn: Turn::Curve, last: None, next: None, ending: None }
+    /// On, with contour mode as [`settings`] says.
+    #[inline(always)]
+    pub const fn new(measure: Measure, rules: Rules, settings: Settings) -> Self {
+        Self {
+            measure,
+            rules,
+            settings,
+            turn: Turn::None,
+            last: None,
+            next: None,
+            ending: None,
+            remark: None,
+        }
     }
 
     /// Whether the curve is deselected for this block, and the corners beside it are rounded.
     fn is_beside(&self, block: &ProgrammedBlock<AXES>) -> bool {
-        block.form != Form::Line || (self.rules.rounds && !self.curve.is_leg(block))
+        block.form != Form::Line || (self.rules.rounds && !is_leg(&self.measure, block))
     }
 
-    /// Both halves of a line.
-    fn halves(&self, block: &ProgrammedBlock<AXES>) -> Option<[ProgrammedBlock<AXES>; 2]> {
-        let mut middle = block.from;
-        for (x, to) in middle.iter_mut().zip(&block.to) {
-            *x = Position::from_bits(x.to_bits() + (to.to_bits().saturating_sub(x.to_bits()) >> 1));
+    /// Whether the one at work has nothing left.
+    fn is_done(&self) -> bool {
+        match &self.turn {
+            Turn::None => true,
+            Turn::Curve(curve) => curve.is_empty(),
+            Turn::Corner(corner) => corner.is_empty(),
         }
-        let first = line(&block.from, &middle, &self.measure).ok()??;
-        let second = line(&middle, &block.to, &self.measure).ok()??;
-        let data = super::Data { stop: false, ..block.data };
-        Some([
-            ProgrammedBlock { element: first, to: middle, data, ..*block },
-            ProgrammedBlock { element: second, from: middle, ..*block },
-        ])
     }
 
-    /// The line that waits is a leg of the curve. Only when nothing is to be done.
+    /// The B-spline begins.
+    #[cold]
+    #[inline(never)]
+    fn begin_curve(&mut self) {
+        if let Turn::Corner(corner) = &mut self.turn {
+            self.remark = corner.remark();
+        }
+        let start = Start { mode: Mode::Control(self.rules), slope: None, entry: None };
+        let check_jerk = self.settings.check_jerk_of_channel();
+        self.turn = Turn::Curve(Splining::new(self.measure, check_jerk, &start));
+    }
+
+    /// Contour mode begins.
+    #[cold]
+    #[inline(never)]
+    fn begin_corner(&mut self) {
+        self.turn = Turn::Corner(Contouring::with(self.measure, &self.settings));
+    }
+
+    /// The line that waits is a leg of the curve. Only when nothing is to be done, and contour mode has nothing
+    /// left.
     fn lay(&mut self, dynamics: &Dynamics<AXES>) {
-        self.turn = Turn::Curve;
-        if let Some((line, parting)) = self.last.take() {
-            self.curve.take(&line, dynamics, parting);
+        if !matches!(self.turn, Turn::Curve(_)) {
+            self.begin_curve();
         }
+        if let (Turn::Curve(curve), Some((line, parting))) = (&mut self.turn, &self.last) {
+            curve.take(line, dynamics, *parting);
+        }
+        self.last = None;
     }
 
-    /// The line that waits is a block of contour mode. Only when nothing is to be done.
+    /// The line that waits is a block of contour mode. Only when nothing is to be done, and the curve has
+    /// nothing left.
     fn round(&mut self, dynamics: &Dynamics<AXES>) {
-        self.turn = Turn::Corner;
-        if let Some((line, parting)) = self.last.take() {
-            self.corner.take(&line, dynamics, parting);
+        if !matches!(self.turn, Turn::Corner(_)) {
+            self.begin_corner();
         }
+        if let (Turn::Corner(corner), Some((line, parting))) = (&mut self.turn, &self.last) {
+            corner.take(line, dynamics, *parting);
+        }
+        self.last = None;
     }
 
-    /// The curve ends, in the line that waits if there is more of it.
-    fn end_curve(&mut self, dynamics: &Dynamics<AXES>) {
-        let Some((line, parting)) = self.last else { return };
-        if self.curve.is_empty() {
-            return;
+    /// The one at work ends in the line that waits, of which half is left.
+    fn end(&mut self, dynamics: &Dynamics<AXES>) {
+        let Some((line, parting)) = &mut self.last else { return };
+        let rest = halve(line, &self.measure);
+        match &mut self.turn {
+            Turn::None => {}
+            Turn::Curve(curve) => {
+                curve.take(line, dynamics, *parting);
+                curve.cancel();
+            }
+            Turn::Corner(corner) => {
+                corner.take(line, dynamics, *parting);
+                corner.cancel();
+            }
         }
-        if let Some([first, second]) = self.halves(&line) {
-            self.curve.take(&first, dynamics, parting);
-            self.last = Some((second, Parting::None));
+        if let Some(rest) = rest {
+            (line.from, line.to) = (line.to, rest.to);
+            (line.element, line.data.stop) = (rest.element, rest.stop);
+            *parting = Parting::None;
+        } else {
+            self.last = None;
         }
-        self.curve.cancel();
-    }
-
-    /// Contour mode ends in the line that waits.
-    fn end_corner(&mut self, dynamics: &Dynamics<AXES>) {
-        let Some((line, parting)) = self.last.take() else { return };
-        let halves = self.halves(&line);
-        let first = halves.as_ref().map_or(&line, |[first, _]| first);
-        self.corner.take(first, dynamics, parting);
-        self.corner.cancel();
-        self.last = halves.map(|[_, second]| (second, Parting::None));
     }
 
     /// The block behind the line that waits comes in, when what is before it is done. Whether it does.
-    fn let_in(&mut self, block: &Waiting<AXES>, dynamics: &Dynamics<AXES>) -> bool {
-        let (block, parting) = block;
-        let beside = self.is_beside(block);
-        let is_done = match self.turn {
-            Turn::Curve => self.curve.is_empty(),
-            Turn::Corner if beside => !self.corner.hands_out(),
-            Turn::Corner => self.corner.is_empty(),
+    fn let_in(&mut self, beside: bool, dynamics: &Dynamics<AXES>) -> bool {
+        let is_done = match &self.turn {
+            Turn::Corner(corner) if beside => !corner.hands_out(),
+            _ => self.is_done(),
         };
         if !is_done {
             return false;
         }
-        self.next = None;
         if beside {
             self.round(dynamics);
-            self.corner.take(block, dynamics, *parting);
+            if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
+                corner.take(block, dynamics, *parting);
+            }
         } else {
             self.lay(dynamics);
-            self.last = Some((*block, *parting));
+            self.last = self.next;
         }
+        self.next = None;
         true
     }
 
     /// What is left when the one at work has nothing to do. Whether there is something.
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let Some(next) = self.next {
-            return self.let_in(&next, dynamics);
+        if let Some((next, _)) = &self.next {
+            return self.let_in(self.is_beside(next), dynamics);
         }
         let Some(stop) = self.ending.take() else { return false };
-        match self.turn {
-            Turn::Curve => {
-                self.lay(dynamics);
-                self.curve.flush(stop);
-            }
-            Turn::Corner => {
-                self.round(dynamics);
-                self.corner.flush(stop);
-            }
+        match &self.turn {
+            Turn::None | Turn::Curve(_) => self.lay(dynamics),
+            Turn::Corner(_) => self.round(dynamics),
+        }
+        match &mut self.turn {
+            Turn::None => {}
+            Turn::Curve(curve) => curve.flush(stop),
+            Turn::Corner(corner) => corner.flush(stop),
         }
         true
     }
@@ -162,44 +186,48 @@ impl<const AXES: usize> Alternating<AXES> {
 impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     #[inline(never)]
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
-        let waiting = Some((*block, parting));
-        if self.turn == Turn::Corner && self.last.is_none() && self.corner.is_empty() {
-            self.turn = Turn::Curve;
-        }
-        match (self.turn, self.is_beside(block)) {
-            (Turn::Curve, true) => {
-                self.end_curve(dynamics);
-                self.next = waiting;
-            }
-            (Turn::Curve, false) => {
+        let beside = self.is_beside(block);
+        let waits = match &mut self.turn {
+            Turn::None | Turn::Curve(_) if !beside => {
                 self.lay(dynamics);
-                self.last = waiting;
+                &mut self.last
             }
-            (Turn::Corner, false) if self.last.is_none() => self.last = waiting,
-            (Turn::Corner, true) if self.last.is_none() => self.corner.take(block, dynamics, parting),
-            (Turn::Corner, beside) => {
+            Turn::Curve(curve) if !curve.is_empty() => {
+                self.end(dynamics);
+                &mut self.next
+            }
+            // A curve of that line alone need not begin.
+            Turn::None | Turn::Curve(_) => &mut self.next,
+            Turn::Corner(corner) if self.last.is_none() && beside => {
+                return corner.take(block, dynamics, parting);
+            }
+            Turn::Corner(_) if self.last.is_none() => &mut self.last,
+            Turn::Corner(_) => {
                 if beside {
                     self.round(dynamics);
                 } else {
-                    self.end_corner(dynamics);
+                    self.end(dynamics);
                 }
-                self.next = waiting;
+                &mut self.next
             }
-        }
+        };
+        *waits = Some((*block, parting));
     }
 
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let works = match self.turn {
-            Turn::Curve => self.curve.work(dynamics),
-            Turn::Corner => self.corner.work(dynamics),
+        let works = match &mut self.turn {
+            Turn::None => false,
+            Turn::Curve(curve) => curve.work(dynamics),
+            Turn::Corner(corner) => corner.work(dynamics),
         };
         works || self.go_on(dynamics)
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
-        match self.turn {
-            Turn::Curve => self.curve.emit(into),
-            Turn::Corner => self.corner.emit(into),
+        match &mut self.turn {
+            Turn::None => false,
+            Turn::Curve(curve) => curve.emit(into),
+            Turn::Corner(corner) => corner.emit(into),
         }
     }
 
@@ -214,9 +242,8 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 
     fn clear(&mut self) {
-        self.curve.clear();
-        self.corner.clear();
-        (self.turn, self.last, self.next, self.ending) = (Turn::Curve, None, None, None);
+        self.turn = Turn::None;
+        (self.last, self.next, self.ending) = (None, None, None);
     }
 
     fn restart(&mut self) {
@@ -224,14 +251,18 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 
     fn place(&self) -> Option<Place> {
-        match self.turn {
-            Turn::Curve => self.curve.place(),
-            Turn::Corner => self.corner.place(),
+        match &self.turn {
+            Turn::None => None,
+            Turn::Curve(curve) => curve.place(),
+            Turn::Corner(corner) => corner.place(),
         }
     }
 
     fn remark(&mut self) -> Option<NcWarningKind> {
-        self.corner.remark()
+        match &mut self.turn {
+            Turn::Corner(corner) => self.remark.take().or_else(|| corner.remark()),
+            Turn::None | Turn::Curve(_) => self.remark.take(),
+        }
     }
 
     fn is_idle(&self) -> bool {
@@ -239,17 +270,14 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 
     fn is_empty(&self) -> bool {
-        let is_empty = match self.turn {
-            Turn::Curve => self.curve.is_empty(),
-            Turn::Corner => self.corner.is_empty(),
-        };
-        is_empty && self.last.is_none() && self.next.is_none()
+        self.is_done() && self.last.is_none() && self.next.is_none()
     }
 
     fn rounds(&self) -> bool {
-        match &self.next {
-            Some((next, _)) => self.is_beside(next) && !next.data.stop,
-            None => self.last.is_none() && self.turn == Turn::Corner && self.corner.rounds(),
+        match (&self.next, &self.turn) {
+            (Some((next, _)), _) => self.is_beside(next) && !next.data.stop,
+            (None, Turn::Corner(corner)) => self.last.is_none() && corner.rounds(),
+            (None, Turn::None | Turn::Curve(_)) => false,
         }
     }
 
@@ -261,4 +289,39 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
         // The path does not depend on when the text comes.
         false
     }
+}
+
+/// Contour mode beside arcs; what the rules do not say is in `own`.
+#[inline(never)]
+pub fn settings(rules: &Rules, own: &Settings) -> Settings {
+    let [path, track] = [rules.path_dev, rules.track_dev]
+        .map(|mm| Some(Position::from_bits((mm * (1u64 << 32) as f32) as i64)));
+    own.on_with(&Contour {
+        method: Some(ContourMethod::Dev),
+        path_dev: path,
+        track_dev: track,
+        relevant_path: path,
+        relevant_track: track,
+        ..Contour::default()
+    })
+}
+
+/// What is left of a line.
+struct Rest<const AXES: usize> {
+    element: Element<AXES>,
+    to: [Position; AXES],
+    stop: bool,
+}
+
+/// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
+fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
+    let mut middle = block.from;
+    for (x, to) in middle.iter_mut().zip(&block.to) {
+        *x = Position::from_bits(x.to_bits() + (to.to_bits().saturating_sub(x.to_bits()) >> 1));
+    }
+    let element = line(&middle, &block.to, measure).ok()??;
+    let rest = Rest { element, to: block.to, stop: block.data.stop };
+    block.element = line(&block.from, &middle, measure).ok()??;
+    (block.to, block.data.stop) = (middle, false);
+    Some(rest)
 }

@@ -16,7 +16,7 @@ use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 use alternating::Alternating;
 use contour::{Contouring, Preset};
-use spline::{DirectParameters, HscParameters, Mode, Splining, Start};
+use spline::{DirectParameters, HscParameters, Mode, Rules, Splining, Start};
 use surface::Surface;
 
 /// How a block was programmed, to make its rest anew.
@@ -432,30 +432,45 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[cold]
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {
-        self.kind = match wanted {
-            Wanted::Contour => {
-                let contouring = Contouring::with(self.measure, &self.contour);
-                Kind::Contour(contouring)
-            }
+        match wanted {
+            Wanted::Contour => self.begin_rounding(self.contour),
             Wanted::Rounding => {
                 let dev = Contour {
                     method: Some(ContourMethod::Dev),
                     path_dev: Some(self.hsc.conterror),
                     ..Contour::default()
                 };
-                Kind::Contour(Contouring::with(self.measure, &self.contour.on_with(&dev)))
+                self.begin_rounding(self.contour.on_with(&dev));
             }
-            Wanted::Spline(start) => {
-                let splining = Splining::new(self.measure, self.contour.check_jerk_of_channel(), start);
-                match start.mode {
-                    Mode::Control(rules) if rules.rounds_arcs => {
-                        Kind::Alternating(Alternating::new(self.measure, splining, rules, &self.contour))
-                    }
-                    _ => Kind::Spline(splining),
-                }
+            Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
+                self.begin_alternating(rules);
             }
-            Wanted::Surface => Kind::Surface(Surface::new(self.measure, &self.surface)),
-        };
+            Wanted::Spline(start) => self.begin_curve(start),
+            Wanted::Surface => self.begin_surface(),
+        }
+    }
+
+    // One at a time on the stack.
+    #[inline(never)]
+    fn begin_rounding(&mut self, settings: contour::Settings) {
+        self.kind = Kind::Contour(Contouring::with(self.measure, &settings));
+    }
+
+    #[inline(never)]
+    fn begin_curve(&mut self, start: &Start<AXES>) {
+        let check_jerk = self.contour.check_jerk_of_channel();
+        self.kind = Kind::Spline(Splining::new(self.measure, check_jerk, start));
+    }
+
+    #[inline(never)]
+    fn begin_alternating(&mut self, rules: &Rules) {
+        let (measure, settings) = (self.measure, alternating::settings(rules, &self.contour));
+        self.kind = Kind::Alternating(Alternating::new(measure, *rules, settings));
+    }
+
+    #[inline(never)]
+    fn begin_surface(&mut self) {
+        self.kind = Kind::Surface(Surface::new(self.measure, &self.surface));
     }
 }
 

@@ -160,6 +160,7 @@ impl<const AXES: usize> Piece<AXES> {
 
 /// An end of a cubic of that size, from its start or to its end. Where it has no speed, with the direction from
 /// a point nearby.
+#[inline(never)]
 fn end<const AXES: usize>(axes: &Main, curve: &Quintic<AXES>, u: f32, extent: f32) -> Site<AXES> {
     let site = curve.site(axes, u);
     if size(axes, &curve.first(u)) >= LEAST_SPEED * extent {
@@ -173,6 +174,7 @@ fn end<const AXES: usize>(axes: &Main, curve: &Quintic<AXES>, u: f32, extent: f3
 }
 
 /// Curvature of a path with these derivatives over a parameter, in every axis.
+#[inline(never)]
 pub fn curvature<const AXES: usize>(axes: &Main, first: &[f32; AXES], second: &[f32; AXES]) -> [f32; AXES] {
     let speed = max(size(axes, first), f32::MIN_POSITIVE);
     let tangent = first.map(|x| x / speed);

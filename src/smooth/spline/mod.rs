@@ -208,16 +208,9 @@ impl<const AXES: usize> Splining<AXES> {
         (self.course.part, self.course.joint) = (0, Joint::Corner);
     }
 
-    /// Whether a straight block is a leg of the curve: the axes along the path travel what its path says.
-    pub fn is_leg(&self, block: &ProgrammedBlock<AXES>) -> bool {
-        let travel = window::travel(&block.from, &block.to);
-        let length = to_f32(block.element.shape.length.to_bits()) * LSB_44;
-        let along = size(self.window.axes(), &travel);
-        block.form == Form::Line && along >= SHORTEST_LEG && length <= LONGER * along
-    }
-
     /// MERGE: the point before is left out. It is on the straight line between its neighbours, the feed stays,
     /// and nothing else belongs to it.
+    #[inline(never)]
     fn merges(&mut self, block: &ProgrammedBlock<AXES>) -> bool {
         let Mode::Control(Rules { merge: true, path_dev, .. }) = self.mode else { return false };
         let window = &self.window;
@@ -444,6 +437,7 @@ impl<const AXES: usize> Splining<AXES> {
     }
 
     /// A piece is to be cut.
+    #[inline(never)]
     fn lay(
         &mut self,
         bezier: &[[f32; AXES]; 4],
@@ -542,6 +536,14 @@ fn piece_end<'a, const AXES: usize>(piece: &'a Option<Piece<AXES>>, other: &'a K
     piece.as_ref().map_or(other, Piece::end)
 }
 
+/// Whether a straight block is a leg of a curve: the axes along the path travel what its path says.
+pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES>) -> bool {
+    let travel = window::travel(&block.from, &block.to);
+    let length = to_f32(block.element.shape.length.to_bits()) * LSB_44;
+    let along = size(&along(measure, AXES), &travel);
+    block.form == Form::Line && along >= SHORTEST_LEG && length <= LONGER * along
+}
+
 /// The direction of an end as a slope, if it has one along the axes that count.
 fn tangent<const AXES: usize>(window: &Window<AXES>, end: &End<AXES>) -> Option<[f32; AXES]> {
     let tangent = direction(end);
@@ -573,7 +575,7 @@ fn bent<const AXES: usize>(
 impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
     #[inline(never)]
     fn take(&mut self, block: &ProgrammedBlock<AXES>, _: &Dynamics<AXES>, parting: Parting) {
-        if self.on && self.is_leg(block) {
+        if self.on && is_leg(&self.measure, block) {
             let vertex = Vertex { at: block.to, data: block.data };
             if self.window.is_empty() {
                 self.window.push(Vertex { at: block.from, data: block.data });
