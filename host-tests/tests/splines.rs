@@ -590,7 +590,9 @@ fn random_points_keep_every_limit_with_every_slope() {
 #[test]
 fn random_machines_programs_and_operators_keep_every_limit() {
     let mut good = 0;
-    for seed in host_tests::seeds::seeds(0..500, 100) {
+    // Those last ones lost a block where the B-spline and contour mode take turns.
+    let seeds = host_tests::seeds::seeds(0..500, 100).chain([314_518, 321_981, 328_862]);
+    for seed in seeds {
         match host_tests::splines::soak(seed, seed % 2 == 1) {
             Outcome::Good(_) => good += 1,
             Outcome::TooLong | Outcome::Refused(_) => {}
