@@ -142,31 +142,22 @@ impl<const AXES: usize> Alternating<AXES> {
         }
     }
 
-    /// Whether something goes out before anything comes in.
-    fn hands_out(&self) -> bool {
-        match &self.turn {
-            Turn::None => false,
-            Turn::Curve(curve) => curve.hands_out(),
-            Turn::Corner(corner) => corner.hands_out(),
-        }
-    }
-
     /// The block behind the line that waits comes in, when what is before it is done. Whether it does.
     fn let_in(&mut self, beside: bool, dynamics: &Dynamics<AXES>) -> bool {
         let is_done = match &self.turn {
-            Turn::Corner(_) if beside => !self.hands_out(),
+            Turn::Corner(corner) if beside => !corner.hands_out(),
             _ => self.is_done(),
         };
         if !is_done {
             return false;
         }
-        if beside && self.last.is_some() {
-            // It may go out at once.
-            self.round(dynamics);
-            return true;
-        }
         if beside {
+            let goes_out = self.last.is_some();
             self.round(dynamics);
+            if goes_out {
+                // Before the next one comes in.
+                return true;
+            }
             if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
                 corner.take(block, dynamics, *parting);
             }
@@ -182,9 +173,6 @@ impl<const AXES: usize> Alternating<AXES> {
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some((next, _)) = &self.next {
             return self.let_in(self.is_beside(next), dynamics);
-        }
-        if self.hands_out() {
-            return false;
         }
         let Some(stop) = self.ending.take() else { return false };
         match &self.turn {

@@ -159,11 +159,6 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Whether something goes out before anything comes in.
-    pub const fn hands_out(&self) -> bool {
-        self.made.is_some()
-    }
-
     /// Its kind.
     pub const fn mode(&self) -> Mode {
         self.mode
