@@ -8,5 +8,4 @@ pub const CHANNEL: &[(&str, &str)] = &[
     ("P-CHAN-00141", "jerk_monitoring_mode"),
     ("P-CHAN-00217", "hsc.gen.on_delay_output_one_block"),
     ("P-CHAN-00361", "vector.radial_acceleration"),
-    ("P-CHAN-00605", "configuration.path_preparation.fct_enable"),
 ];

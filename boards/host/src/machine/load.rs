@@ -53,6 +53,10 @@ const LAST_FUNCTION: u16 = 999;
 const LOOK_AHEAD: &str = "look_ahead";
 const SLOPE: &str = "prog_start.slope.profile";
 
+/// P-CHAN-00600, and P-CHAN-00605, whose first text is the same.
+const FUNCTION: &str = "configuration.path_preparation.function";
+const FCT_ENABLE: &str = "configuration.path_preparation.fct_enable";
+
 /// Channel parameters that the command line sets in place of the machine data.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Overrides {
@@ -160,7 +164,9 @@ impl Loader<'_> {
                     let mut entries = Vec::new();
                     flatten(table, "", &mut entries);
                     for entry in &entries {
-                        if !self.synch(entry, &mut machine.channel) {
+                        let is_set = self.synch(entry, &mut machine.channel)
+                            || self.enable(entry, &entries, &mut machine.channel);
+                        if !is_set {
                             self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
                         }
                     }
@@ -372,6 +378,46 @@ impl Loader<'_> {
         true
     }
 
+    /// P-CHAN-00605: what the channel may use, one text per mode of program start (P-CHAN-00606). Programs start in
+    /// the first one here. `false` if the name is another.
+    fn enable(&mut self, entry: &Entry<'_>, entries: &[Entry<'_>], channel: &mut ChannelData) -> bool {
+        const ID: &str = "P-CHAN-00605";
+        if entry.name != FCT_ENABLE {
+            return false;
+        }
+        let span = entry.value.span();
+        let label = label("channel", ID, FCT_ENABLE);
+        let example = "one or two texts: [\"FCT_DEFAULT|FCT_SURFACE\", \"FCT_DEFAULT\"]";
+        if entries.iter().any(|other| other.name == FUNCTION) {
+            let message = format!("{label}: its first text is P-CHAN-00600 `function`, which is given too");
+            self.refuse(&entry.key, message, "leave one of both out");
+            return true;
+        }
+        let modes = entry.value.get_ref().as_array().filter(|modes| (1..=2).contains(&modes.len()));
+        let Some(modes) = modes else {
+            let text = self.text(&span).to_owned();
+            self.refuse(&span, format!("{label} = {text}: a wrong type of value"), example);
+            return true;
+        };
+        let function = CHANNEL.iter().find(|parameter| parameter.name == FUNCTION);
+        let mut other = *channel;
+        for (index, (value, channel)) in modes.iter().zip([channel, &mut other]).enumerate() {
+            let name = format!("{FCT_ENABLE}[{index}]");
+            let text = Entry { name, key: value.span(), value };
+            if let Some(function) = function {
+                self.set_word("channel", &text, &Parameter { id: ID, ..*function }, channel);
+            }
+        }
+        if let Some(second) = modes.get(1) {
+            let (line, column) = self.source.position(second.span().start);
+            let message = format!("{label}: the second text is of no effect");
+            let warning = Diagnostic::warning(message).at(self.source, line, column, second.span().len());
+            self.warnings
+                .push(warning.expected("programs start in mode ISG_STANDARD, which is the first one"));
+        }
+        true
+    }
+
     /// One of the words of a parameter.
     fn set_word<Target>(
         &mut self,
@@ -522,6 +568,41 @@ mod tests {
         let loaded = load(path, &Overrides::default()).unwrap_or_else(|_| panic!("default.toml is refused"));
         assert_eq!(loaded.axes, Machine::built_in().axes);
         assert_eq!(loaded.channel, Machine::built_in().channel);
+    }
+
+    /// What becomes of a machine with these lines of the channel's path preparation.
+    fn prepared(lines: &str) -> Result<Machine, Vec<Diagnostic>> {
+        let name = format!("glidepath-enable-{}-{}", std::process::id(), lines.len());
+        let file = std::env::temp_dir().join(name);
+        let text =
+            format!("[channel.configuration.path_preparation]\n{lines}\n[axis.X]\ntype = \"linear\"\n");
+        std::fs::write(&file, text).expect("a file for the test");
+        let machine = load(&file, &Overrides::default());
+        let _ = std::fs::remove_file(&file);
+        machine
+    }
+
+    /// D3-275: P-CHAN-00605, whose index 0 is P-CHAN-00600; both spellings are valid.
+    #[test]
+    fn functions_are_enabled_by_both_spellings() {
+        let enabled = |lines: &str| {
+            let machine = prepared(lines).unwrap_or_else(|_| panic!("refused: {lines}"));
+            (machine.channel.ptp, machine.channel.surface, machine.warnings.len())
+        };
+        assert_eq!(enabled("function = \"FCT_DEFAULT|FCT_SURFACE\""), (false, true, 0));
+        assert_eq!(enabled("fct_enable = [\"FCT_DEFAULT|FCT_SURFACE\"]"), (false, true, 0));
+        assert_eq!(enabled("fct_enable = [\"FCT_DEFAULT\"]"), (false, false, 0));
+        // The second mode of program start does nothing here, and that is said.
+        assert_eq!(
+            enabled("fct_enable = [\"FCT_DEFAULT|FCT_PTP\", \"FCT_DEFAULT|FCT_SURFACE\"]"),
+            (true, false, 1)
+        );
+        let refused = |lines: &str| prepared(lines).err().map_or(0, |refused| refused.len());
+        assert_eq!(refused("fct_enable = \"FCT_DEFAULT\""), 1);
+        assert_eq!(refused("fct_enable = []"), 1);
+        assert_eq!(refused("fct_enable = [\"FCT_SURFACES\"]"), 1);
+        assert_eq!(refused("fct_enable = [\"FCT_DEFAULT\", \"FCT_DEFAULT\", \"FCT_DEFAULT\"]"), 1);
+        assert_eq!(refused("fct_enable = [\"FCT_DEFAULT\"]\nfunction = \"FCT_DEFAULT\""), 1);
     }
 
     #[test]
