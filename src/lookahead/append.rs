@@ -37,12 +37,12 @@ pub(super) struct Last<const AXES: usize> {
 }
 
 impl<const AXES: usize> Last<AXES> {
-    /// Whether it may take less than two ticks though its speed at a knee is low: what its neighbours do then
-    /// shows together with the knee. From a speed that is a third of its length per tick at most it goes two
-    /// thirds of it in two ticks, and 4/3 of its jerk. STEP has its own rules.
+    /// Whether it may take less than two ticks between a knee and a standstill though its speed at the knee is
+    /// low: what its neighbours do then shows together with the knee. From a speed that is a third of its length
+    /// per tick at most it goes a third of it in two ticks, and a quarter of its jerk. STEP has its own rules.
     #[inline(always)]
     fn is_hasty(&self, limits: &Limits) -> bool {
-        self.slope != SlopeType::Step && self.length < 4.0 * limits.steepest()
+        self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
     }
 }
 

@@ -208,6 +208,7 @@ fn decode_axes<const AXES: usize>(
             Step::Command(Command::FlushWait(_)) => program.stop(),
             Step::Command(Command::Hsc(_, hsc)) => {
                 smoothing.hsc(&hsc);
+                program.checks_jerk(hsc.check_jerk, machine);
                 if !smoothing.is_on() {
                     program.ends_smoothing();
                 }
@@ -218,8 +219,7 @@ fn decode_axes<const AXES: usize>(
                 if !smoothing.is_on() && !head.in_motion {
                     program.ends_smoothing();
                 }
-                let check = contour.check_jerk.unwrap_or(machine.channel.check_jerk_on_poly_path);
-                program.free_curves |= check == 0;
+                program.checks_jerk(contour.check_jerk, machine);
             }
             Step::Command(command) => program.beside.extend(Told::of(&command)),
             Step::End => return Ok(program),
@@ -325,6 +325,11 @@ impl Program {
                 None => self.limits.push(now),
             }
         }
+    }
+
+    /// CHECK_JERK of a command, or P-CHAN-00110.
+    fn checks_jerk(&mut self, given: Option<u8>, machine: &Machine) {
+        self.free_curves |= given.unwrap_or(machine.channel.check_jerk_on_poly_path) == 0;
     }
 
     /// What the axis with this index may do.

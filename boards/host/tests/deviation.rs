@@ -155,6 +155,38 @@ fn an_axis_beside_the_path_is_left_out() {
     assert!(run.stdout.contains(", without X: beside the path"), "{}", run.stdout);
 }
 
+/// A long curve is further out than its chords: points of its own count.
+#[test]
+fn a_curve_is_as_near_to_a_point_as_it_is_and_not_as_its_chords_are() {
+    let mut text =
+        "#SLOPE [TYPE=HSC]\nG01 X0 Y0 F6000\n#HSC ON [SURFACE PATH_DEV=0.1 TRACK_DEV=1]\n".to_owned();
+    for row in 0..6 {
+        for k in 0..40 {
+            let x = 0.5 * f64::from(if row % 2 == 0 { k } else { 39 - k });
+            let y = 0.4 * f64::from(row);
+            text += &format!("X{x:.3} Y{y:.3} Z{:.3}\n", 0.2 * (0.8 * x).sin() * (0.5 * y).cos());
+        }
+    }
+    let run = run("curved", &written("curved", &(text + "#HSC OFF\nM30\n")), Some(&surface("curved.toml")));
+    let told = &run.summary["deviation"];
+    assert!(number(&told["value"]) <= 0.1 && number(&told["value"]) > 0.09, "{told}");
+}
+
+/// CHECK_JERK=0 of Surface: what its curves do to the jerk is not compared.
+#[test]
+fn jerk_that_surface_may_not_check_is_not_compared() {
+    let text = |check: u8| {
+        format!(
+            "#SLOPE [TYPE=HSC]\nG01 X0 Y0 Z0 F60000\n#HSC ON [SURFACE PATH_DEV=0.5 CHECK_JERK={check}]\nX20\nX25 Y3\nX30 Y12\nX50 Y12\n#HSC OFF\nM30\n"
+        )
+    };
+    let file = surface("free.toml");
+    let free = run("free", &written("free", &text(0)), Some(&file));
+    assert!(free.stdout.contains("jerk not compared: CHECK_JERK = 0"), "{}", free.stdout);
+    let checked = run("checked", &written("checked", &text(1)), Some(&file));
+    assert!(!checked.stdout.contains("CHECK_JERK"), "{}", checked.stdout);
+}
+
 /// The built-in machine, with Surface.
 fn surface(name: &str) -> String {
     let file = std::fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");

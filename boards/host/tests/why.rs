@@ -155,3 +155,27 @@ fn one_line_of_many_chords_is_offered() {
     assert!(gained < 0.8 * number(&apart["program_time_s"]), "{gained} of {}", apart["program_time_s"]);
     assert_eq!((helps(&apart, name), helps(&one, name)), (Some(gained), None));
 }
+
+/// Arcs and lines in turn, with knees of 18° between them.
+fn waves(on: &str) -> String {
+    let mut text = format!("G90 G17 G01 X0 Y0 Z0 F10000\n{on}\n");
+    for k in 0..12 {
+        let x = f64::from(k);
+        let arc = if k % 2 == 0 { "G02" } else { "G03" };
+        let _ = writeln!(text, "G01 X{:.1} Y0\n{arc} X{:.1} Y0 R0.8", x + 0.5, x + 1.0);
+    }
+    text + "G01 X14 Y0\nM30\n"
+}
+
+#[test]
+fn a_corner_that_smoothing_leaves_is_not_said_to_have_a_curve() {
+    let corners = "corner without a curve";
+    let kept = run("why-kept", &written("kept.nc", &waves("#HSC ON [SURFACE PATH_DEV=0.05]")), None);
+    assert!(bound(&kept.summary, corners)[0] >= 20, "{}", kept.stdout);
+    assert!(kept.stdout.contains("have no curve where smoothing is on"), "{}", kept.stdout);
+    assert!(!kept.stdout.contains("have a curve"), "{}", kept.stdout);
+    let text = waves("#CONTOUR MODE ON [DEV PATH_DEV=0.05]");
+    let rounded = run("why-rounded", &written("rounded.nc", &text), None);
+    assert_eq!(bound(&rounded.summary, corners)[0], 0, "{}", rounded.stdout);
+    assert!(!rounded.stdout.contains("no curve"), "{}", rounded.stdout);
+}

@@ -25,6 +25,8 @@ const FAR: usize = 64;
 const BACK: usize = 1024;
 /// Parts of a path that are shown at most.
 const COLUMNS: usize = 4096;
+/// Places on each side of the middle of three points.
+const FINER: u8 = 16;
 
 /// A smaller deviation is rounding, mm or degrees.
 pub const NOTHING: f64 = 1e-6;
@@ -170,6 +172,12 @@ fn point_of(all: &[f64], main: &[usize], beside: &[usize]) -> Point {
 
 fn between(a: &Point, b: &Point, part: f64) -> Point {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+}
+
+/// The parabola through three points, −1…1.
+fn bent(three: &[Point], t: f64) -> Point {
+    let [a, b, c] = [0, 1, 2].map(|k| three.get(k).copied().unwrap_or_default());
+    std::array::from_fn(|k| b[k] + 0.5 * t * (c[k] - a[k]) + 0.5 * t * t * (a[k] - 2.0 * b[k] + c[k]))
 }
 
 /// Where a point is nearest to a straight line, 0…1.
@@ -424,11 +432,25 @@ impl Deviation {
         let to = (block + NEAR).min(self.blocks.len() - 1);
         for index in from..=to {
             let end = self.blocks[index].ends[1];
-            for pair in path.windows(2) {
-                let nearest = between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1]));
-                let distance = apart(&end, &nearest);
+            let mut nearest = None;
+            for (k, pair) in path.windows(2).enumerate() {
+                let foot = between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1]));
+                let distance = apart(&end, &foot);
                 if distance < self.ends[index].0 {
-                    self.ends[index] = (distance, nearest, self.distance);
+                    self.ends[index] = (distance, foot, self.distance);
+                    nearest = Some(k);
+                }
+            }
+            // The curve is outside its chords: three points of it tell how far.
+            let Some(three) = nearest.and_then(|k| path.windows(3).nth(k.min(path.len().saturating_sub(3))))
+            else {
+                continue;
+            };
+            for k in 0..=2 * FINER {
+                let point = bent(three, f64::from(k) / f64::from(FINER) - 1.0);
+                let distance = apart(&end, &point);
+                if distance < self.ends[index].0 {
+                    self.ends[index] = (distance, point, self.distance);
                 }
             }
         }

@@ -6,6 +6,8 @@ use crate::knee::{SHARP, knees};
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::statistics::Statistics;
+use glidepath::machine::AxisData;
+use glidepath::nc::SlopeType;
 use glidepath::quantity::Speed;
 use std::collections::BTreeMap;
 
@@ -134,11 +136,9 @@ impl Places<'_> {
         let feeds = self.feeds();
         let feed = |block: usize| feeds.get(block).copied().flatten();
         let waits = self.waits();
-        let corners: Vec<bool> = self
-            .program
-            .motions()
-            .zip(knees(self.program))
-            .map(|(motion, knee)| knee > SHARP && !motion.smoothed)
+        let corners: Vec<(f64, bool)> = knees(self.program)
+            .into_iter()
+            .zip(self.program.motions().map(|motion| motion.smoothed))
             .collect();
         let blocks = self.run.course.blocks();
         let joint = |block: usize| {
@@ -151,7 +151,10 @@ impl Places<'_> {
             }
             // Rapid motion on one side: the other one's feed, if there is one.
             let slower = [feed(block), feed(block + 1)].into_iter().flatten().reduce(f64::min);
-            let is_corner = corners.get(block) == Some(&true) && self.nearly_stands(block);
+            let is_corner = corners.get(block).is_some_and(|(knee, smoothed)| {
+                *knee > SHARP
+                    && if *smoothed { self.is_kept(block, *knee) } else { self.nearly_stands(block) }
+            });
             let found = self.find(Place::Joint(block), slower)?;
             Some(if is_corner && found != Bound::Operator { Bound::Corner } else { found })
         };
@@ -188,6 +191,31 @@ impl Places<'_> {
         found
     }
 
+    /// Whether a corner that smoothing might round is no faster than the step of speed that every knee may show
+    /// (P-AXIS-00013). A curve needs none, and is faster. STEP permits larger ones: nothing is known of it.
+    fn is_kept(&self, block: usize, knee: f64) -> bool {
+        let cycle = self.machine.cycle_s();
+        let step = |axis: &AxisData| {
+            let a = f64::from(axis.a_beschl.max(axis.a_brems).max(axis.a_grenz));
+            let ramps =
+                [axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab, axis.tr_grenz];
+            let ramp = f64::from(ramps.into_iter().min().unwrap_or(0)) * 1e-6;
+            let part =
+                if axis.a_trans_weight > 0 { f64::from(axis.a_trans_weight) * 1e-3 } else { cycle / ramp };
+            a * cycle * part
+        };
+        // Of three axes the one that turns most has so much of it at least.
+        let turn = 2.0 * (0.5 * knee.to_radians()).sin() / 3.0_f64.sqrt();
+        let most = self.machine.axes.iter().map(step).fold(0.0, f64::max) / turn;
+        let Some(joint) = self.base.course.joint(block) else { return false };
+        self.machine.slope() != SlopeType::Step && self.per_second(joint.speed) <= most
+    }
+
+    /// Path speed per second.
+    fn per_second(&self, speed: Speed) -> f64 {
+        speed.to_bits() as f64 / (1_u64 << 58) as f64 / self.machine.cycle_s()
+    }
+
     /// Whether a joint is far slower than the blocks on both sides.
     fn nearly_stands(&self, block: usize) -> bool {
         let course = &self.base.course;
@@ -202,7 +230,7 @@ impl Places<'_> {
     fn find(&self, place: Place, feed: Option<f64>) -> Option<Bound> {
         let seen = place.seen(&self.run.course)?.speed;
         let alone = place.seen(&self.base.course).map_or(seen, |alone| alone.speed);
-        let value = |speed: Speed| speed.to_bits() as f64 / (1_u64 << 58) as f64 / self.machine.cycle_s();
+        let value = |speed: Speed| self.per_second(speed);
         if value(seen) < SLOWED * value(alone) {
             return Some(Bound::Operator);
         }

@@ -92,12 +92,17 @@ impl Told {
 fn advice(why: &Why, program: &Program) -> Vec<String> {
     let motions: Vec<&Segment> = program.motions().collect();
     let mut advice = Vec::new();
-    let (mut sharp, mut rounded, mut stops) = (0, 0, 0);
+    let (mut sharp, mut kept, mut rounded, mut stops) = (0, 0, 0, 0);
     for ((bound, motion), knee) in why.joints.iter().zip(&motions).zip(knees(program)) {
         match bound {
             Some(Bound::Stop | Bound::Function) => stops += 1,
             Some(Bound::Limit(..) | Bound::Corner | Bound::Several) if knee > SHARP => {
-                *if motion.smoothed { &mut rounded } else { &mut sharp } += 1;
+                let count = match (motion.smoothed, bound) {
+                    (false, _) => &mut sharp,
+                    (true, Some(Bound::Corner)) => &mut kept,
+                    (true, _) => &mut rounded,
+                };
+                *count += 1;
             }
             _ => {}
         }
@@ -107,6 +112,10 @@ fn advice(why: &Why, program: &Program) -> Vec<String> {
     if sharp > 0 {
         let what = "no curve: #CONTOUR MODE or #HSC rounds inside a tolerance";
         advice.push(format!("{} {what}", corners(sharp)));
+    }
+    if kept > 0 {
+        let what = "no curve where smoothing is on: another method may round what this one leaves";
+        advice.push(format!("{} {what}", corners(kept)));
     }
     if rounded > 0 {
         advice.push(format!("{} a curve: a larger tolerance may make it faster", corners(rounded)));
