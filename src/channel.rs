@@ -328,7 +328,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let Command::Motion(motion) = command else { return self.carry_out(command) };
-        if self.planning.moves(motion, self.released) {
+        if self.moves_released(motion) {
             self.planning.drop_motion();
             return Err(Error::Motion(motion.place, MotionError::Released));
         }
@@ -480,13 +480,18 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.error(if of_centre { motion.centre } else { motion.place }, error)
     }
 
+    /// Whether the motion moves an axis that is released.
+    fn moves_released(&self, motion: &Motion<AXES>) -> bool {
+        self.released != 0 && self.released & self.planning.moved(motion) != 0
+    }
+
     /// A command that changes what is in force, in a line with a motion: if that is refused, the command must
     /// not be carried out.
     #[inline(never)]
     fn look_ahead(&self, head: &Head) -> Result<(), Error> {
         match self.decoder.motion() {
             Some(motion) if head.in_motion => {
-                if self.planning.moves(motion, self.released) {
+                if self.moves_released(motion) {
                     return Err(Error::Motion(motion.place, MotionError::Released));
                 }
                 self.planning.look_at(motion).map_err(|e| self.error_of(motion, e))

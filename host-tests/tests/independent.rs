@@ -59,6 +59,58 @@ fn synchronous_and_asynchronous() {
     assert!(ended && !swinging, "{ended} {swinging}");
 }
 
+/// An arc moves both axes of its plane, named or not: their own motions end before it.
+#[test]
+fn an_arc_waits_for_the_axes_of_its_plane() {
+    let machine = even::<3>(1000);
+    for (before, x) in [
+        ("X[INDP_ASYN G01 G90 POS=50 FEED=3000]", 50.0),
+        ("X[OSC ON 1ST_POS=-20 2ND_POS=20 FEED=6000]\nG04 1.1", 20.0),
+        ("X[OSC ON 1ST_POS=-20 2ND_POS=20 FEED=6000]\nX[OSC OFF]", 20.0),
+    ] {
+        let run = good(&format!("{before}\nG01 F6000\nG03 J20\nM30\n"), &machine);
+        assert_eq!(run.ends(), [x, 0.0, 0.0], "{before}");
+        // While Y moves, both go round the centre.
+        let from = first_move(&run, 1);
+        for tick in from..run.axes[0].len() {
+            let of = |axis: usize| run.axes[axis][tick] as f64 / ONE as f64;
+            let [dx, dy] = [of(0) - x, of(1) - 20.0];
+            assert!((dx.hypot(dy) - 20.0).abs() < 1e-6, "{before}: tick {tick}, {dx} {dy}");
+        }
+    }
+    let released = run("#PUT AX [X]\nG01 F6000\nG03 J20\nM30\n", &machine, &[], 40);
+    assert!(released.is_err(), "an arc that moves an axis that is released");
+}
+
+/// So do the interim point of POS and the vectors of a spline: nobody names the axis, and it moves.
+#[test]
+fn a_curve_waits_for_the_axes_that_it_moves() {
+    let machine = even::<3>(1000);
+    let begins = "X[OSC ON 1ST_POS=-20 2ND_POS=20 FEED=6000]\nG01 F6000\n";
+    for (curve, from) in [
+        ("#CONTOUR MODE ON [POS PRE_DIST=2 POST_DIST=2 X60 Y10 Z0]\nY10\nZ10\nY0", 45.0),
+        (
+            "#AKIMA TRANS [START=USER END=USER]\n#AKIMA STARTVECTOR X1 Y0 Z0\n#AKIMA ENDVECTOR X1 Y1 Z0\n\
+             #SPLINE ON\nY10\nZ10 Y20\nY40\nG150",
+            20.5,
+        ),
+    ] {
+        // The same path from a program in which X stands there.
+        let beside = good(&format!("{begins}{curve}\nM30\n"), &machine);
+        let alone = good(&format!("G01 F6000 X20\n{curve}\nM30\n"), &machine);
+        let most = |run: &Run, axis: usize| {
+            let at = run.axes[axis].iter().max().copied().unwrap_or_default();
+            at as f64 / ONE as f64
+        };
+        assert!(most(&beside, 0) > from, "{curve}: {}", most(&beside, 0));
+        for axis in 0..3 {
+            let off = (most(&beside, axis) - most(&alone, axis)).abs();
+            assert!(off < 0.02, "{curve}: axis {axis} is {off} mm off");
+        }
+        assert_eq!(beside.ends(), alone.ends(), "{curve}");
+    }
+}
+
 /// NC-010. Every word, D3-271: the slope of SLOPE_TYPE.
 #[test]
 fn words_d3_271() {

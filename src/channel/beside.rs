@@ -232,11 +232,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             self.wait_for(Pending::Join(axes & motion.named));
             return true;
         }
-        let joins = self.planning.moves(motion, axes);
+        let joins = axes != 0 && axes & self.planning.moved(motion) != 0;
         if joins {
-            let ends = motion.target.iter().zip(self.planning.position()).enumerate();
-            let moved = ends.filter(|(_, (to, from))| to != from).fold(0, |axes, (k, _)| axes | bit(k));
-            self.wait_for(Pending::Join(axes & moved));
+            self.wait_for(Pending::Join(axes & self.planning.moved(motion)));
         }
         joins
     }

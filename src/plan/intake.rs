@@ -284,10 +284,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the block moves one of these axes: bit i for axis i.
-    pub fn moves(&self, motion: &Motion<AXES>, axes: u32) -> bool {
+    /// The axes that the block moves: bit i for axis i. An arc moves both of its plane, and may end on them where it
+    /// begins; so may a block with a spline or a curve of POS.
+    pub fn moved(&self, motion: &Motion<AXES>) -> u32 {
+        let turned = match motion.kind {
+            MotionKind::Arc { plane, .. } => plane.main_axes().map(|place| self.measure.main[place]),
+            _ => [None; 2],
+        };
         let ends = motion.target.iter().zip(&self.intake.programmed);
-        axes != 0 && ends.enumerate().any(|(k, (to, from))| to != from && axes >> k.min(31) & 1 == 1)
+        let moves = |(k, (to, from))| to != from || turned.contains(&Some(k));
+        let moved = ends.enumerate().filter(|end| moves(*end));
+        moved.fold(self.intake.smoothing.swung(), |axes, (k, _)| axes | 1u32.wrapping_shl(k as u32))
     }
 
     /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion

@@ -342,10 +342,25 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     /// Whether contour mode is in force.
     fn rounds_corners(&self) -> bool {
+        self.rounding().is_on()
+    }
+
+    /// Contour mode, at work or not.
+    fn rounding(&self) -> contour::Settings {
         match &self.kind {
-            Kind::Contour(contouring) if self.wanted.is_none() => contouring.settings().is_on(),
-            _ => self.contour.is_on(),
+            Kind::Contour(contouring) if self.wanted.is_none() => contouring.settings(),
+            _ => self.contour,
         }
+    }
+
+    /// Axes that a block may move although it ends on them where it begins, bit i for axis i: by the interim point
+    /// of POS, or by a vector at an end of a spline.
+    #[inline(never)]
+    pub fn swung(&self) -> u32 {
+        let swings = self.measure.main.iter().zip(self.rounding().swings());
+        let swung = swings.filter(|(_, swings)| *swings).filter_map(|(axis, _)| *axis);
+        let given = (0..AXES).filter(|k| self.selected == Selected::Spline && self.spline.leans(*k));
+        swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }
 
     /// Takes in parameters of #HSC, and its switch. What is held back ends where it was programmed to.

@@ -159,6 +159,12 @@ impl Settings {
         }
     }
 
+    /// The interim point of POS by main axes, if corners may have it.
+    pub fn swings(&self) -> [bool; 3] {
+        let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
+        self.parameters.point.map(|point| pos && point.is_some())
+    }
+
     /// Whether the end of the next block is rounded.
     pub const fn is_on(&self) -> bool {
         self.on || self.once

@@ -63,6 +63,13 @@ impl<const AXES: usize> DirectParameters<AXES> {
             .then(|| vector.map(|value| value.map_or(0.0, |value| to_f32(value.to_bits()) * LSB_32)))
     }
 
+    /// Whether the vector of an end that has one goes along this axis.
+    pub fn leans(&self, axis: usize) -> bool {
+        let leans = |value: &Option<Value>| value.is_some_and(|value| value.to_bits() != 0);
+        let ends = self.ends.iter().zip(&self.vectors);
+        ends.filter(|(end, _)| **end == Tangent::User).any(|(_, vector)| vector.get(axis).is_some_and(leans))
+    }
+
     /// Points that a curve needs.
     pub fn points(&self) -> u32 {
         match self.kind {
