@@ -2,7 +2,7 @@
 //!
 //! An element is planned for its highest speed, and for the place where it bends most. A motion that comes to a
 //! standstill passes a part of it, slower and slower: there the axes permit more.
-use super::axis::Set;
+use super::axis::{Axis, Set};
 use super::permitted::TRANSITION_PART;
 use super::{Dynamics, KNEE_PART, MARGIN};
 use crate::math::float::{max, min};
@@ -16,23 +16,101 @@ use crate::slope::ramp_shape::RampShape;
 pub struct Braking {
     /// Deceleration, mm/tick². The second one is that of STEP from a lower speed on.
     pub a: [f32; 2],
-    /// Jerk of its ramps, mm/tick³.
-    pub j: f32,
+    /// Jerk with which it rises, and with which it falls, mm/tick³.
+    pub j: [f32; 2],
+    /// Mean jerk with which an acceleration falls before.
+    pub ends: f32,
 }
 
 impl Braking {
     /// All of it.
-    pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: f32::MAX };
+    pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
-    /// Less than `left`, where that is less than `self`: by as much again, or by a part. `None` where all of it is
-    /// left.
-    pub fn less(&self, left: &Self) -> Option<Self> {
+    /// Less than `left`, where that is less than `self`: where both meet if they go on as from `before`, what was
+    /// tried then and what was left of it; by as much again, or by a part, at first. `None` where all of it is left.
+    pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
             return None;
         }
-        let less = |tried: f32, left: f32| max(left - (tried - left), left * LESS);
-        let [a, b] = self.a;
-        Some(Self { a: [less(a, left.a[0]), less(b, left.a[1])], j: less(self.j, left.j) })
+        let of = |braking: &Self| {
+            let Self { a: [a, b], j: [rise, fall], ends } = *braking;
+            [a, b, rise, fall, ends]
+        };
+        let mut less = of(self);
+        let before = before.map(|before| before.each_ref().map(of));
+        for (k, (tried, left)) in less.iter_mut().zip(of(left)).enumerate() {
+            let above = *tried - left;
+            if above <= 0.0 {
+                continue;
+            }
+            let again = match &before {
+                Some([was, had]) if was[k] > *tried && was[k] - had[k] > above => {
+                    above * (was[k] - *tried) / (was[k] - had[k] - above)
+                }
+                None if above < NEARLY * left => {
+                    *tried = left * JUST;
+                    continue;
+                }
+                _ => 2.0 * above,
+            };
+            *tried = max(*tried - max(again, above) - SURPLUS * left, left * LESS);
+        }
+        let [a, b, rise, fall, ends] = less;
+        Some(Self { a: [a, b], j: [rise, fall], ends })
+    }
+
+    /// How long a standstill takes from the speed `v` and the deceleration `begun`, ticks.
+    fn time(&self, v: f32, begun: f32) -> f32 {
+        let Self { a: [a, _], j: [rise, fall], .. } = *self;
+        let [rising, falling] = [0.5 / rise, 0.5 / fall];
+        let v = v + begun * begun * rising;
+        let peak = min(a, sqrt_f32(v / (rising + falling)));
+        v / peak + peak * (rising + falling) - 2.0 * begun * rising
+    }
+}
+
+impl Braking {
+    /// No deceleration above `most` in a part of the path: of it and both jerks the one gives way that costs the
+    /// least time.
+    fn give_way(&mut self, most: f32, passed: &Passed) {
+        let Passed { begun: [fastest, begun], change: [lost, left], .. } = *passed;
+        let Self { a: [a, b], j: [rise, fall], .. } = *self;
+        let (square, before) = (most * most, begun * begun);
+        if a <= most || before + 2.0 * lost * rise <= square || 2.0 * left * fall <= square {
+            return;
+        }
+        let with = |a: f32, j: [f32; 2]| Self { a: [a, b], j, ..*self };
+        let mut best = with(most, [rise, fall]);
+        let mut time = best.time(fastest, begun);
+        for j in [[max(square - before, 0.0) / (2.0 * lost), fall], [rise, square / (2.0 * left)]] {
+            let other = with(a, j);
+            let takes = other.time(fastest, begun);
+            if j[0] > LEAST && takes < time {
+                (best, time) = (other, takes);
+            }
+        }
+        *self = best;
+    }
+
+    /// No jerk that an axis which moves `first` times as far as the path does not permit, if a curve leaves
+    /// `budget` to it and takes c·a.
+    fn leave(&mut self, first: f32, (budget, c): (f32, f32), passed: &Passed, peak: f32) {
+        let Passed { begun: [_, begun], change: [lost, left], ramps, gains, .. } = *passed;
+        if gains > 0.0 {
+            self.ends = min(self.ends, max(budget - c * gains, 0.0) / (first * peak));
+        }
+        let with_all = (budget - c * self.a[0]) / first;
+        for ((j, has), (u, begun)) in self.j.iter_mut().zip(ramps).zip([(lost, begun), (left, 0.0)]) {
+            if !has || with_all >= *j {
+                continue;
+            }
+            // The root of (budget − first·j)² = c²·(begun² + 2·j·u).
+            let (cu, fb) = (c * u, first * begun);
+            let below = c * sqrt_f32(2.0 * first * budget * u + cu * cu + fb * fb);
+            let square = max(budget * budget - c * c * (begun * begun), 0.0);
+            let root = square / max(first * budget + c * cu + below, TINY * TINY);
+            *j = min(*j, max(with_all, root));
+        }
     }
 }
 
@@ -45,8 +123,14 @@ pub struct Passed {
     pub rapid: Option<bool>,
     /// CHECK_JERK=2: the jerk of a curve is that of the ramp times.
     pub by_ramps: bool,
-    /// The deceleration of its begin, and how far its speed is from the highest one or from zero at most.
+    /// Speed and deceleration with which the way begins.
+    pub begun: [f32; 2],
+    /// How far its speed is below the highest one, and above that of the end, at most.
     pub change: [f32; 2],
+    /// Whether the deceleration rises in it, and whether it falls.
+    pub ramps: [bool; 2],
+    /// An acceleration that falls in it, or zero.
+    pub gains: f32,
     /// The stage of STEP: 0, or 1 from the lower speed on.
     pub stage: usize,
     /// A transition is near, which has its part of acceleration and jerk.
@@ -70,50 +154,74 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             self.ramps(bounds, passed, rapid, braking);
         }
-        (braking.a[0] > LEAST && braking.a[1] > LEAST && braking.j > LEAST).then_some(())
+        let Braking { a: [a, b], j: [rise, fall], ends } = *braking;
+        (a > LEAST && b > LEAST && rise > LEAST && fall > LEAST && ends > LEAST).then_some(())
     }
 
-    /// Deceleration and jerk of the other slopes. Where the motion has come down by u, or is down to u, the
-    /// deceleration is at most d + √(2·j·u), d being that of the begin. So an axis has all of a_max and of B,
-    /// with c = 3·|x″|·v, for
+    /// Deceleration and jerks of the other slopes. Where the motion has come down by u, its deceleration is at most
+    /// √(d² + 2·j·u), d being that of the begin and j the jerk with which it rises; where it comes down by u yet, it
+    /// is at most √(2·j·u) with the jerk with which it falls. So an axis has all of a_max and of B, with c =
+    /// 3·|x″|·v, for
     ///
-    /// - a ≤ A or j ≤ (A − d)²/2u, whichever is more, with A = (a_max − |x″|·v²)/|x′|;
-    /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the a at hand, or
-    ///   |x′|·j + c·√(2u)·√j ≤ B − |x‴|·v³ − c·d.
+    /// - the least of these three: a, and both roots, at most A = (a_max − |x″|·v²)/|x′|; of a and both jerks the
+    ///   one gives way that costs the least time;
+    /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the a at hand, or with the root of that j.
     #[inline(never)]
     fn ramps(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
-        let Passed { v, by_ramps, change: [begun, u], corners, .. } = *passed;
+        let Passed { v, corners, by_ramps, .. } = *passed;
         let part = if corners { 1.0 - KNEE_PART } else { 1.0 };
-        let shape = if self.slope == SlopeType::Sin2 { RampShape::SineSquare } else { RampShape::Linear };
-        let peak = TRANSITION_PART / shape.peak_jerk();
-        let Braking { a: [a, _], j } = braking;
         let path = self.path.deceleration(rapid);
-        let moves = |first: &f32| *first > 0.0;
-        for (axis, first) in self.axes.iter().zip(&bounds.first).filter(|(_, first)| moves(first)) {
-            let Set { a_down, j: [.., rise, fall], joint, .. } = axis.set(rapid);
-            // Path limits leave the ramp times.
-            *j = min(*j, min(*rise, *fall) / first * min(path * first / a_down, 1.0));
-            *a = min(*a, min(a_down / first, path));
-            if corners {
-                *j = min(*j, peak * joint.budget / first);
-            }
-        }
+        let (mut still, mut most) = (path, path);
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
-        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
-            let first = max(*first, TINY);
-            let left = max(part * axis.a_max - second * v * v, 0.0) / first;
-            let rises = max(left - begun, 0.0);
-            if *a > left && *j * (2.0 * u) > rises * rises {
-                *a = left;
-            }
+        // What the curve leaves of B, and c.
+        let jerk = |axis: &Axis, second: f32, third: f32| {
             let Set { joint, geometric_budget, ramp_budget, .. } = axis.set(rapid);
             let budget = min(joint.budget, if by_ramps { *ramp_budget } else { *geometric_budget });
-            let (budget, c) = (budget - third * v * v * v, 3.0 * second * v);
-            let with_all = (budget - c * *a) / first;
-            let (left, half) = (max(budget - c * begun, 0.0), 0.5 * c * sqrt_f32(2.0 * u));
-            let root = left / (half + sqrt_f32(max(half * half + first * left, TINY * TINY)));
-            *j = min(*j, max(with_all, root * root));
+            (max(budget - third * v * v * v, 0.0), 3.0 * second * v)
+        };
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+            if *first > 0.0 {
+                self.lower(axis.set(rapid), *first, rapid, passed, braking);
+                still = min(still, axis.set(rapid).a_down / first);
+            }
+            let (budget, c) = jerk(axis, *second, *third);
+            let left = max(part * axis.a_max - second * v * v, 0.0) / max(*first, TINY);
+            most = min(most, min(left, budget / max(c, TINY)));
         }
+        if braking.a[0] == f32::MAX {
+            braking.a[0] = still;
+        }
+        braking.give_way(min(most, still), passed);
+        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
+            braking.leave(max(*first, TINY), jerk(axis, *second, *third), passed, self.peak_jerk());
+        }
+    }
+
+    /// No jerk above those of an axis that moves `first` times as far as the path.
+    fn lower(&self, set: &Set, first: f32, rapid: bool, passed: &Passed, braking: &mut Braking) {
+        let Set { a_up, a_down, j: [_, ends, rise, fall], joint, .. } = set;
+        let near_knee = TRANSITION_PART / self.peak_jerk() * joint.budget / first;
+        // Path limits leave the ramp times.
+        let part = min(self.path.deceleration(rapid) * first / a_down, 1.0);
+        let most = |j: f32, part: f32| {
+            let j = j / first * part;
+            if passed.corners { min(j, near_knee) } else { j }
+        };
+        for ((j, has), of) in braking.j.iter_mut().zip(passed.ramps).zip([rise, fall]) {
+            if has {
+                *j = min(*j, most(*of, part));
+            }
+        }
+        if passed.gains > 0.0 {
+            let part = min(part, self.path.acceleration(rapid) * first / a_up);
+            braking.ends = min(braking.ends, most(*ends, part));
+        }
+    }
+
+    /// Highest jerk of a ramp, of its mean.
+    fn peak_jerk(&self) -> f32 {
+        let shape = if self.slope == SlopeType::Sin2 { RampShape::SineSquare } else { RampShape::Linear };
+        shape.peak_jerk()
     }
 
     /// Deceleration of STEP.
@@ -135,7 +243,12 @@ impl<const AXES: usize> Dynamics<AXES> {
 }
 
 /// What is left of it at least.
-const LESS: f32 = 0.94;
+const LESS: f32 = 0.8;
+/// And a little less than what is seen to be left, as part of it.
+const SURPLUS: f32 = 0.002;
+/// So little less at first is only just that: other limits than those of the axes may be as near.
+const NEARLY: f32 = 0.01;
+const JUST: f32 = 1.0 - 1.0 / 524_288.0;
 /// Less is none.
 const LEAST: f32 = 1e-11;
 /// In place of a zero in a denominator.

@@ -112,6 +112,11 @@ impl PathLimits {
         self.of(rapid).v
     }
 
+    /// ACC, mm/tick².
+    pub fn acceleration(&self, rapid: bool) -> f32 {
+        self.of(rapid).a_up
+    }
+
     /// DEC, mm/tick².
     pub fn deceleration(&self, rapid: bool) -> f32 {
         self.of(rapid).a_down

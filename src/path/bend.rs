@@ -1,5 +1,5 @@
 //! How strongly a part of a curve bends: what a way to a standstill needs to know of the path it takes.
-use super::poly::{largest, power_of_two};
+use super::poly::power_of_two;
 use super::{Arc, Bounds, Curve, Passage, Shape};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
@@ -35,7 +35,8 @@ impl<const AXES: usize> Bounds<AXES> {
 
 impl<const AXES: usize> Shape<AXES> {
     /// Takes the largest derivatives of every axis between two distances from its start (2^-44 mm) into
-    /// `bounds`: those of a line and of a polynomial ([`largest`]), of an arc what its axes show there.
+    /// `bounds`: those of a line, of a polynomial what its hull shows
+    /// ([`hull`]), of an arc what its axes show there.
     pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
         for (axis, gain) in self.gain.iter().enumerate().filter(|(_, gain)| **gain != 0) {
@@ -50,11 +51,15 @@ impl<const AXES: usize> Shape<AXES> {
                 let at = |distance: i64| to_f32(self.w(distance)) * LSB_62;
                 let (start, part) = (at(from), to_f32(to.wrapping_sub(from)) * LSB_44 * per_mm);
                 let per = per_mm / part;
-                for (axis, ((gain, power), down)) in self.gain.iter().zip(power).zip(down).enumerate() {
+                let coefficients = self.gain.iter().zip(power).zip(down).enumerate();
+                let moves = |(_, ((gain, power), _)): &(usize, ((&i64, &[i32; 4]), _))| {
+                    **gain != 0 || **power != [0; 4]
+                };
+                for (axis, ((gain, power), down)) in coefficients.filter(moves) {
                     let scale = power_of_two(-12 - i32::from(*down));
                     let [c2, c3, c4, c5] = power.map(|c| c as f32 * scale);
                     let whole = [to_f32(*gain) * LSB_44, c2, c3, c4, c5];
-                    let most = largest(within(&whole, start, part));
+                    let most = hull(within(&whole, start, part));
                     let mut derivatives = hidden(&whole, per_mm);
                     for ((sum, most), n) in
                         derivatives.iter_mut().zip(most).zip([per, per * per, per * per * per])
@@ -105,6 +110,27 @@ fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     let second = 2.0 * a2 + 6.0 * a3 + 12.0 * a4 + 20.0 * a5;
     let third = 6.0 * a3 + 24.0 * a4 + 60.0 * a5;
     [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
+}
+
+/// Largest magnitudes of the first three derivatives over 0..1, at most: those of their Bernstein coefficients
+/// Σ C(i,j)/C(n,j)·p_j of the powers p0…pn.
+fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
+    const THIRD: f32 = 1.0 / 3.0;
+    let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, magnitude(*x)));
+    let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
+    let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
+    let first = [
+        p[0],
+        p[0] + q1,
+        p[0] + 2.0 * q1 + q2,
+        p[0] + 3.0 * (q1 + q2) + q3,
+        p[0] + p[1] + p[2] + p[3] + p[4],
+    ];
+    let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
+    let (b1_third, b2_third) = (b1 * THIRD, b2 * THIRD);
+    let second = [b0, b0 + b1_third, b0 + 2.0 * b1_third + b2_third, b0 + b1 + b2 + b3];
+    let third = [b1, b1 + b2, b1 + 2.0 * b2 + 3.0 * b3];
+    [most(&first), most(&second), most(&third)]
 }
 
 /// The polynomial of the first to the fifth power seen from `start` over `part`, as one over 0..1.

@@ -15,6 +15,7 @@
 //! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
 //! deceleration of the law may go on in it.
 use super::hold::NOTHING;
+use super::short_stop::No;
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
@@ -140,9 +141,14 @@ impl Stretch {
         }
     }
 
-    /// Highest speed at which a law with these limits may be in it.
-    fn cap(&self, limits: &Limits) -> f32 {
-        if self.is_uneven && !limits.brakes_like(&self.limits) { self.v_slow } else { f32::MAX }
+    /// Highest speed at which a law with these limits may be in it, whose deceleration falls from the speed `falls`
+    /// on: below the slowest block it may be as slow in falling as it is.
+    fn cap(&self, limits: &Limits, falls: f32) -> f32 {
+        if !self.is_uneven {
+            return f32::MAX;
+        }
+        let [begins, ends] = limits.brakes_like(&self.limits);
+        if ends || (begins && falls <= self.v_slow) { f32::MAX } else { self.v_slow }
     }
 }
 
@@ -173,8 +179,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut blank = ReleasedSpan::BLANK;
         let span = &mut blank;
         let wanted = !self.reserve.is_made();
-        if wanted && let Some(descent) = self.stand_short(start, span, motion, false) {
-            return Some(descent);
+        let mut again = wanted;
+        if wanted {
+            match self.stand_short(start, span, motion, false) {
+                Ok(descent) => return Some(descent),
+                Err(no) => again = no == No::Shorter,
+            }
         }
         let mut first = self.ahead(&mut cursor, span, false)?;
         if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
@@ -207,8 +217,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         if fits
-            && wanted
-            && let Some(descent) = self.stand_short(start, span, motion, true)
+            && again
+            && let Ok(descent) = self.stand_short(start, span, motion, true)
         {
             return Some(descent);
         }
@@ -310,10 +320,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut cursor = start;
         let mut spans = 0;
         let mut at = motion.distance;
+        let [.., falls, _] = self.profile.down.speeds.map(speed_f32);
         loop {
             let ahead = cursor.ahead;
             let Some(stretch) = self.ahead(&mut cursor, span, false) else { return Err(spans.max(1)) };
-            let mut cap = stretch.cap(limits);
+            let mut cap = stretch.cap(limits, falls);
             if spans > 0 {
                 if !short && let Some((v, a)) = stretch.bought() {
                     cap = min(cap, brake.trade(&self.profile, v, a));

@@ -26,17 +26,33 @@ const SLOWS: Speeds = [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.55, 0.5];
 /// A way of STEP that is no longer than so many times that with what is left here and now is one law.
 const NEARLY: f32 = 1.2;
 /// The same with another slope, in place of several laws.
-const FAIRLY: f32 = 1.6;
+const FAIRLY: f32 = 3.0;
 /// Rounds.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 8;
 /// Most parts of curves that are looked at for one standstill.
-const CURVES: usize = 48;
+const CURVES: usize = 72;
 /// A knee shows in so many ticks.
 const KNEE_TICKS: i64 = 2;
 
-/// The parts of a way: the highest speed in each, how far that is from the highest of all or from zero at most,
-/// and path distance of its end.
-type Parts = [(f32, f32, i64); PARTS];
+/// A part of a way: the highest speed in it, how far its speeds are below the highest of all and above the last at
+/// most, whether the deceleration rises and falls in it, and the path distance of its end.
+#[derive(Clone, Copy)]
+struct Part {
+    v: f32,
+    change: [f32; 2],
+    ramps: [bool; 2],
+    gains: bool,
+    until: i64,
+}
+
+/// Why there is no such way.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum No {
+    /// That of the spans is as short.
+    Shorter,
+    /// Not by one law.
+    Law,
+}
 
 /// Where a way begins.
 struct Begin {
@@ -51,13 +67,15 @@ struct Begin {
     v: f32,
     /// Deceleration.
     begun: f32,
+    /// Acceleration, but with STEP.
+    gains: f32,
     /// Parts of curves that may still be looked at.
     left: Cell<usize>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The way down from `motion` by one law that the axes permit on its own part of the path. The law is in the
-    /// profile. `None` where there is none, or where the dynamics have changed since those blocks came in;
+    /// profile. An error where there is none, or where the dynamics have changed since those blocks came in;
     /// where the limits of the spans lead to a standstill as soon, too, unless they do not: `surely`.
     #[inline(never)]
     pub(super) fn stand_short(
@@ -66,17 +84,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         span: &mut ReleasedSpan,
         motion: &Instant,
         surely: bool,
-    ) -> Option<Descent> {
-        let curve = self.curve_at(motion.distance)?;
-        let first = self.queue.segments.recent(curve)?;
+    ) -> Result<Descent, No> {
+        let curve = self.curve_at(motion.distance).ok_or(No::Law)?;
+        let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
         let behind = motion.distance.wrapping_sub(first.start.to_bits());
         let is_line = first.shape.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
-        let (now, ends, mut way) = self.as_planned(cursor, span, motion)?;
+        let (now, ends, mut way) = self.as_planned(cursor, span, motion).ok_or(No::Law)?;
         let planned = now.limits;
         // Of several blocks the limits are those of the worst one.
         if is_line && !now.is_many && Brake::fits(motion, ends[0], &planned, CLOSE) {
-            return None;
+            return Err(No::Shorter);
         }
         if surely {
             way = f32::MAX;
@@ -85,25 +103,27 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let v = fastest(speed_f32(motion.speed), accel, &planned);
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
-        let begin = Begin { cursor, curve, starts, planned, v, begun, left: Cell::new(CURVES) };
+        let gains = if stepped { 0.0 } else { max(accel, 0.0) };
+        let begin = Begin { cursor, curve, starts, planned, v, begun, gains, left: Cell::new(CURVES) };
         let [_, end] = ends;
         let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
         if stepped
-            && !matches!(stands, Some((.., needs)) if needs <= NEARLY)
+            && !matches!(stands, Ok((.., needs)) if needs <= NEARLY)
             && let Some(descent) = self.slow_inside(&begin, span, motion, ends)
         {
-            return Some(descent);
+            return Ok(descent);
         }
         let (mut brake, limits, needs) = stands?;
         let most = if stepped && is_line { NEARLY } else { FAIRLY };
         if needs > most && (stepped || way == f32::MAX) {
-            return None;
+            return Err(No::Law);
         }
         if stepped {
             // The profile had another one.
-            brake = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)?;
+            brake =
+                Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0).ok_or(No::Law)?;
         }
-        self.verify(cursor, span, motion, (&brake, &limits), true).ok()
+        self.verify(cursor, span, motion, (&brake, &limits), true).map_err(|_| No::Law)
     }
 
     /// With STEP: to half the speed in the first span, at least as hard as planned. What is planned behind it
@@ -115,7 +135,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         motion: &Instant,
         [end, _]: [i64; 2],
     ) -> Option<Descent> {
-        let (brake, limits, _) = self.come_down(begin, span, motion, (&SLOWS, end, f32::MAX))?;
+        let (brake, limits, _) = self.come_down(begin, span, motion, (&SLOWS, end, f32::MAX)).ok()?;
         let inside = end.wrapping_sub(brake.end) > SHORT && brake.v_out > 0;
         (inside && limits.brakes_above(&begin.planned)).then(|| Descent::inside(brake))
     }
@@ -128,46 +148,57 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         span: &mut ReleasedSpan,
         motion: &Instant,
         (speeds, end, way): (&Speeds, i64, f32),
-    ) -> Option<(Brake, Limits, f32)> {
-        let Begin { planned, v, begun, .. } = begin;
+    ) -> Result<(Brake, Limits, f32), No> {
+        let Begin { planned, v, begun, gains, .. } = begin;
         // Of each stage of STEP something.
         let mut here = motion.distance;
         let parts = core::array::from_fn(|k| {
             if k % STAGE == 0 && k <= STAGE {
                 here = here.wrapping_add(SHORT);
             }
-            (speeds[k] * v, 0.0, here)
-        });
-        let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST)?;
-        let mut nearest = 0.0;
-        for _ in 0..ROUNDS {
-            if *begun > braking.a[0] {
-                return None;
+            Part {
+                v: speeds[k] * v,
+                change: [0.0, speeds[k] * v],
+                ramps: [true; 2],
+                gains: true,
+                until: here,
             }
-            let limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j);
+        });
+        let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST).ok_or(No::Law)?;
+        let mut nearest = 0.0;
+        let mut before = None;
+        for _round in 0..ROUNDS {
+            if *begun > braking.a[0] {
+                return Err(No::Law);
+            }
+            let ends = if *gains > 0.0 { braking.ends } else { 0.0 };
+            let limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j, ends);
             let needs = Brake::needs(motion, &limits);
             if needs >= way {
-                return None;
+                return Err(No::Shorter);
             }
             nearest = if nearest > 0.0 { nearest } else { needs };
             let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
-            let brake = Brake::down_to(&mut self.profile, motion, end, law, to)?;
-            let parts: Parts = core::array::from_fn(|k| {
+            let brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
+            let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
+            let parts = core::array::from_fn(|k| {
                 let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
                 let until = if k + 1 < PARTS {
                     brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
                 } else {
                     brake.end
                 };
-                (from, min(v - to, from), until)
+                let change = [v - to, from - speeds[PARTS] * v];
+                Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until }
             });
-            let left = self.permitted(begin, span, motion, &parts, braking)?;
-            let Some(less) = braking.less(&left) else {
-                return Some((brake, limits, needs / nearest));
+            let left = self.permitted(begin, span, motion, &parts, braking).ok_or(No::Law)?;
+            let Some(less) = braking.less(&left, before.as_ref()) else {
+                return Ok((brake, limits, needs / nearest));
             };
+            before = Some([braking, left]);
             braking = less;
         }
-        None
+        Err(No::Law)
     }
 
     /// The first stretch, its end and the path distance up to which a deceleration may go on, and how much path a
@@ -223,7 +254,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         begin: &Begin,
         span: &mut ReleasedSpan,
         motion: &Instant,
-        parts: &Parts,
+        parts: &[Part; PARTS],
         mut braking: Braking,
     ) -> Option<Braking> {
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
@@ -231,7 +262,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
         let mut corners = stretch.knees && (starts || stretch.is_many);
-        for (part, (v, change, until)) in parts.iter().enumerate() {
+        for (part, Part { v, change, ramps, gains, until }) in parts.iter().enumerate() {
             let stage = usize::from(part >= STAGE);
             while until.wrapping_sub(at) > 0 {
                 let goes_on = until.wrapping_sub(stretch.end) > 0;
@@ -260,7 +291,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     knee |= corners;
                 }
                 let by_ramps = self.intake.uniform.by_ramps;
-                let passed = Passed { v, rapid, by_ramps, change: [begun, *change], stage, corners: knee };
+                let (change, ramps, begun) = (*change, *ramps, [begin.v, begun]);
+                let gains = if *gains { begin.gains } else { 0.0 };
+                let passed = Passed { v, rapid, by_ramps, begun, change, ramps, gains, stage, corners: knee };
                 self.dynamics.stopping(&bounds, &passed, &mut braking)?;
                 at = end;
             }

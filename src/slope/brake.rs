@@ -77,6 +77,8 @@ const NO_ACCEL: i64 = 1 << 8;
 const STEPS: usize = 48;
 const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
 const CLOSE_BELOW: f32 = 1.0 - CLOSE;
+/// For rounding of a jerk that just takes all of the speed.
+const OVER: f32 = 1.0 + 16.0 * CLOSE;
 
 /// Steps by which a ramp that came out too long by rounding gives way.
 const SHRINKS: usize = 8;
@@ -252,9 +254,13 @@ impl Brake {
         match limits.law {
             SlopeLaw::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), aim),
             SlopeLaw::JerkLimited { shape, j: [_, up_fall, down_rise, down_fall], .. } => {
-                let ramp =
-                    Linear { up_fall: up_fall * shape.peak_jerk(), a: limits.a_down, down_rise, down_fall };
+                let peak = shape.peak_jerk();
+                let mut ramp = Linear { up_fall: up_fall * peak, a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
+                    // The end of a sine has less than its mean jerk left, and more speed than that would take.
+                    let decel = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
+                    let ends = decel * decel * OVER / (2.0 * speed_f32(motion.speed));
+                    ramp.down_fall = max(down_fall, min(ends, down_fall * peak));
                     ramp.go_on(profile, motion, room, aim)
                 } else {
                     ramp.turn(profile, motion, room, aim)

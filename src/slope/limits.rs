@@ -171,13 +171,16 @@ impl Limits {
         }
     }
 
-    /// Those of a way to a standstill with jerk `j` and these decelerations: with STEP the second one from the
-    /// speed `lower` on.
-    pub fn braked(&self, [above, below]: [f32; 2], lower: f32, j: f32) -> Self {
+    /// Those of a way to a standstill with these decelerations and jerks, at its begin and at its end: with STEP the
+    /// second deceleration from the speed `lower` on. An acceleration falls with the mean jerk `ends`, if that is
+    /// more. Its ramps are linear.
+    pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {
-            SlopeLaw::JerkLimited { j: [.., rise, fall], .. } => {
-                (*rise, *fall) = (j, j);
+            SlopeLaw::JerkLimited { shape, j: [_, gain, rise, fall], .. } => {
+                [*rise, *fall] = jerks;
+                *gain = max(*gain, ends) * shape.peak_jerk();
+                *shape = RampShape::Linear;
                 limits.a_down = above;
             }
             SlopeLaw::Stepped { change_over, a_down, .. } => {
@@ -200,16 +203,19 @@ impl Limits {
         }
     }
 
-    /// Whether a slowing down with these limits is at least as hard as with the others, but for rounding.
-    pub fn brakes_like(&self, other: &Self) -> bool {
-        let ramps = match (&self.law, &other.law) {
+    /// Whether a slowing down with these limits is at least as hard as with the others, but for rounding: until its
+    /// deceleration falls, and later.
+    pub fn brakes_like(&self, other: &Self) -> [bool; 2] {
+        match (&self.law, &other.law) {
             (
                 SlopeLaw::JerkLimited { j: [.., rise, fall], .. },
                 SlopeLaw::JerkLimited { j: [.., other_rise, other_fall], .. },
-            ) => *rise >= other_rise * AS_HARD && *fall >= other_fall * AS_HARD,
-            _ => false,
-        };
-        ramps && self.a_down >= other.a_down * AS_HARD
+            ) => {
+                let begins = *rise >= other_rise * AS_HARD && self.a_down >= other.a_down * AS_HARD;
+                [begins, begins && *fall >= other_fall * AS_HARD]
+            }
+            _ => [false; 2],
+        }
     }
 
     /// Of STEP: whether each of its decelerations is above those of the others.
