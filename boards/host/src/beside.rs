@@ -1,6 +1,7 @@
 //! Axes that move beside the path: how often those that oscillate turn, beside how often they were to.
 use crate::machine::Machine;
-use glidepath::nc::{Command, OscillationAction, OscillationSpeed};
+use glidepath::machine::AxisData;
+use glidepath::nc::{Command, OscillationAction, OscillationSpeed, SlopeType};
 use glidepath::quantity::Position;
 use serde::Serialize;
 use std::fmt::{self, Write};
@@ -12,6 +13,10 @@ pub struct Told {
     pub axis: usize,
     /// Periods per second, if it oscillates with FREQ or TIME.
     wanted: Option<f64>,
+    /// Its slope, if that is not the one of the machine.
+    pub slope: Option<SlopeType>,
+    /// Its accelerations, % of the machine's.
+    percent: u32,
 }
 
 impl Told {
@@ -25,11 +30,31 @@ impl Told {
                     OscillationSpeed::Frequency(frequency) => Some(frequency.to_num::<f64>()),
                     OscillationSpeed::Period(period) => Some(1.0 / period.to_num::<f64>()),
                 };
-                Some(Self { axis: oscillation.axis, wanted })
+                Some(Self { axis: oscillation.axis, wanted, slope: None, percent: 100 })
             }
-            Command::Independent(_, independent) => Some(Self { axis: independent.axis, wanted: None }),
+            Command::Independent(_, independent) => {
+                let percent = independent.acceleration.map_or(100, |percent| percent.to_num::<u32>().max(1));
+                Some(Self { axis: independent.axis, wanted: None, slope: independent.slope, percent })
+            }
             _ => None,
         }
+    }
+
+    /// The machine data of its axis for it.
+    pub fn weigh(&self, axis: &AxisData) -> AxisData {
+        let mut data = *axis;
+        let weigh = |value: u32| {
+            let part = u64::from(value) * u64::from(self.percent) / 100;
+            u32::try_from(part).unwrap_or(u32::MAX).max(u32::from(value > 0)).min(axis.a_max)
+        };
+        for value in [&mut data.a_beschl, &mut data.a_brems, &mut data.a_grenz] {
+            *value = weigh(*value);
+        }
+        let stages = [&mut data.a_stufe, &mut data.d_stufe, &mut data.a_grenz_stufe, &mut data.d_grenz_stufe];
+        for values in stages {
+            *values = values.map(weigh);
+        }
+        data
     }
 }
 

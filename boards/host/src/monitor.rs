@@ -4,7 +4,7 @@
 //! P-AXIS-00013, and in all of a program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 =
 //! 0). Joints where a step shows are counted.
 use crate::diagnose::Diagnostic;
-use crate::machine::Machine;
+use crate::machine::{Limits, Machine};
 use crate::program::Program;
 use glidepath::machine::AxisKind;
 
@@ -13,6 +13,33 @@ const NAMES: [&str; 3] = ["speed", "acceleration", "jerk"];
 
 /// Rows that a third difference covers.
 const COVERED: u64 = 3;
+
+/// Per order: the limit per second, and the largest difference in LSB of a position.
+type Bounds = [(f64, i128); 3];
+
+/// An axis: what it may do on the path, what beside it, and since when it is where.
+#[derive(Clone, Copy, Debug)]
+struct Compared {
+    path: Bounds,
+    beside: Option<Bounds>,
+    is_beside: bool,
+    /// The first row there.
+    since: u64,
+}
+
+impl Compared {
+    /// What the differences up to a row may be; around a change, the larger one.
+    fn bounds(&self, tick: u64) -> Bounds {
+        let Some(beside) = self.beside.filter(|_| self.since > 0 || self.is_beside) else { return self.path };
+        match (tick < self.since + COVERED, self.is_beside) {
+            (true, _) => {
+                std::array::from_fn(|k| if beside[k].1 > self.path[k].1 { beside[k] } else { self.path[k] })
+            }
+            (false, true) => beside,
+            (false, false) => self.path,
+        }
+    }
+}
 
 /// The first value beyond a limit.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +72,7 @@ pub struct Step {
 /// The comparison.
 #[derive(Debug, Default)]
 pub struct Monitor {
-    /// Per axis, of each order: the limit per second, and the largest difference in LSB of a position.
-    axes: Vec<[(f64, i128); 3]>,
+    axes: Vec<Compared>,
     cycle_s: f64,
     /// Steps are permitted at joints.
     steps: bool,
@@ -70,8 +96,7 @@ impl Monitor {
     /// For a program on a machine.
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let cycle_s = machine.cycle_s();
-        let axes = (0..machine.axes.len()).map(|k| {
-            let allowed = program.allowed(k, machine);
+        let bounds = |allowed: Limits| {
             let mut scale = LSB_PER_MM;
             // Rounding adds half an LSB for each of the points, weighted 1 1, 1 2 1, 1 3 3 1.
             [(allowed.speed, 1), (allowed.accel, 2), (allowed.jerk, 4)].map(|(limit, rounding)| {
@@ -79,6 +104,12 @@ impl Monitor {
                 let bound = limit * scale * (1.0 + 1e-12);
                 (limit, if bound < 1e30 { bound as i128 + rounding } else { i128::MAX })
             })
+        };
+        let axes = (0..machine.axes.len()).map(|k| Compared {
+            path: bounds(program.allowed(k, machine)),
+            beside: program.limits_beside.get(k).copied().flatten().map(bounds),
+            is_beside: false,
+            since: 0,
         });
         Self {
             axes: axes.collect(),
@@ -97,12 +128,23 @@ impl Monitor {
         self.sums.fill(0);
     }
 
+    /// From the row with this number on these axes move beside the path, bit i for axis i.
+    pub fn beside(&mut self, tick: u64, moving: u32) {
+        for (k, axis) in self.axes.iter_mut().enumerate() {
+            let is_beside = moving >> k & 1 == 1;
+            if is_beside != axis.is_beside {
+                (axis.is_beside, axis.since) = (is_beside, tick);
+            }
+        }
+    }
+
     /// The latest first, second and third difference of an axis, LSB, in a block.
     pub fn look(&mut self, axis: usize, tick: u64, n: u32, differences: &[i128; 3]) {
-        let (Some(bounds), Some(sum)) = (self.axes.get(axis), self.sums.get_mut(axis)) else { return };
+        let (Some(compared), Some(sum)) = (self.axes.get(axis), self.sums.get_mut(axis)) else { return };
         *sum += differences[2];
         let mut scale = LSB_PER_MM;
-        for (order, (difference, (limit, bound))) in differences.iter().zip(*bounds).enumerate() {
+        for (order, (difference, (limit, bound))) in differences.iter().zip(compared.bounds(tick)).enumerate()
+        {
             scale *= self.cycle_s;
             if difference.unsigned_abs() <= bound.unsigned_abs() {
                 continue;
@@ -213,5 +255,22 @@ mod tests {
         monitor.look(0, 52, 40, &[0, lsb(7e-3), 0]);
         monitor.look(0, 53, 40, &jerk);
         assert_eq!(monitor.excess.iter().map(|excess| excess.order).collect::<Vec<_>>(), [1, 2]);
+    }
+    #[test]
+    fn beside_the_path_other_limits_hold() {
+        let machine = Machine::built_in();
+        let mut program = Program::empty(&machine);
+        let path = program.allowed(0, &machine);
+        program.limits_beside[0] = Some(Limits { jerk: 2.0 * path.jerk, ..path });
+        let mut monitor = Monitor::new(&machine, &program);
+        let mut seen = |tick, moving, mm| {
+            monitor.beside(tick, moving);
+            monitor.look(0, tick, 10, &[0, 0, lsb(mm)]);
+            std::mem::take(&mut monitor.excess).len()
+        };
+        // 200 000 mm/s³ at 1 ms, and beside the path twice as much.
+        assert_eq!((seen(1, 0, 3e-4), seen(2, 1, 3e-4), seen(6, 1, 3e-4), seen(7, 1, 5e-4)), (1, 0, 0, 1));
+        // A difference covers rows from before.
+        assert_eq!((seen(8, 0, 3e-4), seen(10, 0, 3e-4), seen(11, 0, 3e-4)), (0, 0, 1));
     }
 }

@@ -113,6 +113,8 @@ pub struct Program {
     pub warnings: Vec<Diagnostic>,
     /// What each axis may do with the largest weights under which the program moves.
     pub limits: Vec<Limits>,
+    /// What those axes may do that move beside the path, while they do.
+    pub limits_beside: Vec<Option<Limits>>,
     /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
     /// Motions of axes beside the path, in the order of the program.
@@ -221,7 +223,12 @@ fn decode_axes<const AXES: usize>(
                 }
                 program.checks_jerk(contour.check_jerk, machine);
             }
-            Step::Command(command) => program.beside.extend(Told::of(&command)),
+            Step::Command(command) => {
+                if let Some(told) = Told::of(&command) {
+                    program.allow_beside(&told, &data.axes, machine);
+                    program.beside.push(told);
+                }
+            }
             Step::End => return Ok(program),
         }
     }
@@ -303,6 +310,7 @@ impl Program {
             motions: 0,
             warnings: Vec::new(),
             limits: Vec::new(),
+            limits_beside: vec![None; machine.axes.len()],
             free_curves: false,
             beside: Vec::new(),
         }
@@ -327,12 +335,27 @@ impl Program {
         }
     }
 
+    /// Takes in what an axis is allowed beside the path: the program's weights and slope do not count there.
+    fn allow_beside(&mut self, told: &Told, axes: &[AxisData], machine: &Machine) {
+        let slope = told.slope.unwrap_or(machine.slope());
+        if let (Some(axis), Some(allowed)) = (axes.get(told.axis), self.limits_beside.get_mut(told.axis)) {
+            let now = limits(&told.weigh(axis).planned(&machine.channel), slope);
+            *allowed = Some(allowed.map_or(now, |allowed| allowed.or(now)));
+        }
+    }
+
     /// CHECK_JERK of a command, or P-CHAN-00110.
     fn checks_jerk(&mut self, given: Option<u8>, machine: &Machine) {
         self.free_curves |= given.unwrap_or(machine.channel.check_jerk_on_poly_path) == 0;
     }
 
-    /// What the axis with this index may do.
+    /// What the axis with this index may do, on the path or beside it.
+    pub fn allowed_anywhere(&self, axis: usize, machine: &Machine) -> Limits {
+        let (path, beside) = (self.allowed(axis, machine), self.limits_beside.get(axis).copied().flatten());
+        beside.map_or(path, |beside| path.or(beside))
+    }
+
+    /// What the axis with this index may do on the path.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
         self.limits
             .get(axis)

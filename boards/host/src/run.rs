@@ -265,7 +265,9 @@ fn drive<const AXES: usize>(
             &planner.filter_deviation(),
             planner.filter_in_force(),
         );
-        recorder.statistics.beside.add(recorder.statistics.ticks, path, planner.beside());
+        let (row, beside) = (recorder.statistics.ticks, planner.beside());
+        recorder.statistics.beside.add(row, path, beside);
+        recorder.statistics.monitor.beside(row, beside);
         recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting

@@ -195,7 +195,7 @@ impl Summary {
         let speed = |v: Speed| v.to_bits() as f64 / (1_u64 << 58) as f64 / cycle_s;
         let time = |t: Time| t.to_bits() as f64 / (1_u64 << 36) as f64 * cycle_s;
         let axes = machine.axes.iter().zip(&statistics.axes).enumerate().map(|(k, (data, seen))| {
-            let allowed = program.allowed(k, machine);
+            let allowed = program.allowed_anywhere(k, machine);
             let [v_max, a_max, j_max] = seen.peak(cycle_s);
             let [lowest, highest] = seen.range();
             let axis = Axis {

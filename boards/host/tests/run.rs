@@ -107,6 +107,38 @@ fn joints_with_a_permitted_step_are_counted() {
     assert!(number(&free.summary["program_time_s"]) < 0.9 * number(&limited.summary["program_time_s"]));
 }
 
+/// An axis beside the path has a slope of its own: its jerk is compared with that one, to both sides.
+#[test]
+fn jerk_beside_the_path_is_that_of_its_own_slope() {
+    let default = std::fs::read_to_string(shipped("machines/default.toml")).expect("a shipped machine");
+    let machine = |name: &str, slope: u32| {
+        let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        assert!(default.contains("\nprofile = 1 "));
+        let text = default.replace("\nprofile = 1 ", &format!("\nprofile = {slope} "));
+        std::fs::write(&path, text).expect("a file for the test");
+        path.to_str().expect("plain characters").to_owned()
+    };
+    let (step, trapez) = (machine("beside-step.toml", 0), machine("beside-trapez.toml", 1));
+    for (name, machine, text) in [
+        ("step", &trapez, "G01 F6000\nX[INDP_SYN G01 FEED=6000 POS=20 SLOPE_TYPE=STEP]\n"),
+        ("sine", &trapez, "G01 F6000\nX[INDP_SYN G01 FEED=6000 POS=20 SLOPE_TYPE=SIN2]\n"),
+        (
+            "heavy",
+            &trapez,
+            "#SLOPE [TYPE=TRAPEZ]\nG130 X10\nG01 F6000 X1\nX[INDP_SYN G01 FEED=6000 POS=20]\n",
+        ),
+        ("async", &step, "#SLOPE [TYPE=SIN2 NO_OPT=1]\nG01 F600 Z-1\nY[INDP_ASYN G01 FEED=600 POS=-2]\n"),
+        (
+            "osc",
+            &step,
+            "#SLOPE [TYPE=TRAPEZ]\nG01 F600\nY[OSC ON 1ST_POS=-1 2ND_POS=0 TIME=0.3 NBR_OSC=2]\nX20\n",
+        ),
+    ] {
+        let run = run(&format!("beside-{name}"), &written(name, &format!("{text}M30\n")), Some(machine));
+        assert_eq!(run.summary["exceeded"], json!(0), "{name}: {}", run.stderr);
+    }
+}
+
 #[test]
 fn path_columns_belong_together() {
     let run = run("columns", &shipped("tests/programs/shapes.nc"), None);

@@ -36,7 +36,7 @@ pub fn rows<'a>(scene: &'a Scene<'a>) -> Vec<Box<dyn Row + 'a>> {
     let moving = &scene.picture.moving;
     let row = |title, order: usize, per: &str| -> Box<dyn Row + 'a> {
         let limits = moving.iter().map(|&axis| {
-            let allowed = scene.program.allowed(axis, scene.machine);
+            let allowed = scene.program.allowed_anywhere(axis, scene.machine);
             if order == 0 { allowed.accel } else { allowed.jerk }
         });
         let limits: Vec<f64> = limits.collect();
