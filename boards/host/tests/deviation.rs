@@ -135,6 +135,15 @@ fn steep_helices_are_followed_in_space() {
 }
 
 /// G260 in a block leaves the corner before it to the method of its own (D3-026).
+/// The nearest point of a steep helix may lie inside it where the angle in its plane lies outside.
+#[test]
+fn beside_the_angles_of_a_helix_its_inside_counts() {
+    let text = "#CONTOUR MODE ON [DEV PATH_DEV=1]\nN20 G01 X20 F6000\nN30 G03 X23 Y3 R3 Z45\nM30\n";
+    let run = run("helix-inside", &written("helix-inside", text), None);
+    let told = &run.summary["deviation"];
+    assert!((0.9..=1.001).contains(&number(&told["value"])), "{told}");
+}
+
 #[test]
 fn the_corner_before_g260_has_its_own_tolerance() {
     let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=12]\nG01 X50 F9000\nN20 Y50\nN30 G260 X0\n\

@@ -28,6 +28,9 @@ const COLUMNS: usize = 4096;
 /// Places on each side of the middle of three points.
 const FINER: u8 = 16;
 
+/// Places of a helix among which the nearest one is looked for first.
+const PLACES_OF_A_HELIX: u32 = 32;
+
 /// A smaller deviation is rounding, mm or degrees.
 pub const NOTHING: f64 = 1e-6;
 
@@ -218,7 +221,15 @@ impl Block {
     fn foot(&self, block: usize, q: &Point) -> Foot {
         let part = match &self.arc {
             None => along(q, &self.ends[0], &self.ends[1]),
-            // By the angle, exact in the plane; on a helix around there.
+            // All along a helix, then around the nearest place.
+            Some(Turn { plane, .. })
+                if (0..3).any(|k| !plane.contains(&k) && self.ends[0][k] != self.ends[1][k]) =>
+            {
+                let off = |i: &u32| apart(q, &self.at(f64::from(*i) / f64::from(PLACES_OF_A_HELIX)));
+                let best = (0..=PLACES_OF_A_HELIX).min_by(|one, other| off(one).total_cmp(&off(other)));
+                self.nearest(f64::from(best.unwrap_or(0)) / f64::from(PLACES_OF_A_HELIX), q)
+            }
+            // By the angle, exact in the plane.
             Some(Turn { plane, centre, first, swept, .. }) => {
                 let angle = (q[plane[1]] - centre[1]).atan2(q[plane[0]] - centre[0]) - first;
                 let turn = std::f64::consts::TAU;
