@@ -34,6 +34,8 @@ struct HscState {
     path_dev_g00: Option<f64>,
     track_dev: Option<f64>,
     track_dev_g00: Option<f64>,
+    /// CONTERROR, 0.1 mm without its keyword.
+    conterror: Option<f64>,
 }
 
 /// Smoothing as the program has it so far.
@@ -71,6 +73,7 @@ impl Smoothing {
                 path_dev_g00: None,
                 track_dev: None,
                 track_dev_g00: None,
+                conterror: None,
             },
         }
     }
@@ -103,6 +106,7 @@ impl Smoothing {
             (&mut state.path_dev_g00, command.path_dev_g00),
             (&mut state.track_dev, command.track_dev),
             (&mut state.track_dev_g00, command.track_dev_g00),
+            (&mut state.conterror, command.conterror),
         ] {
             *value = given.map(decimal).or(*value);
         }
@@ -115,6 +119,9 @@ impl Smoothing {
 
     /// What is monitored of the next motion.
     pub fn tolerance(&self, rapid: bool) -> Tolerance {
+        if let HscState { on: true, method: Some(HscMethod::Op(mode)), conterror, .. } = self.hsc {
+            return Tolerance { path: (mode == 1).then_some(conterror.unwrap_or(0.1)), track: None };
+        }
         if self.hsc.on {
             let HscState { path_dev, path_dev_g00, track_dev, track_dev_g00, method, .. } = self.hsc;
             let of = |feed: Option<f64>, of_rapid: Option<f64>| if rapid { of_rapid.or(feed) } else { feed };
@@ -175,5 +182,17 @@ mod tests {
         smoothing.hsc(&Hsc { switch: Some(false), ..Hsc::default() });
         smoothing.contour(&Contour { switch: Some(ContourSwitch::Off), ..Contour::default() });
         assert!(!smoothing.is_on());
+    }
+    #[test]
+    fn opmode_1_has_conterror_and_opmode_2_nothing() {
+        let mut smoothing = Smoothing::new();
+        let mut with = |mode, mm: f64| {
+            let method = Some(HscMethod::Op(mode));
+            let conterror = Some(Position::from_num(mm));
+            smoothing.hsc(&Hsc { switch: Some(true), method, conterror, ..Hsc::default() });
+            smoothing.tolerance(false)
+        };
+        assert_eq!(with(1, 0.02), Tolerance { path: Some(0.02), track: None });
+        assert_eq!(with(2, 0.02), Tolerance::default());
     }
 }
