@@ -280,7 +280,7 @@ fn drive<const AXES: usize>(
             let early = schedule.in_vain(function, &recorder.statistics.outcomes).cloned();
             return Err(Stop::Unanswered { since, function, early });
         }
-        let rest = recorder.statistics.rest;
+        let rest = recorder.statistics.rest_of_all();
         let enough = if state == State::Idle { !late } else { rest > patience };
         if held && rest > 0 && enough && !schedule.goes_on(&commands) {
             let since = recorder.statistics.ticks.saturating_sub(1 + rest);

@@ -121,6 +121,8 @@ pub struct Statistics {
     pub beside: Beside,
     /// Rows at rest up to now.
     pub rest: u64,
+    /// The last row in which any axis moved, also beside the path.
+    moved: u64,
     /// Rows at rest because of an event, and because of a function that was not acknowledged.
     pub held: u64,
     pub waited: u64,
@@ -226,6 +228,7 @@ impl Statistics {
             functions: Vec::new(),
             outcomes: vec![Outcome::default(); events],
             rest: 0,
+            moved: 0,
             held: 0,
             waited: 0,
             dwelt: 0,
@@ -298,6 +301,9 @@ impl Statistics {
         self.fastest = self.fastest.max(telemetry.speed);
         self.last = *telemetry;
         self.add_points(self.ticks, set_points);
+        if self.axes.iter().any(|axis| axis.latest[0] != 0) {
+            self.moved = self.ticks;
+        }
         self.react(moved);
         self.rest = if moved { 0 } else { self.rest + 1 };
         // The first row is the rest at the start.
@@ -310,6 +316,11 @@ impl Statistics {
             }
         }
         self.ticks += 1;
+    }
+
+    /// Rows up to now in which no axis moved, not even beside the path.
+    pub fn rest_of_all(&self) -> u64 {
+        self.rest.min(self.ticks.saturating_sub(1 + self.moved))
     }
 
     fn react(&mut self, moved: bool) {

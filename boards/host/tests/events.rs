@@ -155,6 +155,20 @@ fn a_hold_without_end_is_an_error_without_files() {
     assert!(!file.exists());
 }
 
+/// Axes beside the path move too: it stands still when they do.
+#[test]
+fn a_hold_without_end_counts_axes_beside_the_path() {
+    let text = "X[INDP_ASYN G01 FEED=600 POS=50]\nG01 F1000 Y5\nM30\n";
+    let (program, script) = (written("beside-held", text), events("beside-held", "0.7 feedhold\n"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_glidepath"));
+    let output = command.args(["run", &program, "--events", &script]).output().expect("the simulator starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    let from = text.split("the motion stands still from ").nth(1).and_then(|rest| rest.split(' ').next());
+    let from: f64 = from.and_then(|from| from.parse().ok()).unwrap_or_else(|| panic!("{text}"));
+    assert!((0.7..0.9).contains(&from), "{text}");
+}
+
 #[test]
 fn an_abort_ends_at_rest_on_the_path() {
     let program = cut_line("aborted");
