@@ -186,6 +186,7 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("#SLOPE", 1, 7, 0, "end of line: expected [ and keywords"),
     ("#SLOPE [TYPE=FAST]", 1, 14, 4, "unexpected \"FAST\": expected STEP, TRAPEZ, SIN2 or HSC"),
     ("#FILTER [ACC_FACT=11]", 1, 10, 11, "value out of range, \"ACC_FACT=11\": expected 1 to 10"),
+    ("#HSC [OPMODE=3]", 1, 6, 10, "OPMODE out of range, \"[OPMODE=3]\": expected 1 to 2"),
     ("#VECTOR LIMIT ON", 1, 17, 0, "end of line: expected ALL or [ and limits"),
     (
         "#VECTOR LIMIT ON [SPEED=5]",

@@ -307,7 +307,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             list(c, &self.calculator, self.main_units(), &mut words)?;
         }
         if let Some(mode) = words.opmode {
-            if mode == 0 {
+            if !(1..=2).contains(&mode) {
                 let kind = NcErrorKind::Range { what: "OPMODE", min: 1, max: 2, unit: "", above: false };
                 return c.since(mark).fault(kind);
             }

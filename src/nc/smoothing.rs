@@ -238,7 +238,7 @@ impl Keywords for HscWords {
         // Surface has no deviation 0, for the B-spline it means not monitored.
         let deviation = if surface { MILLIMETRES.above() } else { MILLIMETRES };
         match keyword {
-            "OPMODE" => Slot::Level(&mut self.opmode, 2),
+            "OPMODE" => Slot::Level(&mut self.opmode, u8::MAX),
             "PATH_DEV" => Slot::Number(&mut h.path_dev, deviation),
             "PATH_DEV_G00" => Slot::Number(&mut h.path_dev_g00, deviation),
             "TRACK_DEV" => Slot::Number(&mut h.track_dev, DEGREES),
