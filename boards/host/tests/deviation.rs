@@ -144,6 +144,30 @@ fn beside_the_angles_of_a_helix_its_inside_counts() {
     assert!((0.9..=1.001).contains(&number(&told["value"])), "{told}");
 }
 
+/// A rotary axis has several values where the main axes are once: at the start of a full circle, and where it moves
+/// alone.
+#[test]
+fn one_place_may_have_several_values_of_a_rotary_axis() {
+    for (name, text, most) in [
+        (
+            "full-circle",
+            "#CONTOUR MODE ON [DEV PATH_DEV=0.1 TRACK_DEV=0.3]\nG01 F2000 X-20 Y0\nX0\nG03 J20 A30\nG01 X50 A20\nM30\n",
+            0.3,
+        ),
+        (
+            "turned-alone",
+            "G01 F1000\nY-47\n#HSC ON [BSPLINE PATH_DEV=0.2 TRACK_DEV=1 MAX_ANGLE=180]\nA12\n\
+             G03 X66 Y-47.2 I33.1 J33\n#HSC OFF\nM30\n",
+            1.0,
+        ),
+    ] {
+        let run = run(name, &written(name, text), Some(&shipped("machines/five-axis.toml")));
+        let told = &run.summary["tracking"];
+        let off = told.as_array().and_then(|axes| axes.iter().find(|axis| axis["axis"] == "A"));
+        assert!(off.is_none_or(|axis| number(&axis["value"]) <= most * 1.001), "{name}: {told}");
+    }
+}
+
 #[test]
 fn the_corner_before_g260_has_its_own_tolerance() {
     let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=12]\nG01 X50 F9000\nN20 Y50\nN30 G260 X0\n\

@@ -203,6 +203,33 @@ impl Block {
         point
     }
 
+    /// Whether it moves an axis to another place.
+    fn moves(&self, axis: usize) -> bool {
+        self.from[axis] != self.to[axis]
+    }
+
+    /// How far an axis, which is no main axis, is from where it was programmed around a foot: as far to both sides
+    /// as the path is off it. A full circle goes on behind its end, and in a block without length all may be meant.
+    fn off(&self, axis: usize, value: f64, foot: &Foot) -> f64 {
+        let play = (foot.distance + NOTHING) / self.length.max(NOTHING);
+        let at = |part: f64| self.from[axis] + (self.to[axis] - self.from[axis]) * part.clamp(0.0, 1.0);
+        let beyond = |low: f64, high: f64| {
+            let ends = [at(low), at(high)];
+            (ends[0].min(ends[1]) - value).max(value - ends[0].max(ends[1])).max(0.0)
+        };
+        let (low, high) = (foot.part - play, foot.part + play);
+        let mut off = beyond(low, high);
+        if apart(&self.ends[0], &self.ends[1]) <= NOTHING {
+            if low < 0.0 {
+                off = off.min(beyond(1.0 + low, 1.0));
+            }
+            if high > 1.0 {
+                off = off.min(beyond(0.0, high - 1.0));
+            }
+        }
+        off
+    }
+
     /// Where a point is nearest to an arc, around a part of it.
     fn nearest(&self, part: f64, q: &Point) -> f64 {
         let off = |part: f64| apart(q, &self.at(part));
@@ -376,7 +403,7 @@ impl Deviation {
             }
             best = nearer(best, foot(further));
         }
-        let seen = Foot { distance: best.distance, ..best };
+        let seen = best;
         let (smoothed, tolerance) = self.around(block);
         if !smoothed {
             return seen.block;
@@ -390,30 +417,34 @@ impl Deviation {
             foot,
             *q,
         );
-        self.follow(seen, all, tolerance, column);
+        // Each of them may be the one.
+        let last = to.max(seen.block + NEAR).min(self.blocks.len() - 1);
+        let near = (from..=last).map(|block| self.blocks[block].foot(block, q));
+        let near = near.filter(|foot| foot.distance <= seen.distance + NOTHING).collect::<Vec<_>>();
+        self.follow((seen, &near), all, tolerance, column);
         seen.block
     }
 
-    /// The other axes. The foot is known as far as the path is off it.
-    fn follow(&mut self, seen: Foot, all: &[f64], tolerance: Tolerance, column: &mut Column) {
-        let block = &self.blocks[seen.block];
-        if block.length <= 0.0 {
-            return;
-        }
-        let play = seen.distance / block.length;
+    /// The other axes: at one of the feet they are nearest to what was programmed.
+    fn follow(
+        &mut self,
+        (seen, near): (Foot, &[Foot]),
+        all: &[f64],
+        tolerance: Tolerance,
+        column: &mut Column,
+    ) {
+        let n = self.blocks[seen.block].n;
         for (axis, value) in all.iter().enumerate() {
             let apart = self.main.contains(&axis) || self.beside.contains(&axis);
-            if apart || block.from[axis] == block.to[axis] && tolerance.track.is_none() {
+            let moves = |foot: &Foot| self.blocks[foot.block].moves(axis);
+            if apart || tolerance.track.is_none() && !near.iter().any(moves) {
                 continue;
             }
-            let at =
-                |part: f64| block.from[axis] + (block.to[axis] - block.from[axis]) * part.clamp(0.0, 1.0);
-            let ends = [at(seen.part - play), at(seen.part + play)];
-            let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-            let value = (low - value).max(value - high).max(0.0);
+            let off = near.iter().map(|foot| self.blocks[foot.block].off(axis, *value, foot));
+            let Some(value) = off.reduce(f64::min) else { continue };
             column.track = column.track.max(value);
             column.track_used = column.track_used.max(tolerance.track.map_or(0.0, |most| value / most));
-            let largest = Largest { value, tolerance: tolerance.track, n: block.n };
+            let largest = Largest { value, tolerance: tolerance.track, n };
             let known = &mut self.track[axis];
             if known.is_none_or(|known| largest.used() > known.used()) {
                 *known = Some(largest);
