@@ -59,6 +59,15 @@ fn seeds_that_once_failed() {
     }
 }
 
+/// Ways to a standstill where a curve takes acceleration, or jerk, from the deceleration that rises or falls in it:
+/// what the axes leave is all that holds them back.
+#[test]
+fn ways_down_in_curves_keep_every_limit() {
+    for seed in [9_100_183, 9_100_777, 9_101_207, 9_100_770, 9_102_760, 9_103_788] {
+        all_good(seed..seed + 1, false);
+    }
+}
+
 /// Other seeds with every run; `SEED=n cargo test …` repeats those that were printed.
 #[test]
 fn random_machines_of_today_keep_every_limit() {
