@@ -69,7 +69,7 @@ impl Approach {
 
     /// With a curve over time.
     fn overlapping(&self, way: &Overlap) -> f32 {
-        self.time(way.rise.v as f32, [way.rise.distance() as f32; 2], way.duration() as f32)
+        self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
     /// With the curve over arc length that has this path length and these distances.
@@ -166,7 +166,7 @@ impl Candidate {
             return way.is_long().then_some(Self { way, time: None });
         }
         let off = off_corner(&setting.measure.main, &change, tolerance);
-        let reach = f64::from(rule.ptp_distance());
+        let reach = rule.ptp_distance();
         let whole = Rise::within(most, v, a, j);
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
@@ -176,7 +176,7 @@ impl Candidate {
             let distance = whole.distance();
             // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
             let is_stretched = rule.method != ContourMethod::Ptp && half_way < off;
-            let most = if is_stretched { f64::min(off / half_way, f64::from(most) / distance) } else { 1.0 };
+            let most = if is_stretched { min(off / half_way, most / distance) } else { 1.0 };
             let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {
@@ -221,7 +221,7 @@ impl Shallow {
         let rapid = choice.lines().filter(|_| hsc && dev)?;
         let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
         let turn = size(&setting.measure.main, &change);
-        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance) as f32;
+        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance);
         if turn > if by_tolerance < most { SHALLOW_INSIDE } else { SHALLOW } {
             return None;
         }
@@ -259,13 +259,12 @@ fn soft_distance<const AXES: usize>(
 
 /// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of
 /// which a hair is left.
-fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f64 {
-    let turn = f64::from(size(main, change));
-    let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
+fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
+    let mut off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
     let track = tolerance.track;
     for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
         if track > 0.0 && *x != 0.0 {
-            off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
+            off = min(off, track * EXACT / max(*x, -*x));
         }
     }
     off

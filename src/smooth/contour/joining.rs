@@ -9,7 +9,7 @@ use super::kernel::Kernel;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min, to_bits, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
@@ -442,22 +442,19 @@ impl<const AXES: usize> Joining<AXES> {
     fn overlap(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
-        mut overlap: Overlap,
+        overlap: Overlap,
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) {
         *turning = None;
         let Some(rule) = &held.rule else { return };
-        let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+        let reach = to_bits::<44>(overlap.rise.distance());
         let (cut, all) = Cut::even(held, next, rule, reach);
-        if all > reach {
-            overlap = overlap.stretched(all as f64 / reach as f64);
-        }
         let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
-        if overlap.rise.v <= 0.0 {
+        if overlap.rise.v <= 0.0 || all <= 0 {
             return;
         }
-        let course = Timed::new(&held.block.to, overlap, &ends.from, &ends.to);
+        let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
         *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
         if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
             *turning = None;
