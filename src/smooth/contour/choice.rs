@@ -8,7 +8,7 @@ use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
-use super::timed::{Overlap, Rise};
+use super::timed::{Overlap, Rise, larger};
 use super::{LSB_44, Parameters};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
@@ -72,16 +72,11 @@ impl Approach {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// With the curve over arc length that has this path length and these distances.
-    pub fn even<const AXES: usize>(
-        &self,
-        (curve, length): (&Quintic<AXES>, f32),
-        distances: [f32; 2],
-        rapid: bool,
-        setting: &Setting<'_, AXES>,
-    ) -> f32 {
+    /// With a curve over arc length that has this path length and these distances, and where the speed over
+    /// its parameter is at most `passes`.
+    pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
-        let through = speed(curve, length, min(v1, v2), rapid, setting);
+        let through = min(min(v1, v2), length * passes);
         self.time(through, distances, length / through)
     }
 }
@@ -270,25 +265,22 @@ fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &
     off
 }
 
-/// About the speed at which a curve over arc length is passed, no more than `v`.
-fn speed<const AXES: usize>(
-    curve: &Quintic<AXES>,
-    length: f32,
-    v: f32,
-    rapid: bool,
-    setting: &Setting<'_, AXES>,
-) -> f32 {
-    let slowest = |u: f32| length * passes(&curve.second(u), &curve.third(u), rapid, setting);
-    PLACES.iter().fold(v, |v, u| min(v, slowest(*u)))
+/// Largest magnitudes of the second and third derivative of a curve at the places that are looked at.
+pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
+    let mut most = [[0.0; AXES]; 2];
+    for u in PLACES {
+        let [second, third] = most;
+        most = [larger(&second, &curve.second(u)), larger(&third, &curve.third(u))];
+    }
+    most
 }
 
 /// Where a curve is looked at.
-pub const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Speed over its parameter with which a curve passes a place with these second and third derivatives.
+/// About the speed over its parameter with which a curve with these second and third derivatives is passed.
 pub fn passes<const AXES: usize>(
-    second: &[f32; AXES],
-    third: &[f32; AXES],
+    [second, third]: &[[f32; AXES]; 2],
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {

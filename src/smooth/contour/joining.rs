@@ -1,11 +1,12 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
-use super::choice::{Approach, Candidate, Choice, Shallow};
-use super::corner::{Corner, Reach, Tolerance, turn};
+use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
+use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
 use super::curve::Side;
 use super::held_block::{HeldBlock, Stray, travel};
-use super::kernel::Kernel;
+use super::kernel::kernel;
+use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
@@ -230,12 +231,25 @@ impl<const AXES: usize> Joining<AXES> {
             }
             return;
         }
-        // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(&corner, tolerance, room.distances);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
         let stop = may_stop.then(|| approach.stop());
-        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } };
+        let rivals = Rivals { approach, candidate, stop };
+        let [distance, other] = room.distances;
+        if corner.is_symmetric(rule, setting.measure) && distance == other {
+            let symmetric = Symmetric::new(&corner);
+            let used = symmetric.used(corner.main, &tolerance, distance);
+            let part = if used > AIM { AIM / used } else { 1.0 };
+            let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
+            let found = (Some((part, f32::MAX)), rivals.compares().then(|| even(part * distance)));
+            if let Some(following) = Self::compare([held, next], rule, &room, &rivals, found) {
+                *stage = following;
+            }
+            return;
+        }
+        // With a curve over time to choose instead: the same search.
+        let reach = Reach::new(&corner, tolerance, room.distances);
+        *stage = JoinStep::Reaching { room, reach, rivals };
     }
 
     /// What a curve may deviate.
@@ -254,29 +268,19 @@ impl<const AXES: usize> Joining<AXES> {
     }
 
     /// What is quickest: a curve over arc length with the part of the distances that was found, one over
-    /// time, or a standstill.
+    /// time, or a standstill. `even`: path length of the first one, and the speed over its parameter with
+    /// which it is passed, if there is something to compare.
     #[inline(never)]
     fn compare(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
         rule: &Parameters,
-        (room, rivals, found): (&Room, &Rivals, Option<(f32, f32)>),
-        (corner, reach): (&Corner<'_, AXES>, &Reach<AXES>),
-        setting: &Setting<'_, AXES>,
+        room: &Room,
+        rivals: &Rivals,
+        (found, even): (Option<(f32, f32)>, Option<(f32, f32)>),
     ) -> Option<JoinStep<AXES>> {
         let Rivals { approach, candidate, stop } = rivals;
-        let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
-            let distances = room.distances.map(|c| c * part);
-            let made;
-            let curve = match reach.curve(part) {
-                Some(curve) => curve,
-                None => {
-                    made = corner.between(distances);
-                    &made
-                }
-            };
-            approach.even((curve, corner.path(curve)), distances, held.is_rapid(), setting)
-        });
+        let part = found.map_or(0.0, |(part, _)| part);
+        let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
         let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
         let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
@@ -305,10 +309,7 @@ impl<const AXES: usize> Joining<AXES> {
                 Self::decide(held, next, setting, stage);
                 return false;
             }
-            JoinStep::Cutting { .. } => {
-                Self::cut(held, next, setting, stage, turning);
-                return false;
-            }
+            JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, turning),
             JoinStep::Fitting { .. } => {
                 Self::fit(stage, setting.const_vel, turning);
                 let JoinStep::Joining { cut, steady } = stage else { return false };
@@ -345,33 +346,69 @@ impl<const AXES: usize> Joining<AXES> {
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
                 let Some(found) = reach.go_on(&corner) else { return };
-                let following =
-                    Self::compare(held, next, rule, (room, rivals, found), (&corner, reach), setting);
+                let even = found.filter(|_| rivals.compares()).map(|(part, _)| {
+                    let made;
+                    let curve = match reach.curve(part) {
+                        Some(curve) => curve,
+                        None => {
+                            made = corner.between(room.distances.map(|c| c * part));
+                            &made
+                        }
+                    };
+                    (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
+                });
+                let following = Self::compare([held, next], rule, room, rivals, (found, even));
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
             _ => {}
         }
     }
 
-    /// Makes the curve over arc length.
+    /// Makes the curve over arc length. Whether that is all: it needs no fitting.
     #[inline(never)]
     fn cut(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
         turning: &mut Option<Turning<AXES>>,
-    ) {
-        let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return };
+    ) -> bool {
+        let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return true };
         let (Some(rule), Some(ends)) = (&held.rule, Ends::new(held, next, cut, setting.measure)) else {
             *stage = JoinStep::Sharp;
-            return;
+            return false;
         };
+        let corner = corner(held, next, setting.measure);
+        if cut.is_even() && !setting.const_vel && corner.is_symmetric(rule, setting.measure) {
+            let symmetric = Symmetric::new(&corner);
+            if symmetric.is_even() {
+                let course = symmetric.curve(to_f32(cut.before) * LSB_44, &ends.from, &ends.to);
+                Self::turn([held, next], (cut, &ends), Cornering::Halves(course), setting, turning);
+                return true;
+            }
+        }
         *stage = if Self::course(held, next, &ends, rule, setting, turning) {
             JoinStep::Fitting { cut, slack, smaller }
         } else {
             cut.smaller(slack, smaller)
         };
+        false
+    }
+
+    /// Takes this curve, which is done: both blocks become what it leaves of them.
+    #[inline(never)]
+    fn turn(
+        [held, next]: [&mut HeldBlock<AXES>; 2],
+        (cut, ends): (Cut, &Ends<AXES>),
+        course: Cornering<AXES>,
+        setting: &Setting<'_, AXES>,
+        turning: &mut Option<Turning<AXES>>,
+    ) {
+        let made = turning.insert(Turning::new([held, next], course, setting));
+        match cut.part(held, next, [&ends.from, &ends.to], setting) {
+            Some(passage) => made.passage = passage,
+            None => *turning = None,
+        }
     }
 
     /// Cuts it into elements.
@@ -455,10 +492,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
-        *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        Self::turn([held, next], (cut, &ends), Cornering::Timed(course), setting, turning);
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -480,11 +514,8 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         next.slow = slow;
-        let course = Kernel::new(&held.block.to, c, &ends.from, &ends.to);
-        *turning = Some(Turning::new([held, next], Cornering::Kernel(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        let course = kernel(&held.block.to, c, &ends.from, &ends.to);
+        Self::turn([held, next], (cut, &ends), Cornering::Halves(course), setting, turning);
     }
 
     /// The curve over arc length between these ends. Whether there is one.
@@ -582,7 +613,20 @@ impl Room {
     }
 }
 
+impl Rivals {
+    /// Whether there is something to compare a curve over arc length with.
+    fn compares(&self) -> bool {
+        self.candidate.is_some() || self.stop.is_some()
+    }
+}
+
 impl Cut {
+    /// Whether it is as much of both, but for what hardly shows.
+    fn is_even(&self) -> bool {
+        let more = self.before - self.behind;
+        more.abs() <= self.before >> SCRAP
+    }
+
     /// As much of both blocks; no sliver is left of either. And how much that is.
     fn even<const AXES: usize>(
         held: &HeldBlock<AXES>,

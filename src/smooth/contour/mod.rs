@@ -36,10 +36,12 @@ mod chords;
 mod corner;
 pub(super) mod corner_curve;
 pub(super) mod curve;
+mod halves;
 mod held_block;
 mod joining;
 mod kernel;
 mod parameters;
+mod symmetric;
 mod timed;
 
 pub(super) use parameters::half_sine;
@@ -47,9 +49,9 @@ pub use parameters::{Parameters, Preset};
 
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
+use self::halves::Halves;
 use self::held_block::HeldBlock;
 use self::joining::{Joining, Setting};
-use self::kernel::Kernel;
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
@@ -224,8 +226,8 @@ enum Cornering<const AXES: usize> {
     Even(CornerCurve<AXES>),
     /// Over time.
     Timed(Timed<AXES>),
-    /// Of a shallow corner, over the length of the contour.
-    Kernel(Kernel<AXES>),
+    /// Between two lines, in two halves.
+    Halves(Halves<AXES>),
 }
 
 impl<const AXES: usize> Cornering<AXES> {
@@ -234,7 +236,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.is_before(),
             Self::Timed(timed) => timed.is_before(),
-            Self::Kernel(kernel) => kernel.is_before(),
+            Self::Halves(halves) => halves.is_before(),
         }
     }
 }
@@ -245,7 +247,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.next_element(element),
             Self::Timed(timed) => timed.next_element(element),
-            Self::Kernel(kernel) => kernel.next_element(element),
+            Self::Halves(halves) => halves.next_element(element),
         }
     }
 
@@ -254,7 +256,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => *course.stands(),
             Self::Timed(timed) => *timed.stands(),
-            Self::Kernel(kernel) => *kernel.stands(),
+            Self::Halves(halves) => *halves.stands(),
         }
     }
 
@@ -263,7 +265,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.finish(),
             Self::Timed(timed) => timed.finish(),
-            Self::Kernel(kernel) => kernel.finish(),
+            Self::Halves(halves) => halves.finish(),
         }
     }
 
@@ -272,7 +274,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(_) => {}
             Self::Timed(timed) => timed.settle(element),
-            Self::Kernel(kernel) => kernel.settle(element),
+            Self::Halves(halves) => halves.settle(element),
         }
     }
 }

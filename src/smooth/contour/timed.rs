@@ -240,7 +240,7 @@ struct Form {
 impl Form {
     /// With the part that a ramp has of the time.
     fn new(path: i64, ramp: f32) -> Self {
-        let ramp = share(path, ramp).clamp(1, path / 2);
+        let ramp = share(path, ramp).min(path / 2).max(1);
         let alpha = part(ramp, path);
         // 2^126 / (2^64·(1 − α)) is k with 62 fraction bits.
         let k = reciprocal_near(((ONE - alpha) as u64) << 2) as i64 >> 2;
