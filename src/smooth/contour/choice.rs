@@ -5,7 +5,7 @@
 //! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
 //! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
 use super::corner::{Corner, Tolerance};
-use super::curve::{Main, Quintic, plus, size};
+use super::curve::{Main, Quintic, aside, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise, larger};
@@ -255,14 +255,9 @@ fn soft_distance<const AXES: usize>(
 /// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of
 /// which a hair is left.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
-    let mut off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
-    let track = tolerance.track;
-    for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
-        if track > 0.0 && *x != 0.0 {
-            off = min(off, track * EXACT / max(*x, -*x));
-        }
-    }
-    off
+    let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
+    let turn = aside(main, change);
+    if tolerance.track > 0.0 && turn > 0.0 { min(off, tolerance.track * EXACT / turn) } else { off }
 }
 
 /// Largest magnitudes of the second and third derivative of a curve at the places that are looked at.

@@ -513,12 +513,16 @@ pub fn even_speed<const AXES: usize>(
     let travel = plus(&b.offset, -1.0, &a.offset);
     let both = plus(&a.tangent, 1.0, &b.tangent);
     let bend = plus(&a.curvature, -1.0, &b.curvature);
+    let [along, across] = [&travel, &bend].map(|x| dot(main, x, &both));
+    let [square, mixed, bent] =
+        [(&travel, &travel), (&travel, &bend), (&bend, &bend)].map(|(a, b)| dot(main, a, b));
+    let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
     let mut speed = 0.0;
     for _ in 0..3 {
-        let reach = plus(&travel, -speed * speed * (1.0 / 60.0), &bend);
-        let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
-        let b = (105.0 / 128.0) * dot(main, &reach, &both);
-        let c = (225.0 / 64.0) * dot(main, &reach, &reach);
+        // Of the way less a part of the bend.
+        let part = speed * speed * (1.0 / 60.0);
+        let b = (105.0 / 128.0) * (along - part * across);
+        let c = (225.0 / 64.0) * (square - part * (2.0 * mixed - part * bent));
         speed = (sqrt_f32(max(b * b + a * c, 0.0)) - b) / a;
     }
     speed

@@ -27,6 +27,11 @@ impl<const AXES: usize> Halves<AXES> {
         self.done == 0
     }
 
+    /// Whether both are handed out.
+    pub fn is_done(&self) -> bool {
+        self.done >= 2
+    }
+
     /// Where the last element ended.
     pub fn stands(&self) -> &[Position; AXES] {
         match self.done {

@@ -383,7 +383,11 @@ impl<const AXES: usize> Joining<AXES> {
             let symmetric = Symmetric::new(&corner);
             if symmetric.is_even() {
                 let course = symmetric.curve(to_f32(cut.before) * LSB_44, &ends.from, &ends.to);
-                Self::turn([held, next], (cut, &ends), Cornering::Halves(course), setting, turning);
+                let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
+                match cut.part(held, next, [&ends.from, &ends.to], setting) {
+                    Some(passage) => made.passage = passage,
+                    None => *turning = None,
+                }
                 return true;
             }
         }
@@ -393,22 +397,6 @@ impl<const AXES: usize> Joining<AXES> {
             cut.smaller(slack, smaller)
         };
         false
-    }
-
-    /// Takes this curve, which is done: both blocks become what it leaves of them.
-    #[inline(never)]
-    fn turn(
-        [held, next]: [&mut HeldBlock<AXES>; 2],
-        (cut, ends): (Cut, &Ends<AXES>),
-        course: Cornering<AXES>,
-        setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
-    ) {
-        let made = turning.insert(Turning::new([held, next], course, setting));
-        match cut.part(held, next, [&ends.from, &ends.to], setting) {
-            Some(passage) => made.passage = passage,
-            None => *turning = None,
-        }
     }
 
     /// Cuts it into elements.
@@ -492,7 +480,10 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
-        Self::turn([held, next], (cut, &ends), Cornering::Timed(course), setting, turning);
+        *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
+        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
+            *turning = None;
+        }
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -515,7 +506,10 @@ impl<const AXES: usize> Joining<AXES> {
         }
         next.slow = slow;
         let course = kernel(&held.block.to, c, &ends.from, &ends.to);
-        Self::turn([held, next], (cut, &ends), Cornering::Halves(course), setting, turning);
+        *turning = Some(Turning::new([held, next], Cornering::Halves(course), setting));
+        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
+            *turning = None;
+        }
     }
 
     /// The curve over arc length between these ends. Whether there is one.

@@ -251,6 +251,15 @@ impl<const AXES: usize> Cornering<AXES> {
         }
     }
 
+    /// Whether all elements are handed out.
+    fn is_done(&self) -> bool {
+        match self {
+            Self::Even(course) => course.is_done(),
+            Self::Timed(timed) => timed.is_done(),
+            Self::Halves(halves) => halves.is_done(),
+        }
+    }
+
     /// Where the last element ended.
     fn stands(&self) -> [Position; AXES] {
         match self {
@@ -550,6 +559,10 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             return false;
         }
         if !self.is_before {
+            if turning.course.is_done() {
+                self.course = None;
+                return true;
+            }
             self.is_before = turning.begin(&mut self.before).is_some();
         }
         if self.is_before && turning.go_on(&mut self.before.element).is_some() {

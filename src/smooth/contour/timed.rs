@@ -408,6 +408,11 @@ impl<const AXES: usize> Timed<AXES> {
         self.done < self.count
     }
 
+    /// Whether all elements are handed out.
+    pub fn is_done(&self) -> bool {
+        self.done >= 2 * self.count
+    }
+
     /// Where the last element ended.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.from.position
