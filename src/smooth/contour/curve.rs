@@ -1,7 +1,7 @@
 //! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes
 //! and where its inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact,
 //! because both neighbours of a joint get the same numbers.
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
 use crate::path::{Element, End, Measure};
@@ -53,7 +53,7 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
 /// The largest magnitude of any axis but the main ones.
 pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     let others = a.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
-    others.fold(0.0, |most, (_, x)| max(most, max(*x, -*x)))
+    others.fold(0.0, |most, (_, x)| max(most, magnitude(*x)))
 }
 
 /// The share of the straight line to `end` at which it is nearest to a point; both from its start.
@@ -228,7 +228,7 @@ impl<const AXES: usize> Quintic<AXES> {
         let [_, rest @ ..] = &self.power;
         let mut most = 0.0;
         for k in 0..AXES {
-            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| max(*x, -*x));
+            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| magnitude(*x));
             most = max(most, rest.iter().map(size).sum());
         }
         most

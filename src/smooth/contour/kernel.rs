@@ -9,6 +9,7 @@
 //! derivative is ±d/c², the least that any curve of that length can have. The deviation is |d|·c/6 in the
 //! middle and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed is
 //! above the feed; in the middle it is below by 1 − cos θ/2.
+use crate::math::float::magnitude;
 use crate::path::poly::Knot;
 use crate::quantity::Position;
 
@@ -34,7 +35,7 @@ pub fn kernel<const AXES: usize>(
         *x = Position::from_bits(x.to_bits().saturating_add(off));
         *tangent += change / 2;
         *curvature = d * per;
-        *third = (if d < 0.0 { -d } else { d }) * per * per * ROUNDED;
+        *third = magnitude(d) * per * per * ROUNDED;
     }
     Halves { from: *from, middle, to: *to, length: c, fastest: 1.0 + 1e-6, third: Some(third), done: 0 }
 }

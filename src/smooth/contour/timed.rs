@@ -437,7 +437,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.third = self.third_at(self.at + path / 2);
         self.at += path;
         let to = if left == 0 { self.to } else { self.knot(self.at) };
-        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?;
+        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.known();
         self.from = to;
         Some(made)
     }
@@ -461,7 +461,7 @@ fn both(t1: i64, t2: i64, sum: f32, difference: f32) -> f32 {
 pub fn larger<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES] {
     let mut most = *a;
     for (most, b) in most.iter_mut().zip(b) {
-        *most = max(max(*most, -*most), max(*b, -*b));
+        *most = max(magnitude(*most), magnitude(*b));
     }
     most
 }
