@@ -14,7 +14,7 @@ use crate::math::float::{max, min, to_bits, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
-use crate::quantity::Distance;
+use crate::quantity::{Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
 /// than what the tolerance has to spare.
@@ -234,22 +234,23 @@ impl<const AXES: usize> Joining<AXES> {
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
         let stop = may_stop.then(|| approach.stop());
-        let rivals = Rivals { approach, candidate, stop };
+        let compares = candidate.is_some() || stop.is_some();
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
             let symmetric = Symmetric::new(&corner);
             let used = symmetric.used(corner.main, &tolerance, distance);
             let part = if used > AIM { AIM / used } else { 1.0 };
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
-            let found = (Some((part, f32::MAX)), rivals.compares().then(|| even(part * distance)));
-            if let Some(following) = Self::compare([held, next], rule, &room, &rivals, found) {
+            let found = (Some((part, f32::MAX)), compares.then(|| even(part * distance)));
+            let rivals = (&approach, &candidate, stop);
+            if let Some(following) = Self::compare([held, next], rule, &room, rivals, found) {
                 *stage = following;
             }
             return;
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
-        *stage = JoinStep::Reaching { room, reach, rivals };
+        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } };
     }
 
     /// What a curve may deviate.
@@ -275,10 +276,9 @@ impl<const AXES: usize> Joining<AXES> {
         [held, next]: [&HeldBlock<AXES>; 2],
         rule: &Parameters,
         room: &Room,
-        rivals: &Rivals,
+        (approach, candidate, stop): (&Approach, &Option<Candidate>, Option<f32>),
         (found, even): (Option<(f32, f32)>, Option<(f32, f32)>),
     ) -> Option<JoinStep<AXES>> {
-        let Rivals { approach, candidate, stop } = rivals;
         let part = found.map_or(0.0, |(part, _)| part);
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
         let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
@@ -346,7 +346,9 @@ impl<const AXES: usize> Joining<AXES> {
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
                 let Some(found) = reach.go_on(&corner) else { return };
-                let even = found.filter(|_| rivals.compares()).map(|(part, _)| {
+                let Rivals { approach, candidate, stop } = rivals;
+                let compares = candidate.is_some() || stop.is_some();
+                let even = found.filter(|_| compares).map(|(part, _)| {
                     let made;
                     let curve = match reach.curve(part) {
                         Some(curve) => curve,
@@ -357,6 +359,7 @@ impl<const AXES: usize> Joining<AXES> {
                     };
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
+                let rivals = (&*approach, &*candidate, *stop);
                 let following = Self::compare([held, next], rule, room, rivals, (found, even));
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
@@ -374,23 +377,23 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return true };
-        let (Some(rule), Some(ends)) = (&held.rule, Ends::new(held, next, cut, setting.measure)) else {
-            *stage = JoinStep::Sharp;
-            return false;
-        };
+        let Some(rule) = &held.rule else { return true };
         let corner = corner(held, next, setting.measure);
         if cut.is_even() && !setting.const_vel && corner.is_symmetric(rule, setting.measure) {
             let symmetric = Symmetric::new(&corner);
             if symmetric.is_even() {
+                *turning = None;
+                let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return true };
                 let course = symmetric.curve(to_f32(cut.before) * LSB_44, &ends.from, &ends.to);
                 let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
-                match cut.part(held, next, [&ends.from, &ends.to], setting) {
-                    Some(passage) => made.passage = passage,
-                    None => *turning = None,
-                }
+                made.passage = cut.leave(held, next, &ends.from, setting);
                 return true;
             }
         }
+        let Some(ends) = Ends::new(held, next, cut, setting.measure) else {
+            *stage = JoinStep::Sharp;
+            return false;
+        };
         *stage = if Self::course(held, next, &ends, rule, setting, turning) {
             JoinStep::Fitting { cut, slack, smaller }
         } else {
@@ -475,15 +478,13 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = &held.rule else { return };
         let reach = to_bits::<44>(overlap.rise.distance());
         let (cut, all) = Cut::even(held, next, rule, reach);
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
         if overlap.rise.v <= 0.0 || all <= 0 {
             return;
         }
+        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
         let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
         *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        cut.leave(held, next, &ends.from, setting);
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -499,17 +500,15 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
         let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
             return;
         }
+        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
         next.slow = slow;
         let course = kernel(&held.block.to, c, &ends.from, &ends.to);
         *turning = Some(Turning::new([held, next], Cornering::Halves(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        cut.leave(held, next, &ends.from, setting);
     }
 
     /// The curve over arc length between these ends. Whether there is one.
@@ -607,13 +606,6 @@ impl Room {
     }
 }
 
-impl Rivals {
-    /// Whether there is something to compare a curve over arc length with.
-    fn compares(&self) -> bool {
-        self.candidate.is_some() || self.stop.is_some()
-    }
-}
-
 impl Cut {
     /// Whether it is as much of both, but for what hardly shows.
     fn is_even(&self) -> bool {
@@ -663,19 +655,40 @@ struct Ends<const AXES: usize> {
 
 impl<const AXES: usize> Ends<AXES> {
     fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
+        let position = Self::begin(next, cut);
+        let end = next.entry_at(&position, measure).ok()?;
+        Some(Self { cut, from: Self::leave(held, cut), to: Knot { position, end } })
+    }
+
+    /// The same; the second block becomes what is left of it.
+    #[inline(never)]
+    fn enter(
+        held: &HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
+        cut: Cut,
+        measure: &Measure,
+    ) -> Option<Self> {
+        let position = Self::begin(next, cut);
+        next.renew(&position, measure).ok()?;
+        let to = Knot { position, end: next.block.element.entry };
+        Some(Self { cut, from: Self::leave(held, cut), to })
+    }
+
+    #[inline(always)]
+    fn leave(held: &HeldBlock<AXES>, cut: Cut) -> Knot<AXES> {
         let element = &held.block.element;
         let rest = element.shape.length.to_bits() - cut.before;
-        let mut from = Knot { position: held.block.from, end: element.entry };
         if rest > 0 {
-            from.position = element.shape.point(rest, &held.block.from);
-            from.end = element.end_at(rest);
+            let position = element.shape.point(rest, &held.block.from);
+            return Knot { position, end: element.end_at(rest) };
         }
-        let mut begin = next.block.from;
-        if cut.behind > 0 {
-            begin = next.block.element.shape.point(cut.behind, &next.block.from);
-        }
-        let end = next.entry_at(&begin, measure).ok()?;
-        Some(Self { cut, from, to: Knot { position: begin, end } })
+        Knot { position: held.block.from, end: element.entry }
+    }
+
+    #[inline(always)]
+    fn begin(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
+        let from = &next.block.from;
+        if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
     }
 }
 
@@ -690,6 +703,18 @@ impl Cut {
         setting: &Setting<'_, AXES>,
     ) -> Option<Passage> {
         next.renew(&to.position, setting.measure).ok()?;
+        Some(self.leave(held, next, from, setting))
+    }
+
+    /// The first block becomes what a curve from this knot leaves of it, as the second one has already. What
+    /// the speed of the curve does.
+    fn leave<const AXES: usize>(
+        self,
+        held: &mut HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        from: &Knot<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> Passage {
         let rest = held.block.element.shape.length.to_bits() - self.before;
         held.block.element.shape.length = Distance::from_bits(rest);
         if rest > 0 {
@@ -697,13 +722,13 @@ impl Cut {
         }
         // The next corner may take half of the block behind this one.
         let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
-        Some(if setting.const_vel {
+        if setting.const_vel {
             Passage::Constant
         } else if beside >= self.before.max(self.behind) / BESIDE {
             Passage::Steady
         } else {
             Passage::Varying
-        })
+        }
     }
 }
 
