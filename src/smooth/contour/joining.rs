@@ -112,11 +112,9 @@ enum JoinStep<const AXES: usize> {
     Sharp,
 }
 
-/// A corner between the block `held` and the next one.
+/// A corner between two blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joining<const AXES: usize> {
-    /// The block before the corner; at the end what is left of it.
-    pub held: HeldBlock<AXES>,
     stage: JoinStep<AXES>,
 }
 
@@ -132,25 +130,24 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl<const AXES: usize> Joining<AXES> {
-    /// Of a block; where it goes on is not known yet.
+    /// Of blocks that are not known yet.
     #[inline(always)]
-    pub const fn new(held: HeldBlock<AXES>) -> Self {
-        Self { held, stage: JoinStep::Sharp }
+    pub const fn new() -> Self {
+        Self { stage: JoinStep::Sharp }
     }
 
     /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
     /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn go_into(
         &mut self,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
     ) -> Option<NcWarningKind> {
-        let Self { held, stage } = self;
         let mut remark = None;
         let rule = held.rule.as_ref();
         let room = rule.and_then(|rule| Self::begin(held, (next, behind), rule, setting, &mut remark));
-        *stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
+        self.stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
         remark
     }
 
@@ -298,11 +295,11 @@ impl<const AXES: usize> Joining<AXES> {
     #[inline(never)]
     pub fn go_on(
         &mut self,
-        next: &mut HeldBlock<AXES>,
+        [held, next]: [&mut HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
-        let Self { held, stage } = self;
+        let Self { stage } = self;
         match stage {
             _ if held.rule.is_none() => *turning = None,
             JoinStep::Choosing(_) | JoinStep::Reaching { .. } => {
