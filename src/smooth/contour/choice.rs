@@ -36,8 +36,9 @@ impl Approach {
         room: [f32; 2],
         dynamics: &Dynamics<AXES>,
     ) -> Self {
-        let [first, second] =
-            blocks.map(|HeldBlock { block, .. }| dynamics.element(&block.element, block.data.feed).0);
+        let limits =
+            |HeldBlock { block, .. }: &HeldBlock<AXES>| dynamics.element(&block.element, block.data.feed).0;
+        let (first, second) = (limits(blocks[0]), limits(blocks[1]));
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
@@ -54,9 +55,14 @@ impl Approach {
         })
     }
 
-    /// With a standstill in the corner.
-    pub fn stop(&self) -> f32 {
-        self.time(0.0, [0.0; 2], 0.0)
+    /// Whether all of it takes fewer ticks than that with a standstill in the corner.
+    pub fn stops_within(&self, most: f32) -> bool {
+        let sides = self.slopes.iter().zip(self.v).zip(self.room);
+        // No part is faster than its feed, nor than all of the acceleration makes it.
+        let least = sides.fold(0.0, |sum, ((slope, v), room)| {
+            sum + max(room / v, sqrt_f32(2.0 * room / slope.acceleration()))
+        });
+        SURELY * least < most && self.time(0.0, [0.0; 2], 0.0) < most
     }
 
     /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little
@@ -80,6 +86,9 @@ impl Approach {
         self.time(through, distances, length / through)
     }
 }
+
+/// For rounding.
+const SURELY: f32 = 0.999;
 
 /// The speed changes little where it changes by less than this part.
 const CLOSE: f32 = 40.0;

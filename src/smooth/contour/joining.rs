@@ -77,13 +77,12 @@ struct Cut {
     behind: i64,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner,
-/// which takes that time.
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
     candidate: Option<Candidate>,
-    stop: Option<f32>,
+    may_stop: bool,
 }
 
 /// What is done next.
@@ -230,8 +229,7 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
-        let stop = may_stop.then(|| approach.stop());
-        let compares = candidate.is_some() || stop.is_some();
+        let compares = candidate.is_some() || may_stop;
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
             let symmetric = Symmetric::new(&corner);
@@ -239,7 +237,7 @@ impl<const AXES: usize> Joining<AXES> {
             let part = if used > AIM { AIM / used } else { 1.0 };
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
             let found = (Some((part, f32::MAX)), compares.then(|| even(part * distance)));
-            let rivals = (&approach, &candidate, stop);
+            let rivals = (&approach, &candidate, may_stop);
             if let Some(following) = Self::compare([held, next], rule, &room, rivals, found) {
                 *stage = following;
             }
@@ -247,7 +245,7 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // With a curve over time to choose instead: the same search.
         let reach = Reach::new(&corner, tolerance, room.distances);
-        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } };
+        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } };
     }
 
     /// What a curve may deviate.
@@ -273,7 +271,7 @@ impl<const AXES: usize> Joining<AXES> {
         [held, next]: [&HeldBlock<AXES>; 2],
         rule: &Parameters,
         room: &Room,
-        (approach, candidate, stop): (&Approach, &Option<Candidate>, Option<f32>),
+        (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
         (found, even): (Option<(f32, f32)>, Option<(f32, f32)>),
     ) -> Option<JoinStep<AXES>> {
         let part = found.map_or(0.0, |(part, _)| part);
@@ -281,7 +279,7 @@ impl<const AXES: usize> Joining<AXES> {
         let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
         let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
-        if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
+        if may_stop && approach.stops_within(quickest * KNOWN + 1.0) {
             return None;
         }
         match candidate.as_ref().filter(|_| over_time == Some(quickest)) {
@@ -343,8 +341,8 @@ impl<const AXES: usize> Joining<AXES> {
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
                 let Some(found) = reach.go_on(&corner) else { return };
-                let Rivals { approach, candidate, stop } = rivals;
-                let compares = candidate.is_some() || stop.is_some();
+                let Rivals { approach, candidate, may_stop } = rivals;
+                let compares = candidate.is_some() || *may_stop;
                 let even = found.filter(|_| compares).map(|(part, _)| {
                     let made;
                     let curve = match reach.curve(part) {
@@ -356,7 +354,7 @@ impl<const AXES: usize> Joining<AXES> {
                     };
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
-                let rivals = (&*approach, &*candidate, *stop);
+                let rivals = (&*approach, &*candidate, *may_stop);
                 let following = Self::compare([held, next], rule, room, rivals, (found, even));
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
