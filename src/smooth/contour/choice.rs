@@ -74,7 +74,7 @@ impl Approach {
     }
 
     /// With a curve over time.
-    fn overlapping(&self, way: &Overlap) -> f32 {
+    pub fn overlapping(&self, way: &Overlap) -> f32 {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
@@ -131,8 +131,8 @@ impl<const AXES: usize> Choice<'_, AXES> {
 pub struct Candidate {
     /// How both motions overlap.
     pub way: Overlap,
-    /// Its ticks in [`Approach`]; none where no other curve comes into question.
-    pub time: Option<f32>,
+    /// No other curve comes into question.
+    pub only: bool,
 }
 
 impl Candidate {
@@ -167,7 +167,7 @@ impl Candidate {
             let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
             let distance = soft_distance(rule, most, &change, setting.measure);
             let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
-            return way.is_long().then_some(Self { way, time: None });
+            return way.is_long().then_some(Self { way, only: true });
         }
         let off = off_corner(&setting.measure.main, &change, tolerance);
         let reach = rule.ptp_distance();
@@ -202,7 +202,7 @@ impl Candidate {
                 quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
             }
         };
-        way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
+        way.is_long().then_some(Self { way, only: false })
     }
 }
 

@@ -291,6 +291,7 @@ impl<const AXES: usize> Quintic<AXES> {
     }
 
     /// Third derivative.
+    #[inline(never)]
     pub fn third(&self, u: f32) -> [f32; AXES] {
         let [.., p3, p4, p5] = &self.power;
         let mut out = *p3;

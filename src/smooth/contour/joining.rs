@@ -216,7 +216,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         let candidate = Candidate::new(&choice);
-        if let Some(Candidate { way, time: None }) = candidate {
+        if let Some(Candidate { way, only: true }) = candidate {
             *stage = JoinStep::Overlapping(way);
             return;
         }
@@ -276,8 +276,10 @@ impl<const AXES: usize> Joining<AXES> {
     ) -> Option<JoinStep<AXES>> {
         let part = found.map_or(0.0, |(part, _)| part);
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
-        let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
-        let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+        let even = even.unwrap_or(f32::MAX);
+        let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);
+        let over_time = may_win.map(|candidate| approach.overlapping(&candidate.way));
+        let quickest = min(even, over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
         if may_stop && approach.stops_within(quickest * KNOWN + 1.0) {
             return None;
@@ -298,12 +300,18 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let Self { stage } = self;
-        match stage {
-            _ if held.rule.is_none() => *turning = None,
-            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => {
-                Self::decide(held, next, setting, stage);
+        let is_searched_for = |stage: &_| matches!(stage, JoinStep::Choosing(_) | JoinStep::Reaching { .. });
+        if held.rule.is_some() && is_searched_for(stage) {
+            let goes_on = matches!(stage, JoinStep::Choosing(_));
+            Self::decide(held, next, setting, stage);
+            // What is known without a search is made at once.
+            if !goes_on || is_searched_for(stage) {
                 return false;
             }
+        }
+        match stage {
+            _ if held.rule.is_none() => *turning = None,
+            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => return false,
             JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, turning),
             JoinStep::Fitting { .. } => {
                 Self::fit(stage, setting.const_vel, turning);

@@ -114,6 +114,11 @@ impl<const AXES: usize> Turning<AXES> {
         Some(())
     }
 
+    /// Whether its last element is made.
+    fn is_done(&self) -> bool {
+        self.draft.is_none() && self.course.is_done()
+    }
+
     /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
     #[cold]
     #[inline(never)]
@@ -578,13 +583,12 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             return false;
         }
         if !self.is_before {
-            if turning.course.is_done() {
-                self.course = None;
-                return true;
-            }
             self.is_before = turning.begin(&mut self.before).is_some();
         }
         if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+            if turning.is_done() {
+                self.course = None;
+            }
             return true;
         }
         self.go_straight();

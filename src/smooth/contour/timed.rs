@@ -221,6 +221,12 @@ fn part(a: i64, b: i64) -> i64 {
     (mul_hi_u(a.unsigned_abs() << up, reciprocal) as i64).min(ONE)
 }
 
+/// a·b / 2^`SHIFT`: a call, since there are many of them.
+#[inline(never)]
+fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
+    mul_shift(a, b, SHIFT)
+}
+
 /// A rise over the path s = v·t, LSB 2^-44 mm: what of it is left when a way and a speed of 1 are all of it.
 /// Parts have 62 fraction bits.
 ///
@@ -257,23 +263,19 @@ impl Form {
         if left <= 0 {
             return [path / 2 - left, ONE, 0];
         }
-        let way = |part: i64| mul_shift(path / 2, part, 62);
-        if s > ramp && left > ramp {
+        let (first, last) = (s <= ramp, left <= ramp);
+        let [gone, gained, a] = if first || last {
+            // From the nearer end.
+            let q = part(if first { s } else { left }, ramp);
+            let half = times(times(alpha, k), times(q, q));
+            [times(times(alpha, q), times(half, THIRD)) << 2, half << 1, times(k, q)]
+        } else {
             let tau = part(s, path);
             let square = times(times(alpha, alpha), THIRD);
-            let gone = times(k, square + times(tau, tau - alpha)) << 2;
-            return [way(gone), times(k, tau - alpha / 2) << 2, k];
-        }
-        // From the nearer end.
-        let first = s <= ramp;
-        let q = part(if first { s } else { left }, ramp);
-        let half = times(times(alpha, k), times(q, q));
-        let (gained, gone) = (half << 1, times(times(alpha, q), times(half, THIRD)) << 2);
-        if first {
-            [way(gone), gained, times(k, q)]
-        } else {
-            [path / 2 - left + way(gone), ONE - gained, times(k, q)]
-        }
+            [times(k, square + times(tau, tau - alpha)) << 2, times(k, tau - alpha / 2) << 2, k]
+        };
+        let way = scaled::<62>(path / 2, gone);
+        if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
     }
 
     /// The sign of the jerk there.
@@ -380,9 +382,9 @@ impl<const AXES: usize> Timed<AXES> {
         let ends = end.tangent.iter_mut().zip(&mut end.curvature);
         for (((x, (tangent, curvature)), t1), t2) in position.iter_mut().zip(ends).zip(before).zip(behind) {
             // LSB 2^-42 mm
-            let offset = mul_shift(*t2, p2, 42) - mul_shift(*t1, p1, 42);
+            let offset = scaled::<42>(*t2, p2) - scaled::<42>(*t1, p1);
             *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
-            *tangent = mul_shift(*t1, v1, 62) + mul_shift(*t2, v2, 62);
+            *tangent = scaled::<62>(*t1, v1) + scaled::<62>(*t2, v2);
             *curvature = both(*t1, *t2, sum, difference);
         }
         Knot { position, end }
