@@ -57,8 +57,8 @@ impl<const AXES: usize> Corner<'_, AXES> {
         self.before.rate == 0.0 && self.behind.rate == 0.0 && product > 1.0 - 1e-4 && product < 1.0 + 1e-4
     }
 
-    /// Whether its curve is known in closed form, with equal distances: both sides are lines, with nothing left
-    /// out, and the path is that in space.
+    /// Whether its curve is known in closed form, with equal distances: both sides are lines, with nothing
+    /// left out, and the path is that in space.
     pub fn is_symmetric(&self, rule: &Parameters, measure: &Measure) -> bool {
         let lines = self.before.rate == 0.0 && self.behind.rate == 0.0 && self.gap.is_none();
         lines && measure.is_space() && rule.method != ContourMethod::Pos

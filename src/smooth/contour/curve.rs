@@ -178,7 +178,7 @@ impl<const AXES: usize> Side<AXES> {
     }
 }
 
-/// Angle of the last step towards the foot of a perpendicular: what it is beside the tangent is 2^-25 of a radius.
+/// Angle of the last step towards the foot of a perpendicular: beside the tangent it is 2^-25 of a radius.
 const NEXT: f32 = 1.0 / 4096.0;
 
 /// Steps towards it at most.

@@ -236,7 +236,7 @@ impl<const AXES: usize> Joining<AXES> {
             let used = symmetric.used(corner.main, &tolerance, distance);
             let part = if used > AIM { AIM / used } else { 1.0 };
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
-            let found = (Some((part, f32::MAX)), compares.then(|| even(part * distance)));
+            let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
             let rivals = (&approach, &candidate, may_stop);
             if let Some(following) = Self::compare([held, next], rule, &room, rivals, found) {
                 *stage = following;
@@ -272,7 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
         rule: &Parameters,
         room: &Room,
         (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
-        (found, even): (Option<(f32, f32)>, Option<(f32, f32)>),
+        [found, even]: [Option<(f32, f32)>; 2],
     ) -> Option<JoinStep<AXES>> {
         let part = found.map_or(0.0, |(part, _)| part);
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
@@ -363,7 +363,7 @@ impl<const AXES: usize> Joining<AXES> {
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
                 let rivals = (&*approach, &*candidate, *may_stop);
-                let following = Self::compare([held, next], rule, room, rivals, (found, even));
+                let following = Self::compare([held, next], rule, room, rivals, [found, even]);
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
             _ => {}

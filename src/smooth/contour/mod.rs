@@ -228,6 +228,7 @@ pub struct Contouring<const AXES: usize> {
 
 /// The curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one curve is handed out at a time, in static memory")]
 enum Cornering<const AXES: usize> {
     /// Over its arc length.
     Even(CornerCurve<AXES>),

@@ -33,7 +33,7 @@ pub struct Symmetric<const AXES: usize> {
 const LEAST_COSINE: f32 = 0.643;
 
 /// Length of a half, by 1 − C from the first power on: to 3·10^-8 up to 104°.
-const LENGTH: [f32; 5] = [-0.514_288_75, -0.332_221_84, -0.080_998_49, -0.037_167_14, -0.028_881_88];
+const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167_14, -0.028_881_88];
 
 /// How far the speed along a half is above its path speed, by 1 − C; no more than [`EVEN`].
 const ABOVE: f32 = 0.0067;

@@ -27,8 +27,8 @@
 //! is e·|t2 − t1| from it. The distance of a point from the line it is about to reach, or has left, is at
 //! most e·sin θ, which is less.
 //!
-//! **Numbers.** Which overlap is worth it is asked in `f32`. The course is in integers over its own path: p as a part
-//! of the way of a motion, the place as a part of the path that the motion takes, both with 62 fraction bits.
+//! **Numbers.** Which overlap is worth it is asked in `f32`. The course is in integers over its own path: p as
+//! a part of the way of a motion, the place as a part of the path of a motion, both with 62 fraction bits.
 use super::{LSB_40, LSB_44};
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
