@@ -130,6 +130,10 @@ impl Limits {
             if time < best.0 {
                 best = (time, v, a);
             }
+            // Slower there is no more acceleration, and no time to gain.
+            if a >= still {
+                break;
+            }
             v *= ARC_SPEED_STEP;
         }
         self.v = best.1;

@@ -46,5 +46,5 @@ pub fn max(a: f32, b: f32) -> f32 {
 /// Without its sign.
 #[inline(always)]
 pub fn magnitude(x: f32) -> f32 {
-    if x < 0.0 { -x } else { x }
+    x.abs()
 }

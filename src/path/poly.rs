@@ -148,6 +148,8 @@ pub struct Draft<const AXES: usize> {
     length: f32,
     /// Axes made.
     made: usize,
+    /// Second and third derivative are known otherwise.
+    is_known: bool,
 }
 
 /// Axes per call.
@@ -173,7 +175,7 @@ impl<const AXES: usize> Draft<AXES> {
         shape.uncurve(length)?;
         let bounds = Some(Bounds::none(fastest));
         let element = Element { shape, entry: from.end, exit: to.end, circle: None, bounds };
-        Some((element, Self { ends: [from.position, to.position], length, made: 0 }))
+        Some((element, Self { ends: [from.position, to.position], length, made: 0, is_known: false }))
     }
 
     /// As [`Self::new`], in the place of another element.
@@ -186,7 +188,12 @@ impl<const AXES: usize> Draft<AXES> {
         let Element { shape, entry, exit, circle, bounds } = element;
         shape.uncurve(length)?;
         (*entry, *exit, *circle, *bounds) = (from.end, to.end, None, Some(Bounds::none(fastest)));
-        Some(Self { ends: [from.position, to.position], length, made: 0 })
+        Some(Self { ends: [from.position, to.position], length, made: 0, is_known: false })
+    }
+
+    /// Its second and third derivative are known otherwise, when it is made.
+    pub fn known(self) -> Self {
+        Self { is_known: true, ..self }
     }
 
     /// Where it begins.
@@ -226,16 +233,19 @@ impl<const AXES: usize> Draft<AXES> {
                 // At rest: all of it is zero.
                 continue;
             }
-            let (coefficients, down, derivatives) = scale.axis(travel, [*t0, *t1], [*k0, *k1])?;
+            let (coefficients, down, powers) = scale.axis(travel, [*t0, *t1], [*k0, *k1])?;
             *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
             // Off by at most a few LSB: hidden by the guard bits.
             let rest = (travel << GUARD).wrapping_sub(bent(end_w, &coefficients, down));
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
-            let ([first, second, third], per) = (derivatives, 1.0 / self.length);
-            *bounds.first.get_mut(k)? = first * per;
-            *bounds.second.get_mut(k)? = second * per * per;
-            *bounds.third.get_mut(k)? = third * per * per * per;
+            let per = 1.0 / self.length;
+            *bounds.first.get_mut(k)? = fastest(&powers) * per;
+            if !self.is_known {
+                let [second, third] = bends(&powers);
+                *bounds.second.get_mut(k)? = second * per * per;
+                *bounds.third.get_mut(k)? = third * per * per * per;
+            }
         }
         Some(())
     }
@@ -280,7 +290,7 @@ impl Scale {
         Self { length, square: length * length, mantissa, up, powers }
     }
 
-    /// Coefficients of an axis with their exponent, and the largest magnitudes of its derivatives over 0..1.
+    /// Coefficients of an axis with their exponent, and as numbers, from the first power on, over 0..1.
     /// `None` where the formats cannot hold them.
     ///
     /// In integers: a core that has no f64 takes some hundred instructions for that, ten times as many for the
@@ -290,7 +300,7 @@ impl Scale {
         travel: i64,
         tangents: [i64; 2],
         curvatures: [f32; 2],
-    ) -> Option<([i32; 4], u8, [f32; 3])> {
+    ) -> Option<([i32; 4], u8, [f32; 5])> {
         let slopes = tangents.map(|t| to_f32(t) * LSB_40 * self.length);
         let bends = curvatures.map(|k| k * self.square);
         let [v0, v1] = slopes.map(magnitude);
@@ -312,7 +322,7 @@ impl Scale {
         let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
         let [first, ..] = slopes;
         if zeros == 64 {
-            return Some(([0; 4], 0, [magnitude(first) * (1.0 + 1.0 / 1_048_576.0), 0.0, 0.0]));
+            return Some(([0; 4], 0, [first, 0.0, 0.0, 0.0, 0.0]));
         }
         // To the full width, and over τ.
         let (a, point) = (a.map(|a| a << ((zeros - 1) & 63)), point + zeros - 1);
@@ -328,7 +338,7 @@ impl Scale {
             return None;
         }
         let less = (behind - scale).min(63) as u32;
-        Some((b.map(|b| rounded(b, less)), (scale - POINT) as u8, largest([first, f2, f3, f4, f5])))
+        Some((b.map(|b| rounded(b, less)), (scale - POINT) as u8, [first, f2, f3, f4, f5]))
     }
 }
 
@@ -340,11 +350,15 @@ fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
     [p, 10 * d - (e3 + e) - p3 + q, 7 * e - 15 * d + p3 - (q + q), 6 * d - e3 - p + q]
 }
 
-/// Largest magnitudes of the first three derivatives over 0..1, and what rounding here may hide.
-pub(super) fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
-    let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, max(*x, -*x)));
+/// The largest magnitude of some values.
+fn most(x: &[f32]) -> f32 {
+    x.iter().fold(0.0, |top, x| max(top, magnitude(*x)))
+}
+
+/// Largest magnitude of the first derivative over 0..1, and what rounding here may hide.
+fn fastest([a1, a2, a3, a4, a5]: &[f32; 5]) -> f32 {
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
-    let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
+    let p = [*a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
     let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
     let first = [
         p[0],
@@ -353,6 +367,11 @@ pub(super) fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
         p[0] + 3.0 * (q1 + q2) + q3,
         p[0] + p[1] + p[2] + p[3] + p[4],
     ];
+    most(&first) * (1.0 + 1.0 / 1_048_576.0)
+}
+
+/// The same of the second and the third derivative.
+fn bends([_, a2, a3, a4, a5]: &[f32; 5]) -> [f32; 2] {
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
     let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
     let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
@@ -364,7 +383,7 @@ pub(super) fn largest([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     let seconds = [b0, second(1.0), second(inside(sum, 3.0 * b3)), second(inside(b1, sum))];
     let thirds = [b1, third(1.0), third(inside(-b2, 3.0 * b3))];
     // Sums of four numbers, at places that are known to 2^-11 where two of them are one.
-    let hidden = |p: [f32; 4]| p.iter().map(|p| max(*p, -*p)).sum::<f32>() * (1.0 / 1_048_576.0);
+    let hidden = |p: [f32; 4]| p.iter().map(|p| magnitude(*p)).sum::<f32>() * (1.0 / 1_048_576.0);
     let (of_second, of_third) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
-    [most(&first) * (1.0 + 1.0 / 1_048_576.0), most(&seconds) + of_second, most(&thirds) + of_third]
+    [most(&seconds) + of_second, most(&thirds) + of_third]
 }

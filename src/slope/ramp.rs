@@ -80,6 +80,14 @@ impl Ramp {
         }
     }
 
+    /// Largest acceleration.
+    pub fn acceleration(&self) -> f32 {
+        match self {
+            Self::JerkLimited(ramp) => ramp.a,
+            Self::Stepped(ramp) => max(ramp.a[0], ramp.a[1]),
+        }
+    }
+
     /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
     #[inline(always)]
     pub fn reach(&self, low: f32, length: f32) -> f32 {

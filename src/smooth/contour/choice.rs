@@ -5,10 +5,10 @@
 //! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
 //! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
 use super::corner::{Corner, Tolerance};
-use super::curve::{Main, Quintic, plus, size};
+use super::curve::{Main, Quintic, aside, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
-use super::timed::{Overlap, Rise};
+use super::timed::{Overlap, Rise, larger};
 use super::{LSB_44, Parameters};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
@@ -36,8 +36,9 @@ impl Approach {
         room: [f32; 2],
         dynamics: &Dynamics<AXES>,
     ) -> Self {
-        let [first, second] =
-            blocks.map(|HeldBlock { block, .. }| dynamics.element(&block.element, block.data.feed).0);
+        let limits =
+            |HeldBlock { block, .. }: &HeldBlock<AXES>| dynamics.element(&block.element, block.data.feed).0;
+        let (first, second) = (limits(blocks[0]), limits(blocks[1]));
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
@@ -54,9 +55,14 @@ impl Approach {
         })
     }
 
-    /// With a standstill in the corner.
-    pub fn stop(&self) -> f32 {
-        self.time(0.0, [0.0; 2], 0.0)
+    /// Whether all of it takes fewer ticks than that with a standstill in the corner.
+    pub fn stops_within(&self, most: f32) -> bool {
+        let sides = self.slopes.iter().zip(self.v).zip(self.room);
+        // No part is faster than its feed, nor than all of the acceleration makes it.
+        let least = sides.fold(0.0, |sum, ((slope, v), room)| {
+            sum + max(room / v, sqrt_f32(2.0 * room / slope.acceleration()))
+        });
+        SURELY * least < most && self.time(0.0, [0.0; 2], 0.0) < most
     }
 
     /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little
@@ -68,23 +74,21 @@ impl Approach {
     }
 
     /// With a curve over time.
-    fn overlapping(&self, way: &Overlap) -> f32 {
-        self.time(way.rise.v as f32, [way.rise.distance() as f32; 2], way.duration() as f32)
+    pub fn overlapping(&self, way: &Overlap) -> f32 {
+        self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// With the curve over arc length that has this path length and these distances.
-    pub fn even<const AXES: usize>(
-        &self,
-        (curve, length): (&Quintic<AXES>, f32),
-        distances: [f32; 2],
-        rapid: bool,
-        setting: &Setting<'_, AXES>,
-    ) -> f32 {
+    /// With a curve over arc length that has this path length and these distances, and where the speed over
+    /// its parameter is at most `passes`.
+    pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
-        let through = speed(curve, length, min(v1, v2), rapid, setting);
+        let through = min(min(v1, v2), length * passes);
         self.time(through, distances, length / through)
     }
 }
+
+/// For rounding.
+const SURELY: f32 = 0.999;
 
 /// The speed changes little where it changes by less than this part.
 const CLOSE: f32 = 40.0;
@@ -127,8 +131,8 @@ impl<const AXES: usize> Choice<'_, AXES> {
 pub struct Candidate {
     /// How both motions overlap.
     pub way: Overlap,
-    /// Its ticks in [`Approach`]; none where no other curve comes into question.
-    pub time: Option<f32>,
+    /// No other curve comes into question.
+    pub only: bool,
 }
 
 impl Candidate {
@@ -163,10 +167,10 @@ impl Candidate {
             let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
             let distance = soft_distance(rule, most, &change, setting.measure);
             let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
-            return way.is_long().then_some(Self { way, time: None });
+            return way.is_long().then_some(Self { way, only: true });
         }
         let off = off_corner(&setting.measure.main, &change, tolerance);
-        let reach = f64::from(rule.ptp_distance());
+        let reach = rule.ptp_distance();
         let whole = Rise::within(most, v, a, j);
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
@@ -176,7 +180,7 @@ impl Candidate {
             let distance = whole.distance();
             // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
             let is_stretched = rule.method != ContourMethod::Ptp && half_way < off;
-            let most = if is_stretched { f64::min(off / half_way, f64::from(most) / distance) } else { 1.0 };
+            let most = if is_stretched { min(off / half_way, most / distance) } else { 1.0 };
             let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {
@@ -198,7 +202,7 @@ impl Candidate {
                 quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
             }
         };
-        way.is_long().then(|| Self { way, time: Some(approach.overlapping(&way)) })
+        way.is_long().then_some(Self { way, only: false })
     }
 }
 
@@ -221,7 +225,7 @@ impl Shallow {
         let rapid = choice.lines().filter(|_| hsc && dev)?;
         let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
         let turn = size(&setting.measure.main, &change);
-        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance) as f32;
+        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance);
         if turn > if by_tolerance < most { SHALLOW_INSIDE } else { SHALLOW } {
             return None;
         }
@@ -259,37 +263,28 @@ fn soft_distance<const AXES: usize>(
 
 /// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of
 /// which a hair is left.
-fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f64 {
-    let turn = f64::from(size(main, change));
-    let mut off = tolerance.path.map_or(f64::MAX, |dev| f64::from(dev * EXACT) / turn);
-    let track = tolerance.track;
-    for (_, x) in change.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k))) {
-        if track > 0.0 && *x != 0.0 {
-            off = f64::min(off, f64::from(track * EXACT / max(*x, -*x)));
-        }
-    }
-    off
+fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
+    let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
+    let turn = aside(main, change);
+    if tolerance.track > 0.0 && turn > 0.0 { min(off, tolerance.track * EXACT / turn) } else { off }
 }
 
-/// About the speed at which a curve over arc length is passed, no more than `v`.
-fn speed<const AXES: usize>(
-    curve: &Quintic<AXES>,
-    length: f32,
-    v: f32,
-    rapid: bool,
-    setting: &Setting<'_, AXES>,
-) -> f32 {
-    let slowest = |u: f32| length * passes(&curve.second(u), &curve.third(u), rapid, setting);
-    PLACES.iter().fold(v, |v, u| min(v, slowest(*u)))
+/// Largest magnitudes of the second and third derivative of a curve at the places that are looked at.
+pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
+    let mut most = [[0.0; AXES]; 2];
+    for u in PLACES {
+        let [second, third] = most;
+        most = [larger(&second, &curve.second(u)), larger(&third, &curve.third(u))];
+    }
+    most
 }
 
 /// Where a curve is looked at.
-pub const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Speed over its parameter with which a curve passes a place with these second and third derivatives.
+/// About the speed over its parameter with which a curve with these second and third derivatives is passed.
 pub fn passes<const AXES: usize>(
-    second: &[f32; AXES],
-    third: &[f32; AXES],
+    [second, third]: &[[f32; AXES]; 2],
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {

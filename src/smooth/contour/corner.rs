@@ -12,7 +12,7 @@ use crate::nc::ContourMethod;
 use crate::path::Measure;
 
 /// Part of a tolerance that is aimed at, and how closely: the rest is for rounding.
-const AIM: f32 = 1.0 - 2e-4;
+pub const AIM: f32 = 1.0 - 2e-4;
 const NEAR: f32 = 1.2e-4;
 
 /// Trials for a corner distance.
@@ -55,6 +55,13 @@ impl<const AXES: usize> Corner<'_, AXES> {
         let (before, behind) = (along(&self.before), along(&self.behind));
         let product = before * behind;
         self.before.rate == 0.0 && self.behind.rate == 0.0 && product > 1.0 - 1e-4 && product < 1.0 + 1e-4
+    }
+
+    /// Whether its curve is known in closed form, with equal distances: both sides are lines, with nothing
+    /// left out, and the path is that in space.
+    pub fn is_symmetric(&self, rule: &Parameters, measure: &Measure) -> bool {
+        let lines = self.before.rate == 0.0 && self.behind.rate == 0.0 && self.gap.is_none();
+        lines && measure.is_space() && rule.method != ContourMethod::Pos
     }
 
     /// Whether any axis changes its speed here.

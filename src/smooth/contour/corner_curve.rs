@@ -28,6 +28,9 @@ pub const HEAVIEST: f32 = 4096.0;
 /// Elements of half a curve at most.
 const MOST_PARTS: u32 = 16;
 
+/// Elements of which it is kept what was seen of them: as many as mostly are enough.
+const SEEN: usize = 8;
+
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;
 const MOST_CUTS: usize = 96;
@@ -56,9 +59,8 @@ pub struct CornerCurve<const AXES: usize> {
     given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
-    /// Of the first element of each half, where that is all of it: its path length, and how far its speed is
-    /// above what that says. 0: not known.
-    seen: [[f32; 2]; 2],
+    /// Of the first elements: path length, and how far its speed is above what that says. 0: not known.
+    seen: [[f32; 2]; SEEN],
 }
 
 /// Where a curve through a given point is cut.
@@ -182,7 +184,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
             done,
             given,
             any,
-            seen: [[0.0; 2]; 2],
+            seen: [[0.0; 2]; SEEN],
         })
     }
 
@@ -293,7 +295,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
         let [above, below] = self.unevenness(&element, length);
         let is_even = max(above, below) <= even;
-        if let (1, None, Some(seen)) = (self.parts, &self.given, self.seen.get_mut(i as usize)) {
+        if let Some(seen) = self.seen.get_mut(i as usize) {
             *seen = [length, above];
         }
         let is_near = |t: f32| {
@@ -353,7 +355,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
         let i = self.done;
         let [length, above] = match self.seen.get(i as usize) {
-            Some(seen) if self.parts == 1 && seen[0] > 0.0 => *seen,
+            Some(seen) if seen[0] > 0.0 => *seen,
             _ => {
                 let ([a, b], length) = self.part(i);
                 [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]

@@ -1,7 +1,7 @@
 //! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes
 //! and where its inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact,
 //! because both neighbours of a joint get the same numbers.
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
 use crate::path::{Element, End, Measure};
@@ -53,7 +53,7 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
 /// The largest magnitude of any axis but the main ones.
 pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     let others = a.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
-    others.fold(0.0, |most, (_, x)| max(most, max(*x, -*x)))
+    others.fold(0.0, |most, (_, x)| max(most, magnitude(*x)))
 }
 
 /// The share of the straight line to `end` at which it is nearest to a point; both from its start.
@@ -129,8 +129,9 @@ impl<const AXES: usize> Side<AXES> {
         let mut site = Site { offset, tangent: self.tangent, curvature: self.curvature };
         if let Some(plane) = self.plane {
             let angle = self.rate * s;
-            let (sin, cos) = sine(angle);
-            let (half, _) = sine(0.5 * angle);
+            // Of the half: what is left of the cosine of a small angle is known as well.
+            let (half, other) = sine(0.5 * angle);
+            let (sin, cos) = (2.0 * half * other, 1.0 - 2.0 * half * half);
             let along = sin / self.rate;
             let across = 2.0 * half * half / (self.rate * self.rate);
             for k in plane {
@@ -152,6 +153,11 @@ impl<const AXES: usize> Side<AXES> {
     /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
         let inside = |s: f32| side * max(side * s, 0.0);
+        if self.rate == 0.0 {
+            let square = self.space_per_path * self.space_per_path;
+            let s = inside(dot(main, point, &self.tangent) / square);
+            return size(main, &plus(point, -s, &self.tangent));
+        }
         let mut s = inside(guess);
         let mut away = [0.0; AXES];
         for _ in 0..FOOT_STEPS {
@@ -160,17 +166,22 @@ impl<const AXES: usize> Side<AXES> {
             let square = self.space_per_path * self.space_per_path;
             let bent = square - dot(main, &away, &site.curvature);
             let step = dot(main, &away, &site.tangent) / max(bent, 0.25 * square);
-            let next = inside(s + step);
-            if next == s {
+            let (before, next) = (s, inside(s + step));
+            s = next;
+            if magnitude(next - before) * self.rate <= NEXT {
+                // So far it is as good as straight.
+                away = plus(&away, before - next, &site.tangent);
                 break;
             }
-            s = next;
         }
         size(main, &away)
     }
 }
 
-/// Steps towards the foot of a perpendicular.
+/// Angle of the last step towards the foot of a perpendicular: beside the tangent it is 2^-25 of a radius.
+const NEXT: f32 = 1.0 / 4096.0;
+
+/// Steps towards it at most.
 const FOOT_STEPS: usize = 4;
 
 /// Sine and cosine.
@@ -228,7 +239,7 @@ impl<const AXES: usize> Quintic<AXES> {
         let [_, rest @ ..] = &self.power;
         let mut most = 0.0;
         for k in 0..AXES {
-            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| max(*x, -*x));
+            let size = |row: &[f32; AXES]| row.get(k).map_or(0.0, |x| magnitude(*x));
             most = max(most, rest.iter().map(size).sum());
         }
         most
@@ -259,6 +270,19 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
+    /// Square of the speed over the main axes.
+    fn square(&self, main: &Main, u: f32) -> f32 {
+        let [_, p1, p2, p3, p4, p5] = &self.power;
+        let mut sum = 0.0;
+        for k in main.iter().flatten() {
+            let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
+            let rest = 3.0 * get(p3) + u * (4.0 * get(p4) + u * 5.0 * get(p5));
+            let speed = get(p1) + u * (2.0 * get(p2) + u * rest);
+            sum += speed * speed;
+        }
+        sum
+    }
+
     /// Second derivative.
     pub fn second(&self, u: f32) -> [f32; AXES] {
         let [_, _, p2, p3, p4, p5] = &self.power;
@@ -267,6 +291,7 @@ impl<const AXES: usize> Quintic<AXES> {
     }
 
     /// Third derivative.
+    #[inline(never)]
     pub fn third(&self, u: f32) -> [f32; AXES] {
         let [.., p3, p4, p5] = &self.power;
         let mut out = *p3;
@@ -313,7 +338,7 @@ impl<const AXES: usize> Quintic<AXES> {
         let mut sum = 0.0;
         for (x, weight) in GAUSS {
             for x in [-x, x] {
-                sum += weight * size(main, &self.first(middle + half * x));
+                sum += weight * sqrt_f32(self.square(main, middle + half * x));
             }
         }
         half * sum
@@ -322,13 +347,13 @@ impl<const AXES: usize> Quintic<AXES> {
     /// How far the speed along the curve is above and below `speed` at most, relative, at places between the
     /// ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
-        let [mut above, mut below] = [0.0, 0.0];
+        let [mut most, mut least] = [0.0, f32::MAX];
         for u in PLACES {
-            let off = size(main, &self.first(u)) / speed - 1.0;
-            above = max(above, off);
-            below = max(below, -off);
+            let square = self.square(main, u);
+            most = max(most, square);
+            least = min(least, square);
         }
-        [above, below]
+        [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
     /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
@@ -392,16 +417,21 @@ impl Deviation {
             if place < 0.0 { (before, place * reach[0]) } else { (behind, place * reach[1]) }
         };
         if !self.outward.is_found() {
-            self.outward.climb(OUTWARD, |place| {
+            self.outward.climb(OUTWARD, |place, top| {
                 let (q, s) = (curve.point(0.5 + 0.5 * place), block(place).1);
-                let off = before.distance(main, &q, min(s, 0.0), -1.0);
-                let off = min(off, behind.distance(main, &past(&q), max(s, 0.0), 1.0));
-                gap.map_or(off, |gap| min(off, segment_distance(main, gap, &q)))
+                let off_before = || before.distance(main, &q, min(s, 0.0), -1.0);
+                let off_behind = || behind.distance(main, &past(&q), max(s, 0.0), 1.0);
+                // Where it is near to one of them, the others do not matter.
+                let mut off = if place < 0.0 { off_before() } else { off_behind() };
+                if off > top {
+                    off = min(off, if place < 0.0 { off_behind() } else { off_before() });
+                }
+                gap.filter(|_| off > top).map_or(off, |gap| min(off, segment_distance(main, gap, &q)))
             });
             return None;
         }
         if !self.inward.is_found() {
-            self.inward.climb(INWARD, |place| {
+            self.inward.climb(INWARD, |place, _| {
                 let (side, s) = block(place);
                 let point = side.at(s).offset;
                 let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
@@ -413,7 +443,7 @@ impl Deviation {
         let Some(gap) = gap else { return Some(most) };
         // Its ends too: the curve may be furthest from them.
         let over = |part: f32| gap.map(|x| part * x);
-        self.across.climb(INWARD, |place| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
+        self.across.climb(INWARD, |place, _| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
         if !self.across.is_found() {
             return None;
         }
@@ -442,14 +472,14 @@ impl Peak {
         self.seen >= EVEN_PLACES + 2 * REFINEMENTS
     }
 
-    /// Looks at the next places, at most so many.
-    fn climb(&mut self, places: u8, value: impl Fn(f32) -> f32) {
+    /// Looks at the next places, at most so many. A value up to the largest one so far may be any of those.
+    fn climb(&mut self, places: u8, value: impl Fn(f32, f32) -> f32) {
         for _ in 0..places {
             if self.is_found() {
                 return;
             }
             let place = self.next();
-            let here = value(place);
+            let here = value(place, self.top);
             if here > self.top {
                 (self.top, self.best) = (here, place);
             }
@@ -513,12 +543,16 @@ pub fn even_speed<const AXES: usize>(
     let travel = plus(&b.offset, -1.0, &a.offset);
     let both = plus(&a.tangent, 1.0, &b.tangent);
     let bend = plus(&a.curvature, -1.0, &b.curvature);
+    let [along, across] = [&travel, &bend].map(|x| dot(main, x, &both));
+    let [square, mixed, bent] =
+        [(&travel, &travel), (&travel, &bend), (&bend, &bend)].map(|(a, b)| dot(main, a, b));
+    let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
     let mut speed = 0.0;
     for _ in 0..3 {
-        let reach = plus(&travel, -speed * speed * (1.0 / 60.0), &bend);
-        let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
-        let b = (105.0 / 128.0) * dot(main, &reach, &both);
-        let c = (225.0 / 64.0) * dot(main, &reach, &reach);
+        // Of the way less a part of the bend.
+        let part = speed * speed * (1.0 / 60.0);
+        let b = (105.0 / 128.0) * (along - part * across);
+        let c = (225.0 / 64.0) * (square - part * (2.0 * mixed - part * bent));
         speed = (sqrt_f32(max(b * b + a * c, 0.0)) - b) / a;
     }
     speed

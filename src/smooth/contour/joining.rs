@@ -1,19 +1,20 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
-use super::choice::{Approach, Candidate, Choice, Shallow};
-use super::corner::{Corner, Reach, Tolerance, turn};
+use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
+use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
 use super::curve::Side;
 use super::held_block::{HeldBlock, Stray, travel};
-use super::kernel::Kernel;
+use super::kernel::kernel;
+use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min, to_bits, to_f32};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
-use crate::quantity::Distance;
+use crate::quantity::{Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
 /// than what the tolerance has to spare.
@@ -76,13 +77,12 @@ struct Cut {
     behind: i64,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner,
-/// which takes that time.
+/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
     candidate: Option<Candidate>,
-    stop: Option<f32>,
+    may_stop: bool,
 }
 
 /// What is done next.
@@ -111,11 +111,9 @@ enum JoinStep<const AXES: usize> {
     Sharp,
 }
 
-/// A corner between the block `held` and the next one.
+/// A corner between two blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joining<const AXES: usize> {
-    /// The block before the corner; at the end what is left of it.
-    pub held: HeldBlock<AXES>,
     stage: JoinStep<AXES>,
 }
 
@@ -131,25 +129,24 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl<const AXES: usize> Joining<AXES> {
-    /// Of a block; where it goes on is not known yet.
+    /// Of blocks that are not known yet.
     #[inline(always)]
-    pub const fn new(held: HeldBlock<AXES>) -> Self {
-        Self { held, stage: JoinStep::Sharp }
+    pub const fn new() -> Self {
+        Self { stage: JoinStep::Sharp }
     }
 
     /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
     /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn go_into(
         &mut self,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
     ) -> Option<NcWarningKind> {
-        let Self { held, stage } = self;
         let mut remark = None;
         let rule = held.rule.as_ref();
         let room = rule.and_then(|rule| Self::begin(held, (next, behind), rule, setting, &mut remark));
-        *stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
+        self.stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
         remark
     }
 
@@ -219,7 +216,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         let candidate = Candidate::new(&choice);
-        if let Some(Candidate { way, time: None }) = candidate {
+        if let Some(Candidate { way, only: true }) = candidate {
             *stage = JoinStep::Overlapping(way);
             return;
         }
@@ -230,12 +227,25 @@ impl<const AXES: usize> Joining<AXES> {
             }
             return;
         }
-        // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(&corner, tolerance, room.distances);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
-        let stop = may_stop.then(|| approach.stop());
-        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, stop } };
+        let compares = candidate.is_some() || may_stop;
+        let [distance, other] = room.distances;
+        if corner.is_symmetric(rule, setting.measure) && distance == other {
+            let symmetric = Symmetric::new(&corner);
+            let used = symmetric.used(corner.main, &tolerance, distance);
+            let part = if used > AIM { AIM / used } else { 1.0 };
+            let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
+            let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
+            let rivals = (&approach, &candidate, may_stop);
+            if let Some(following) = Self::compare([held, next], rule, &room, rivals, found) {
+                *stage = following;
+            }
+            return;
+        }
+        // With a curve over time to choose instead: the same search.
+        let reach = Reach::new(&corner, tolerance, room.distances);
+        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } };
     }
 
     /// What a curve may deviate.
@@ -254,33 +264,24 @@ impl<const AXES: usize> Joining<AXES> {
     }
 
     /// What is quickest: a curve over arc length with the part of the distances that was found, one over
-    /// time, or a standstill.
+    /// time, or a standstill. `even`: path length of the first one, and the speed over its parameter with
+    /// which it is passed, if there is something to compare.
     #[inline(never)]
     fn compare(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
         rule: &Parameters,
-        (room, rivals, found): (&Room, &Rivals, Option<(f32, f32)>),
-        (corner, reach): (&Corner<'_, AXES>, &Reach<AXES>),
-        setting: &Setting<'_, AXES>,
+        room: &Room,
+        (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
+        [found, even]: [Option<(f32, f32)>; 2],
     ) -> Option<JoinStep<AXES>> {
-        let Rivals { approach, candidate, stop } = rivals;
-        let even = found.filter(|_| candidate.is_some() || stop.is_some()).map(|(part, _)| {
-            let distances = room.distances.map(|c| c * part);
-            let made;
-            let curve = match reach.curve(part) {
-                Some(curve) => curve,
-                None => {
-                    made = corner.between(distances);
-                    &made
-                }
-            };
-            approach.even((curve, corner.path(curve)), distances, held.is_rapid(), setting)
-        });
-        let over_time = candidate.as_ref().and_then(|candidate| candidate.time);
-        let quickest = min(even.unwrap_or(f32::MAX), over_time.unwrap_or(f32::MAX));
+        let part = found.map_or(0.0, |(part, _)| part);
+        let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
+        let even = even.unwrap_or(f32::MAX);
+        let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);
+        let over_time = may_win.map(|candidate| approach.overlapping(&candidate.way));
+        let quickest = min(even, over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
-        if stop.is_some_and(|stop| stop < quickest * KNOWN + 1.0) {
+        if may_stop && approach.stops_within(quickest * KNOWN + 1.0) {
             return None;
         }
         match candidate.as_ref().filter(|_| over_time == Some(quickest)) {
@@ -294,21 +295,24 @@ impl<const AXES: usize> Joining<AXES> {
     #[inline(never)]
     pub fn go_on(
         &mut self,
-        next: &mut HeldBlock<AXES>,
+        [held, next]: [&mut HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
-        let Self { held, stage } = self;
+        let Self { stage } = self;
+        let is_searched_for = |stage: &_| matches!(stage, JoinStep::Choosing(_) | JoinStep::Reaching { .. });
+        if held.rule.is_some() && is_searched_for(stage) {
+            let goes_on = matches!(stage, JoinStep::Choosing(_));
+            Self::decide(held, next, setting, stage);
+            // What is known without a search is made at once.
+            if !goes_on || is_searched_for(stage) {
+                return false;
+            }
+        }
         match stage {
             _ if held.rule.is_none() => *turning = None,
-            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => {
-                Self::decide(held, next, setting, stage);
-                return false;
-            }
-            JoinStep::Cutting { .. } => {
-                Self::cut(held, next, setting, stage, turning);
-                return false;
-            }
+            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => return false,
+            JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, turning),
             JoinStep::Fitting { .. } => {
                 Self::fit(stage, setting.const_vel, turning);
                 let JoinStep::Joining { cut, steady } = stage else { return false };
@@ -345,33 +349,60 @@ impl<const AXES: usize> Joining<AXES> {
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
                 let Some(found) = reach.go_on(&corner) else { return };
-                let following =
-                    Self::compare(held, next, rule, (room, rivals, found), (&corner, reach), setting);
+                let Rivals { approach, candidate, may_stop } = rivals;
+                let compares = candidate.is_some() || *may_stop;
+                let even = found.filter(|_| compares).map(|(part, _)| {
+                    let made;
+                    let curve = match reach.curve(part) {
+                        Some(curve) => curve,
+                        None => {
+                            made = corner.between(room.distances.map(|c| c * part));
+                            &made
+                        }
+                    };
+                    (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
+                });
+                let rivals = (&*approach, &*candidate, *may_stop);
+                let following = Self::compare([held, next], rule, room, rivals, [found, even]);
                 *stage = following.unwrap_or(JoinStep::Sharp);
             }
             _ => {}
         }
     }
 
-    /// Makes the curve over arc length.
+    /// Makes the curve over arc length. Whether that is all: it needs no fitting.
     #[inline(never)]
     fn cut(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
         turning: &mut Option<Turning<AXES>>,
-    ) {
-        let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return };
-        let (Some(rule), Some(ends)) = (&held.rule, Ends::new(held, next, cut, setting.measure)) else {
+    ) -> bool {
+        let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return true };
+        let Some(rule) = &held.rule else { return true };
+        let corner = corner(held, next, setting.measure);
+        if cut.is_even() && !setting.const_vel && corner.is_symmetric(rule, setting.measure) {
+            let symmetric = Symmetric::new(&corner);
+            if symmetric.is_even() {
+                *turning = None;
+                let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return true };
+                let course = symmetric.curve(to_f32(cut.before) * LSB_44, &ends.from, &ends.to);
+                let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
+                made.passage = cut.leave(held, next, &ends.from, setting);
+                return true;
+            }
+        }
+        let Some(ends) = Ends::new(held, next, cut, setting.measure) else {
             *stage = JoinStep::Sharp;
-            return;
+            return false;
         };
         *stage = if Self::course(held, next, &ends, rule, setting, turning) {
             JoinStep::Fitting { cut, slack, smaller }
         } else {
             cut.smaller(slack, smaller)
         };
+        false
     }
 
     /// Cuts it into elements.
@@ -442,26 +473,21 @@ impl<const AXES: usize> Joining<AXES> {
     fn overlap(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
-        mut overlap: Overlap,
+        overlap: Overlap,
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) {
         *turning = None;
         let Some(rule) = &held.rule else { return };
-        let reach = (overlap.rise.distance() * f64::from(ONE_44)) as i64;
+        let reach = to_bits::<44>(overlap.rise.distance());
         let (cut, all) = Cut::even(held, next, rule, reach);
-        if all > reach {
-            overlap = overlap.stretched(all as f64 / reach as f64);
-        }
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
-        if overlap.rise.v <= 0.0 {
+        if overlap.rise.v <= 0.0 || all <= 0 {
             return;
         }
-        let course = Timed::new(&held.block.to, overlap, &ends.from, &ends.to);
+        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
+        let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
         *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        cut.leave(held, next, &ends.from, setting);
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -477,17 +503,15 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
         let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return };
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
             return;
         }
+        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
         next.slow = slow;
-        let course = Kernel::new(&held.block.to, c, &ends.from, &ends.to);
-        *turning = Some(Turning::new([held, next], Cornering::Kernel(course), setting));
-        if cut.part(held, next, [&ends.from, &ends.to], setting).is_none() {
-            *turning = None;
-        }
+        let course = kernel(&held.block.to, c, &ends.from, &ends.to);
+        *turning = Some(Turning::new([held, next], Cornering::Halves(course), setting));
+        cut.leave(held, next, &ends.from, setting);
     }
 
     /// The curve over arc length between these ends. Whether there is one.
@@ -586,6 +610,12 @@ impl Room {
 }
 
 impl Cut {
+    /// Whether it is as much of both, but for what hardly shows.
+    fn is_even(&self) -> bool {
+        let more = self.before - self.behind;
+        more.abs() <= self.before >> SCRAP
+    }
+
     /// As much of both blocks; no sliver is left of either. And how much that is.
     fn even<const AXES: usize>(
         held: &HeldBlock<AXES>,
@@ -628,19 +658,40 @@ struct Ends<const AXES: usize> {
 
 impl<const AXES: usize> Ends<AXES> {
     fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
+        let position = Self::begin(next, cut);
+        let end = next.entry_at(&position, measure).ok()?;
+        Some(Self { cut, from: Self::leave(held, cut), to: Knot { position, end } })
+    }
+
+    /// The same; the second block becomes what is left of it.
+    #[inline(never)]
+    fn enter(
+        held: &HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
+        cut: Cut,
+        measure: &Measure,
+    ) -> Option<Self> {
+        let position = Self::begin(next, cut);
+        next.renew(&position, measure).ok()?;
+        let to = Knot { position, end: next.block.element.entry };
+        Some(Self { cut, from: Self::leave(held, cut), to })
+    }
+
+    #[inline(always)]
+    fn leave(held: &HeldBlock<AXES>, cut: Cut) -> Knot<AXES> {
         let element = &held.block.element;
         let rest = element.shape.length.to_bits() - cut.before;
-        let mut from = Knot { position: held.block.from, end: element.entry };
         if rest > 0 {
-            from.position = element.shape.point(rest, &held.block.from);
-            from.end = element.end_at(rest);
+            let position = element.shape.point(rest, &held.block.from);
+            return Knot { position, end: element.end_at(rest) };
         }
-        let mut begin = next.block.from;
-        if cut.behind > 0 {
-            begin = next.block.element.shape.point(cut.behind, &next.block.from);
-        }
-        let end = next.entry_at(&begin, measure).ok()?;
-        Some(Self { cut, from, to: Knot { position: begin, end } })
+        Knot { position: held.block.from, end: element.entry }
+    }
+
+    #[inline(always)]
+    fn begin(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
+        let from = &next.block.from;
+        if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
     }
 }
 
@@ -655,6 +706,18 @@ impl Cut {
         setting: &Setting<'_, AXES>,
     ) -> Option<Passage> {
         next.renew(&to.position, setting.measure).ok()?;
+        Some(self.leave(held, next, from, setting))
+    }
+
+    /// The first block becomes what a curve from this knot leaves of it, as the second one has already. What
+    /// the speed of the curve does.
+    fn leave<const AXES: usize>(
+        self,
+        held: &mut HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        from: &Knot<AXES>,
+        setting: &Setting<'_, AXES>,
+    ) -> Passage {
         let rest = held.block.element.shape.length.to_bits() - self.before;
         held.block.element.shape.length = Distance::from_bits(rest);
         if rest > 0 {
@@ -662,13 +725,13 @@ impl Cut {
         }
         // The next corner may take half of the block behind this one.
         let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
-        Some(if setting.const_vel {
+        if setting.const_vel {
             Passage::Constant
         } else if beside >= self.before.max(self.behind) / BESIDE {
             Passage::Steady
         } else {
             Passage::Varying
-        })
+        }
     }
 }
 

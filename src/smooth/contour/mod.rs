@@ -36,10 +36,12 @@ mod chords;
 mod corner;
 pub(super) mod corner_curve;
 pub(super) mod curve;
+mod halves;
 mod held_block;
 mod joining;
 mod kernel;
 mod parameters;
+mod symmetric;
 mod timed;
 
 pub(super) use parameters::half_sine;
@@ -47,9 +49,9 @@ pub use parameters::{Parameters, Preset};
 
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
+use self::halves::Halves;
 use self::held_block::HeldBlock;
 use self::joining::{Joining, Setting};
-use self::kernel::Kernel;
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
@@ -110,6 +112,11 @@ impl<const AXES: usize> Turning<AXES> {
         }
         (made.data, made.curving, made.due) = (Data { stop: false, ..data }, Some(self.curving), due);
         Some(())
+    }
+
+    /// Whether its last element is made.
+    fn is_done(&self) -> bool {
+        self.draft.is_none() && self.course.is_done()
     }
 
     /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
@@ -209,9 +216,11 @@ pub struct Contouring<const AXES: usize> {
     /// on the next one. Or a line that may still grow by the next one. Only behind a block whose end is
     /// rounded.
     waiting: Option<HeldBlock<AXES>>,
+    /// The one behind that, while the corner between both others is worked on.
+    third: Option<HeldBlock<AXES>>,
     /// What the last line is made of.
     chords: Chords<AXES>,
-    /// The corner before the block held back, while it is worked on.
+    /// The corner between the block held back and the one that waits, while it is worked on.
     joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
@@ -219,13 +228,14 @@ pub struct Contouring<const AXES: usize> {
 
 /// The curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one curve is handed out at a time, in static memory")]
 enum Cornering<const AXES: usize> {
     /// Over its arc length.
     Even(CornerCurve<AXES>),
     /// Over time.
     Timed(Timed<AXES>),
-    /// Of a shallow corner, over the length of the contour.
-    Kernel(Kernel<AXES>),
+    /// Between two lines, in two halves.
+    Halves(Halves<AXES>),
 }
 
 impl<const AXES: usize> Cornering<AXES> {
@@ -234,7 +244,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.is_before(),
             Self::Timed(timed) => timed.is_before(),
-            Self::Kernel(kernel) => kernel.is_before(),
+            Self::Halves(halves) => halves.is_before(),
         }
     }
 }
@@ -245,7 +255,16 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.next_element(element),
             Self::Timed(timed) => timed.next_element(element),
-            Self::Kernel(kernel) => kernel.next_element(element),
+            Self::Halves(halves) => halves.next_element(element),
+        }
+    }
+
+    /// Whether all elements are handed out.
+    fn is_done(&self) -> bool {
+        match self {
+            Self::Even(course) => course.is_done(),
+            Self::Timed(timed) => timed.is_done(),
+            Self::Halves(halves) => halves.is_done(),
         }
     }
 
@@ -254,7 +273,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => *course.stands(),
             Self::Timed(timed) => *timed.stands(),
-            Self::Kernel(kernel) => *kernel.stands(),
+            Self::Halves(halves) => *halves.stands(),
         }
     }
 
@@ -263,7 +282,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(course) => course.finish(),
             Self::Timed(timed) => timed.finish(),
-            Self::Kernel(kernel) => kernel.finish(),
+            Self::Halves(halves) => halves.finish(),
         }
     }
 
@@ -272,7 +291,7 @@ impl<const AXES: usize> Cornering<AXES> {
         match self {
             Self::Even(_) => {}
             Self::Timed(timed) => timed.settle(element),
-            Self::Kernel(kernel) => kernel.settle(element),
+            Self::Halves(halves) => halves.settle(element),
         }
     }
 }
@@ -304,6 +323,7 @@ impl<const AXES: usize> Contouring<AXES> {
             course: None,
             held: None,
             waiting: None,
+            third: None,
             chords: Chords::NONE,
             joining: None,
             remark: None,
@@ -348,7 +368,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block that came last, if it is held back.
     fn last(&mut self) -> Option<&mut HeldBlock<AXES>> {
-        self.waiting.as_mut().or(self.held.as_mut())
+        self.third.as_mut().or(self.waiting.as_mut()).or(self.held.as_mut())
     }
 
     /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
@@ -357,9 +377,9 @@ impl<const AXES: usize> Contouring<AXES> {
     fn enter(&mut self, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
         if !self.left_out() && (parted || !self.merges(dynamics)) {
             self.join(behind, dynamics);
-            self.held = self.waiting;
+        } else {
+            self.waiting = None;
         }
-        self.waiting = None;
     }
 
     /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over
@@ -417,33 +437,45 @@ impl<const AXES: usize> Contouring<AXES> {
     /// The corner between the block held back and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Self { held: slot, waiting: Some(next), measure, joining, .. } = self else { return };
-        let Some(held) = slot else { return };
+        let Self { held, waiting: Some(next), measure, joining, .. } = self else { return };
+        let Some(held) = held else {
+            self.held = self.waiting.take();
+            return;
+        };
         let Parameters { check_jerk, const_vel, .. } = self.parameters;
         let setting = Setting { measure, check_jerk, const_vel, dynamics };
         next.previous = held.rule.as_ref().map(|_| held.length);
-        let remark = joining.insert(Joining::new(*held)).go_into(next, behind, &setting);
-        *slot = None;
+        let remark = joining.insert(Joining::new()).go_into([held, next], behind, &setting);
         if remark.is_some() {
             self.remark = remark;
         }
     }
 
     /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no
-    /// curve.
+    /// curve. The block behind it is held back in its place.
     #[inline(never)]
     fn joined(&mut self) {
-        let Some(joining) = &self.joining else { return };
-        self.is_before = joining.held.block.element.shape.length > Distance::ZERO;
+        self.joining = None;
+        let Some(held) = &self.held else { return };
+        self.is_before = held.block.element.shape.length > Distance::ZERO;
         if self.is_before {
-            let ProgrammedBlock { element, data, .. } = &joining.held.block;
+            let ProgrammedBlock { element, data, .. } = &held.block;
             (self.before.element, self.before.data) = (*element, *data);
             (self.before.curving, self.before.due) = (None, data.number);
         }
         if self.course.is_none() {
-            self.bridge = joining.held.bridge(&self.measure);
+            self.bridge = held.bridge(&self.measure);
         }
-        self.joining = None;
+        self.held = self.waiting;
+        self.waiting = None;
+        if self.third.is_some() {
+            self.waiting = self.third.take();
+        }
+    }
+
+    /// The block held back, which of two that are joined is the second one.
+    fn current(&self) -> Option<&HeldBlock<AXES>> {
+        if self.joining.is_some() { self.waiting.as_ref() } else { self.held.as_ref() }
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
@@ -460,7 +492,7 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// Whether something goes out before anything comes in.
     pub(super) fn hands_out(&self) -> bool {
-        let goes_out = self.held.as_ref().is_some_and(|held| held.rule.is_none());
+        let goes_out = self.current().is_some_and(|held| held.rule.is_none());
         self.is_before || self.bridge.is_some() || goes_out
     }
 
@@ -490,17 +522,19 @@ impl<const AXES: usize> Contouring<AXES> {
         if next.is_some() {
             let waiting = core::mem::replace(&mut self.waiting, next);
             self.enter(None, true, dynamics);
-            self.waiting = waiting;
+            *self.free() = waiting;
         }
+    }
+
+    /// The place of a block that waits.
+    fn free(&mut self) -> &mut Option<HeldBlock<AXES>> {
+        if self.joining.is_some() { &mut self.third } else { &mut self.waiting }
     }
 
     /// A block waits.
     #[inline(never)]
     fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
-        self.waiting = Some(HeldBlock::new(block));
-        if let Some(waiting) = &mut self.waiting {
-            waiting.rule = rule;
-        }
+        self.free().insert(HeldBlock::new(block)).rule = rule;
     }
 }
 
@@ -533,11 +567,13 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (Some(joining), Some(next)) = (&mut self.joining, &mut self.held) {
-            let method = joining.held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
+        if let (Some(joining), Some(held), Some(next)) =
+            (&mut self.joining, &mut self.held, &mut self.waiting)
+        {
+            let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
             let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
-            if joining.go_on(next, &setting, &mut self.course) {
+            if joining.go_on([held, next], &setting, &mut self.course) {
                 self.joined();
             }
             return true;
@@ -551,6 +587,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.is_before = turning.begin(&mut self.before).is_some();
         }
         if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+            if turning.is_done() {
+                self.course = None;
+            }
             return true;
         }
         self.go_straight();
@@ -568,7 +607,10 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.bridge = None;
             return true;
         }
-        let Some(held) = self.held.as_ref().filter(|held| held.rule.is_none()) else { return false };
+        let Some(held) = self.held.as_ref().filter(|held| self.joining.is_none() && held.rule.is_none())
+        else {
+            return false;
+        };
         into(&held.smoothed());
         self.held = None;
         true
@@ -594,11 +636,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn place(&self) -> Option<Place> {
-        self.held.as_ref().map(|held| held.block.data.place)
+        self.current().map(|held| held.block.data.place)
     }
 
     fn clear(&mut self) {
-        (self.held, self.waiting, self.joining) = (None, None, None);
+        (self.held, self.waiting, self.third, self.joining) = (None, None, None, None);
         (self.is_before, self.course, self.bridge) = (false, None, None);
         self.once = false;
     }
@@ -618,7 +660,8 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn rounds(&self) -> bool {
-        self.waiting.as_ref().or(self.held.as_ref()).is_some_and(|last| last.goes_on())
+        let last = self.third.as_ref().or(self.waiting.as_ref()).or(self.held.as_ref());
+        last.is_some_and(|last| last.goes_on())
     }
 
     fn holds(&self) -> bool {

@@ -26,10 +26,14 @@
 //! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve
 //! is e·|t2 − t1| from it. The distance of a point from the line it is about to reach, or has left, is at
 //! most e·sin θ, which is less.
-use super::LSB_40;
-use crate::math::float::{magnitude, max, min, to_f32};
+//!
+//! **Numbers.** Which overlap is worth it is asked in `f32`. The course is in integers over its own path: p as
+//! a part of the way of a motion, the place as a part of the path of a motion, both with 62 fraction bits.
+use super::{LSB_40, LSB_44};
+use crate::math::divide::reciprocal_near;
+use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
-use crate::math::wide::mul_shift;
+use crate::math::wide::{mul_hi_u, mul_near, mul_shift};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
 use crate::quantity::Position;
@@ -37,22 +41,20 @@ use crate::quantity::Position;
 /// A change of speed between standstill and `v` along a line: mm and ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
-    j: f64,
     /// Times of a ramp, and of the acceleration between both.
-    ramp: f64,
-    hold: f64,
+    ramp: f32,
+    hold: f32,
     /// The speed.
-    pub v: f64,
+    pub v: f32,
 }
 
 impl Rise {
     /// To the speed `v` with at most the acceleration `a` and the jerk `j`.
     pub fn new(v: f32, a: f32, j: f32) -> Self {
         let full = a / j;
-        let ramp = f64::from(min(full, sqrt_f32(v / j)));
-        let j = f64::from(j);
-        let hold = if v > a * full { f64::from(v) / (j * ramp) - ramp } else { 0.0 };
-        Self { j, ramp, hold, v: j * ramp * (ramp + hold) }
+        let ramp = min(full, sqrt_f32(v / j));
+        let hold = if v > a * full { max(v / a - ramp, 0.0) } else { 0.0 };
+        Self { ramp, hold, v }
     }
 
     /// The fastest one that goes no further than `distance`, up to the speed `v`.
@@ -63,99 +65,84 @@ impl Rise {
             fastest = 2.0 * a * distance / (0.5 * full + sqrt_f32(0.25 * full * full + 2.0 * a * distance));
         }
         // A little less: what rounding adds must not reach beyond the middle of a block.
-        Self::new(min(v, fastest * (1.0 - 1.0 / 1_048_576.0)), a, j)
+        Self::new(min(v, fastest * SHORTER), a, j)
     }
 
     /// A rise to the speed of this one in so many times its time.
-    pub fn stretched(self, by: f64) -> Self {
-        Self { j: self.j / (by * by), ramp: self.ramp * by, hold: self.hold * by, v: self.v }
+    pub fn stretched(self, by: f32) -> Self {
+        Self { ramp: self.ramp * by, hold: self.hold * by, v: self.v }
     }
 
     /// Its time.
-    fn time(&self) -> f64 {
+    fn time(&self) -> f32 {
         2.0 * self.ramp + self.hold
     }
 
     /// Its length.
-    pub fn distance(&self) -> f64 {
+    pub fn distance(&self) -> f32 {
         0.5 * self.v * self.time()
     }
 
-    /// Path, speed and acceleration at a time; before it at rest, behind it at its speed.
-    fn at(&self, t: f64) -> [f64; 3] {
-        let Self { j, ramp, v, .. } = *self;
-        let left = self.time() - t;
-        if t <= 0.0 {
-            [0.0; 3]
-        } else if t <= ramp {
-            [j * t * t * t * (1.0 / 6.0), 0.5 * j * t * t, j * t]
-        } else if left >= ramp {
-            let u = t - ramp;
-            let a = j * ramp;
-            [a * (ramp * ramp * (1.0 / 6.0) + u * 0.5 * (ramp + u)), a * (0.5 * ramp + u), a]
-        } else if left > 0.0 {
-            [
-                self.distance() - left * (v - j * left * left * (1.0 / 6.0)),
-                v - 0.5 * j * left * left,
-                j * left,
-            ]
-        } else {
-            [self.distance() - left * v, v, 0.0]
-        }
-    }
-
-    /// Jerk at a time.
-    fn jerk(&self, t: f64) -> f64 {
-        let left = self.time() - t;
-        if t <= 0.0 || left <= 0.0 {
-            0.0
-        } else if t < self.ramp {
-            self.j
-        } else if left < self.ramp {
-            -self.j
-        } else {
-            0.0
-        }
+    /// Its largest acceleration.
+    fn acceleration(&self) -> f32 {
+        self.v / (self.ramp + self.hold)
     }
 
     /// The time at which it has gone as far as `path`, which is no further than at half its time.
-    fn reaches(&self, path: f64) -> f64 {
-        let ramp = self.ramp;
-        let first = self.j * ramp * ramp * ramp * (1.0 / 6.0);
+    fn reaches(&self, path: f32) -> f32 {
+        let (ramp, a) = (self.ramp, self.acceleration());
+        let first = a * ramp * ramp * (1.0 / 6.0);
         let t = if path <= first {
-            f64::from(cbrt_f32((6.0 * path / self.j) as f32))
+            cbrt_f32(6.0 * path * ramp / a)
         } else {
             // a·(r·u + u²)/2 beyond it
-            let beyond = 2.0 * (path - first) / (self.j * ramp);
-            let root = f64::from(sqrt_f32((0.25 * ramp * ramp + beyond) as f32));
-            ramp + beyond / (0.5 * ramp + root)
+            let beyond = 2.0 * (path - first) / a;
+            ramp + beyond / (0.5 * ramp + sqrt_f32(0.25 * ramp * ramp + beyond))
         };
-        if t < 0.5 * self.time() { t } else { 0.5 * self.time() }
+        min(t, 0.5 * self.time())
     }
 
     /// The time at which it has gone as far as `path`, or a little less.
-    fn arrives(&self, path: f64) -> f64 {
-        let whole = self.time();
-        if path >= self.distance() {
+    fn arrives(&self, path: f32) -> f32 {
+        let (whole, distance) = (self.time(), self.distance());
+        if path >= distance {
             return whole;
         }
         let mut time = self.reaches(path);
         if path > self.half_way() {
-            // Newton's steps from the end: speed grows, so none goes too far.
-            time = whole;
+            // Newton's steps from the end: speed grows, so none goes too far. Seen from there, it is the
+            // same motion, which takes from the way at full speed.
+            let missing = distance - path;
+            let mut left = 0.0;
             for _ in 0..ARRIVAL_STEPS {
-                let [p, v, _] = self.at(time);
-                time -= (p - path) / v;
+                let [p, v] = self.begun(left);
+                left += (missing - (self.v * left - p)) / (self.v - v);
             }
+            time = whole - left;
         }
-        time * (1.0 - 1.0 / 1_048_576.0)
+        time * SHORTER
+    }
+
+    /// Path and speed at a time in its first half.
+    fn begun(&self, t: f32) -> [f32; 2] {
+        let (ramp, a) = (self.ramp, self.acceleration());
+        if t <= ramp {
+            let gained = 0.5 * a * t * t / ramp;
+            [gained * t * (1.0 / 3.0), gained]
+        } else {
+            let u = t - ramp;
+            [a * (ramp * ramp * (1.0 / 6.0) + u * 0.5 * (ramp + u)), a * (0.5 * ramp + u)]
+        }
     }
 
     /// How far it is at half its time.
-    pub fn half_way(&self) -> f64 {
-        self.at(0.5 * self.time())[0]
+    pub fn half_way(&self) -> f32 {
+        self.begun(0.5 * self.time())[0]
     }
 }
+
+/// For rounding.
+const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 
 /// Two motions that overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,7 +150,7 @@ pub struct Overlap {
     /// Both, the first one backward.
     pub rise: Rise,
     /// Time that they have in common.
-    pub time: f64,
+    pub time: f32,
 }
 
 impl Overlap {
@@ -173,24 +160,18 @@ impl Overlap {
     }
 
     /// As long as each is `off` from the corner when both are equally far from it.
-    pub fn off(rise: Rise, off: f64) -> Self {
+    pub fn off(rise: Rise, off: f32) -> Self {
         Self { rise, time: 2.0 * rise.reaches(off) }
     }
 
     /// As long as the first is `distance` from the corner when the second begins.
-    pub fn from_distance(rise: Rise, distance: f64) -> Self {
+    pub fn from_distance(rise: Rise, distance: f32) -> Self {
         Self { rise, time: rise.arrives(distance) }
-    }
-
-    /// An overlap that takes so many times the time of this one, and begins so many times as far from the
-    /// corner.
-    pub fn stretched(self, by: f64) -> Self {
-        Self { rise: self.rise.stretched(by), time: self.time * by }
     }
 
     /// An overlap of the ramps alone.
     pub fn brief(self) -> Self {
-        Self { time: f64::min(self.time, self.rise.ramp), ..self }
+        Self { time: min(self.time, self.rise.ramp), ..self }
     }
 
     /// Only ramps overlap.
@@ -204,126 +185,218 @@ impl Overlap {
     }
 
     /// From the begin of the first motion to the end of the second.
-    pub fn duration(&self) -> f64 {
+    pub fn duration(&self) -> f32 {
         2.0 * self.rise.time() - self.time
     }
 }
 
 /// Shortest time in common, ticks, and longest way of a motion, mm.
-const SHORTEST: f64 = 4.0;
-const LONGEST: f64 = 2048.0;
+const SHORTEST: f32 = 4.0;
+const LONGEST: f32 = 2048.0;
 
 /// Newton's steps: from half the time off to 10^-7 of it.
 const ARRIVAL_STEPS: usize = 4;
 
 /// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over
 /// ticks are means of it.
-const LEAST: f64 = 1.0 / 4096.0;
+const LEAST: f32 = 1.0 / 4096.0;
 
-/// Changes of jerk, and the middle.
-const PIECES: usize = 8;
+/// Changes of jerk up to the middle, and that.
+const PIECES: usize = 4;
+
+/// 1.0 with 62 fraction bits, and thirds of it.
+const ONE: i64 = 1 << 62;
+const THIRD: i64 = ONE / 3;
+const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
+
+/// a·b of numbers with 62 fraction bits.
+fn times(a: i64, b: i64) -> i64 {
+    mul_near(a, b) << 2
+}
+
+/// The part that `a` is of `b`, 62 fraction bits; 0 ≤ a ≤ b.
+fn part(a: i64, b: i64) -> i64 {
+    let up = b.leading_zeros() & 63;
+    let reciprocal = reciprocal_near(b.unsigned_abs() << up);
+    (mul_hi_u(a.unsigned_abs() << up, reciprocal) as i64).min(ONE)
+}
+
+/// a·b / 2^`SHIFT`: a call, since there are many of them.
+#[inline(never)]
+fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
+    mul_shift(a, b, SHIFT)
+}
+
+/// A rise over the path s = v·t, LSB 2^-44 mm: what of it is left when a way and a speed of 1 are all of it.
+/// Parts have 62 fraction bits.
+///
+/// With α for the part that a ramp has of the path, and k = 1/(1 − α): at the part q of the first ramp the way
+/// is α²k/3·q³, the speed αk/2·q², the acceleration k·q; from there on, at the part τ of the whole, they are
+/// k·(α²/3 + τ·(τ − α)), k·(τ − α/2) and k. The last ramp is the first one seen from the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Form {
+    /// Path of all of it, twice its way, and of a ramp.
+    path: i64,
+    ramp: i64,
+    /// α and k/4.
+    alpha: i64,
+    k: i64,
+}
+
+impl Form {
+    /// With the part that a ramp has of the time.
+    fn new(path: i64, ramp: f32) -> Self {
+        let ramp = share(path, ramp).min(path / 2).max(1);
+        let alpha = part(ramp, path);
+        // 2^126 / (2^64·(1 − α)) is k with 62 fraction bits.
+        let k = reciprocal_near(((ONE - alpha) as u64) << 2) as i64 >> 2;
+        Self { path, ramp, alpha, k }
+    }
+
+    /// Way (LSB 2^-44 mm), speed and a fourth of the acceleration; before it at rest, behind it at its speed.
+    fn at(&self, s: i64) -> [i64; 3] {
+        let &Self { path, ramp, alpha, k } = self;
+        let left = path - s;
+        if s <= 0 {
+            return [0; 3];
+        }
+        if left <= 0 {
+            return [path / 2 - left, ONE, 0];
+        }
+        let (first, last) = (s <= ramp, left <= ramp);
+        let [gone, gained, a] = if first || last {
+            // From the nearer end.
+            let q = part(if first { s } else { left }, ramp);
+            let half = times(times(alpha, k), times(q, q));
+            [times(times(alpha, q), times(half, THIRD)) << 2, half << 1, times(k, q)]
+        } else {
+            let tau = part(s, path);
+            let square = times(times(alpha, alpha), THIRD);
+            [times(k, square + times(tau, tau - alpha)) << 2, times(k, tau - alpha / 2) << 2, k]
+        };
+        let way = scaled::<62>(path / 2, gone);
+        if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
+    }
+
+    /// The sign of the jerk there.
+    fn jerk(&self, s: i64) -> f32 {
+        let left = self.path - s;
+        if s <= 0 || left <= 0 {
+            0.0
+        } else if s < self.ramp {
+            1.0
+        } else if left < self.ramp {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+/// A part of a path, LSB 2^-44 mm.
+fn share(path: i64, part: f32) -> i64 {
+    to_bits::<44>(to_f32(path) * LSB_44 * part)
+}
 
 /// A course that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed<const AXES: usize> {
     origin: [Position; AXES],
     tangents: [[i64; AXES]; 2],
-    overlap: Overlap,
-    /// 1 / v
-    per: f64,
-    /// Path lengths of the elements, and how many there are.
+    form: Form,
+    /// Its speed, mm/tick.
+    v: f32,
+    /// Where the second motion begins, LSB 2^-44 mm.
+    start: i64,
+    /// Path lengths of the elements up to the middle, and how many there are; beyond it they are the same, the
+    /// other way round.
     lengths: [f32; PIECES],
     count: u8,
-    /// How many belong to the block before.
-    before: u8,
     done: u8,
-    /// Time where the next one begins, and its knot.
-    at: f64,
+    /// Where the next one begins, LSB 2^-44 mm, and its knot.
+    at: i64,
     from: Knot<AXES>,
     to: Knot<AXES>,
     /// Magnitudes of the third derivative in the element before that.
     third: [f32; AXES],
 }
 
-const ONE_44: f64 = (1u64 << 44) as f64;
-const ONE_60: f64 = (1u64 << 60) as f64;
-
 impl<const AXES: usize> Timed<AXES> {
-    /// The curve about the corner `origin` from one knot to the other, which are as far from it as the
-    /// motions go.
-    pub fn new(origin: &[Position; AXES], overlap: Overlap, from: &Knot<AXES>, to: &Knot<AXES>) -> Self {
-        let Rise { ramp, v, .. } = overlap.rise;
-        let whole = overlap.rise.time();
-        let start = whole - overlap.time;
-        let end = start + whole;
-        let middle = 0.5 * end;
-        let mut times = [ramp, whole - ramp, whole, middle, start, start + ramp, end - ramp, end];
-        times.sort_unstable_by(f64::total_cmp);
+    /// The curve about the corner `origin` from one knot to the other, which are `reach` (LSB 2^-44 mm) from
+    /// it: as far as the motions go.
+    pub fn new(
+        origin: &[Position; AXES],
+        Overlap { rise, time }: Overlap,
+        reach: i64,
+        [from, to]: [&Knot<AXES>; 2],
+    ) -> Self {
+        let (path, whole) = (2 * reach, rise.time());
+        let form = Form::new(path, rise.ramp / whole);
+        let common = if time < whole { share(path, time / whole).min(path) } else { path };
+        let start = path - common;
+        let end = start + path;
         let mut timed = Self {
             origin: *origin,
             tangents: [from.end.tangent, to.end.tangent],
-            overlap,
-            per: 1.0 / v,
+            form,
+            v: rise.v,
+            start,
             lengths: [0.0; PIECES],
             count: 0,
-            before: 0,
             done: 0,
-            at: 0.0,
+            at: 0,
             from: *from,
             to: *to,
             third: [0.0; AXES],
         };
-        // Changes closer than that become one; lengths are rounded first, and times follow.
-        let mut at = 0.0;
+        // Where jerk changes in the first half: the second one is its mirror image.
+        let (middle, least) = (end / 2, to_bits::<44>(rise.v * LEAST));
+        let [a, b] = [path - form.ramp, path].map(|s| s.min(end - s));
+        let [first, b] = [form.ramp.min(b), form.ramp.max(b)];
+        let [a, b] = [a.min(b), a.max(b)];
+        let [first, second] = [first.min(a), first.max(a)];
+        // Changes closer than that become one; lengths are rounded first, and places follow.
+        let mut at = 0;
         let mut lengths = timed.lengths.iter_mut();
-        for t in times {
-            let close = t - at < LEAST || (end - t < LEAST && t != end) || (t != middle && near(t, middle));
-            if close {
+        for s in [first, second, b, middle] {
+            if s - at < least || (s != middle && middle - s < least) {
                 continue;
             }
             let Some(length) = lengths.next() else { break };
-            *length = (v * (t - at)) as f32;
-            at += f64::from(*length) * timed.per;
+            *length = to_f32(s - at) * LSB_44;
+            at += to_bits::<44>(*length);
             timed.count += 1;
-            if t == middle {
-                timed.before = timed.count;
-            }
         }
         timed
     }
 
-    /// The curve at a time. What holds for all axes is known in `f64`, each axis is in integers.
-    fn knot(&self, t: f64) -> Knot<AXES> {
-        let Overlap { rise, time } = self.overlap;
-        let whole = rise.time();
-        let [p1, v1, a1] = rise.at(whole - t);
-        let [p2, v2, a2] = rise.at(t - (whole - time));
-        // LSB 2^-44 mm, 2^-60 of the speed, and 1/mm.
-        let [p1, p2] = [p1, p2].map(|p| (p * ONE_44) as i64);
-        let [v1, v2] = [v1, v2].map(|v| nearest(v * self.per * ONE_60));
-        let square = self.per * self.per;
-        let [sum, difference] = [a2 + a1, a2 - a1].map(|a| (a * square * 0.5) as f32);
+    /// The curve at a place.
+    fn knot(&self, s: i64) -> Knot<AXES> {
+        let [p1, v1, a1] = self.form.at(self.form.path - s);
+        let [p2, v2, a2] = self.form.at(s - self.start);
+        let per = 2.0 * LSB_62 / (to_f32(self.form.path) * LSB_44);
+        let [sum, difference] = [a2 + a1, a2 - a1].map(|a| to_f32(a) * per);
         let mut position = self.origin;
         let mut end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
         let [before, behind] = &self.tangents;
         let ends = end.tangent.iter_mut().zip(&mut end.curvature);
         for (((x, (tangent, curvature)), t1), t2) in position.iter_mut().zip(ends).zip(before).zip(behind) {
             // LSB 2^-42 mm
-            let offset = mul_shift(*t2, p2, 42) - mul_shift(*t1, p1, 42);
+            let offset = scaled::<42>(*t2, p2) - scaled::<42>(*t1, p1);
             *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
-            *tangent = mul_shift(*t1, v1, 60) + mul_shift(*t2, v2, 60);
+            *tangent = scaled::<62>(*t1, v1) + scaled::<62>(*t2, v2);
             *curvature = both(*t1, *t2, sum, difference);
         }
         Knot { position, end }
     }
 
-    /// Magnitudes of the third derivative at a time between changes of jerk.
-    fn third_at(&self, t: f64) -> [f32; AXES] {
-        let Overlap { rise, time } = self.overlap;
-        let per = 0.5 * self.per * self.per * self.per;
+    /// Magnitudes of the third derivative at a place between changes of jerk.
+    fn third_at(&self, s: i64) -> [f32; AXES] {
+        let Form { path, ramp, .. } = self.form;
+        let per = 0.5 / (to_f32(ramp) * LSB_44 * (to_f32(path - ramp) * LSB_44));
         // The motion that runs backward has its jerk turned twice: with time and with its direction.
-        let [j1, j2] = [rise.jerk(rise.time() - t), rise.jerk(t - (rise.time() - time))];
-        let [sum, difference] = [j2 - j1, j2 + j1].map(|j| (j * per) as f32);
+        let [j1, j2] = [self.form.jerk(path - s), self.form.jerk(s - self.start)];
+        let [sum, difference] = [j2 - j1, j2 + j1].map(|j| j * per);
         let mut third = [0.0; AXES];
         let [before, behind] = &self.tangents;
         for ((x, t1), t2) in third.iter_mut().zip(before).zip(behind) {
@@ -334,7 +407,12 @@ impl<const AXES: usize> Timed<AXES> {
 
     /// Whether the next element belongs to the block before the corner.
     pub fn is_before(&self) -> bool {
-        self.done < self.before
+        self.done < self.count
+    }
+
+    /// Whether all elements are handed out.
+    pub fn is_done(&self) -> bool {
+        self.done >= 2 * self.count
     }
 
     /// Where the last element ended.
@@ -344,7 +422,7 @@ impl<const AXES: usize> Timed<AXES> {
 
     /// No further element is handed out; where the curve ends.
     pub fn finish(&mut self) -> &[Position; AXES] {
-        self.done = self.count;
+        self.done = 2 * self.count;
         self.from = self.to;
         &self.to.position
     }
@@ -353,16 +431,15 @@ impl<const AXES: usize> Timed<AXES> {
 impl<const AXES: usize> Timed<AXES> {
     /// The next element, with its axes to be made; then: [`Self::settle`].
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
-        if self.done >= self.count {
-            return None;
-        }
-        let length = *self.lengths.get(usize::from(self.done))?;
+        let all = 2 * self.count;
+        let left = all.checked_sub(self.done + 1)?;
+        let length = *self.lengths.get(usize::from(self.done.min(left)))?;
+        let path = to_bits::<44>(length);
         self.done += 1;
-        let ticks = f64::from(length) * self.per;
-        self.third = self.third_at(self.at + 0.5 * ticks);
-        self.at += ticks;
-        let to = if self.done == self.count { self.to } else { self.knot(self.at) };
-        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?;
+        self.third = self.third_at(self.at + path / 2);
+        self.at += path;
+        let to = if left == 0 { self.to } else { self.knot(self.at) };
+        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.known();
         self.from = to;
         Some(made)
     }
@@ -370,15 +447,11 @@ impl<const AXES: usize> Timed<AXES> {
     /// Acceleration changes evenly: of a short piece that is known better than from its points.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
-            bounds.passage = Passage::Timed(self.overlap.rise.v as f32);
+            bounds.passage = Passage::Timed(self.v);
             bounds.second = larger(&element.entry.curvature, &element.exit.curvature);
             bounds.third = self.third;
         }
     }
-}
-
-fn near(a: f64, b: f64) -> bool {
-    a - b < LEAST && b - a < LEAST
 }
 
 /// t2·(sum + difference) − t1·(sum − difference), t in 2^-40: of what nearly cancels out nothing is lost.
@@ -386,16 +459,11 @@ fn both(t1: i64, t2: i64, sum: f32, difference: f32) -> f32 {
     (to_f32(t2 - t1) * sum + to_f32(t2 + t1) * difference) * LSB_40
 }
 
-/// The nearest integer.
-fn nearest(x: f64) -> i64 {
-    (if x < 0.0 { x - 0.5 } else { x + 0.5 }) as i64
-}
-
 /// Largest magnitude of both.
 pub fn larger<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES] {
     let mut most = *a;
     for (most, b) in most.iter_mut().zip(b) {
-        *most = max(max(*most, -*most), max(*b, -*b));
+        *most = max(magnitude(*most), magnitude(*b));
     }
     most
 }

@@ -1,0 +1,70 @@
+//! A curve of two polynomials that meet where it is nearest to the corner, both with the same path length.
+use crate::path::poly::{Draft, Knot};
+use crate::path::{Element, Passage};
+use crate::quantity::Position;
+
+use super::timed::larger;
+
+/// A curve that is handed out in two halves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Halves<const AXES: usize> {
+    pub from: Knot<AXES>,
+    pub middle: Knot<AXES>,
+    pub to: Knot<AXES>,
+    /// Path length of a half, mm.
+    pub length: f32,
+    /// Speed along the curve per path speed at most.
+    pub fastest: f32,
+    /// Magnitudes of the third derivative, where acceleration passes the curve.
+    pub third: Option<[f32; AXES]>,
+    /// Halves handed out.
+    pub done: u8,
+}
+
+impl<const AXES: usize> Halves<AXES> {
+    /// Whether the next element belongs to the block before the corner.
+    pub fn is_before(&self) -> bool {
+        self.done == 0
+    }
+
+    /// Whether both are handed out.
+    pub fn is_done(&self) -> bool {
+        self.done >= 2
+    }
+
+    /// Where the last element ended.
+    pub fn stands(&self) -> &[Position; AXES] {
+        match self.done {
+            0 => &self.from.position,
+            1 => &self.middle.position,
+            _ => &self.to.position,
+        }
+    }
+
+    /// No further element is handed out; where the curve ends.
+    pub fn finish(&mut self) -> &[Position; AXES] {
+        self.done = 2;
+        &self.to.position
+    }
+
+    /// The next element, with its axes to be made; then: [`Self::settle`].
+    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
+        let ends = match self.done {
+            0 => [&self.from, &self.middle],
+            1 => [&self.middle, &self.to],
+            _ => return None,
+        };
+        let made = Draft::begin(element, ends, self.length, self.fastest)?;
+        self.done += 1;
+        Some(if self.third.is_some() { made.known() } else { made })
+    }
+
+    /// Where acceleration passes, the derivatives are known better than from the points of a short piece.
+    pub fn settle(&self, element: &mut Element<AXES>) {
+        if let (Some(bounds), Some(third)) = (&mut element.bounds, self.third) {
+            bounds.passage = Passage::Through;
+            bounds.second = larger(&element.entry.curvature, &element.exit.curvature);
+            bounds.third = third;
+        }
+    }
+}
