@@ -38,9 +38,10 @@ pub struct Parameters {
     length_long_cir: f32,
 }
 
-/// Largest width of a kernel is this times the square root of the tolerance (mm): 5 mm at 0.02 mm, which is
-/// three or four segments of usual programs of free-form surfaces.
-const WIDTH: f32 = 38.0;
+/// Largest width of a kernel is this times the square root of the tolerance (mm): 6.5 mm at 0.02 mm, which is
+/// four or five segments of usual programs of free-form surfaces. Where they are shorter, the window has room for
+/// less.
+const WIDTH: f32 = 46.0;
 /// Its largest value, mm.
 const WIDEST: f32 = 16.0;
 
