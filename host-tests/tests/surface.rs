@@ -133,6 +133,23 @@ fn merge_makes_fewer_of_them_d3_172() {
     assert_ne!(go::<3>(&with(1), &machine(50_000, 3)).digest, go::<3>(&with(0), &machine(50_000, 3)).digest);
 }
 
+/// D3-172: points that are up to half of PATH_DEV beside a line are left out, others not.
+#[test]
+fn merge_leaves_out_what_half_of_the_tolerance_permits_d3_172() {
+    let highest = |merge: u32, y: f64| {
+        let text = format!(
+            "G01 F6000\n#HSC ON [SURFACE PATH_DEV=0.05 MERGE={merge}]\nX20\nX40 Y{y}\nX60 Y0\n#HSC OFF\nM30\n"
+        );
+        rows_of(&text, &machine(50_000, 3)).iter().map(|row| row[1]).fold(0.0, f64::max)
+    };
+    // The first two lines are half as far from the one that stands for them as the point is, and all three a
+    // whole one more.
+    for (merge, y, left) in [(1, 0.016, false), (0, 0.016, true), (1, 0.018, true)] {
+        let highest = highest(merge, y);
+        assert_eq!(highest > 0.002, left, "MERGE={merge}, Y{y}: {highest}");
+    }
+}
+
 /// D3-168, D3-163: G00 is passed as it is with AUTO_OFF_G00, and has its own tolerance.
 #[test]
 fn rapid_blocks_have_their_own_tolerance_d3_163() {

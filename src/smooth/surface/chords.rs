@@ -259,7 +259,8 @@ impl<const AXES: usize> Window<AXES> {
                 count = 8;
             } else {
                 count = (chord.length / step) as usize;
-                bulge = self.bulge(between, &parameters.tolerance(chord.programmed.feed.is_none()));
+                let tolerance = parameters.tolerance(chord.programmed.feed.is_none());
+                bulge = self.bulge(between, &parameters.left(tolerance, false));
             }
         }
         let mut from = (chord.from, [0.0; AXES]);

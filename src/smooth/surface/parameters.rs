@@ -48,8 +48,8 @@ const WIDEST: f32 = 16.0;
 /// Sagitta of a chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
-/// What lines that become one may be beside each other, as a part of the tolerance.
-const MERGED: f32 = 1.0 / 10.0;
+/// What lines that become one may be beside each other, as a part of the tolerance. The rest is for the curve.
+const MERGED: f32 = 0.5;
 
 /// An arc of so many tolerances or less is of their order.
 const SMALL_RADIUS: f32 = 4.0;

@@ -321,7 +321,7 @@ impl<const AXES: usize> Window<AXES> {
     /// The tolerance at a vertex.
     fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
         let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
-        parameters.tolerance(rapid(k) && rapid(k + 1))
+        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false)
     }
 
     /// The next vertex gets its width; `false` if that has to wait.
