@@ -77,10 +77,14 @@ fn chords_of_a_circle_run_at_the_feed_d3_159() {
         at_feed += u32::from(v > 0.99 * 20_000.0 / 60.0 && pair[0][1] > 20.0);
     }
     assert!(at_feed > 1000, "{at_feed} ticks");
-    // The circle behind the chords comes back.
-    for row in rows.iter().filter(|row| row[1] > 5.0) {
+    // The circle behind the chords comes back; in the first and the last ten millimetres less so.
+    let begins = rows.iter().position(|row| row[0] >= 160.0).expect("the circle");
+    let ends = rows.iter().rposition(|row| row[0] <= 160.0).expect("the circle");
+    for row in &rows[begins..=ends] {
         let off = (row[0] - 160.0).hypot(row[1] - 80.0) - 80.0;
-        assert!(off.abs() < 0.01, "{off} at {row:?}");
+        let way = 80.0 * ((row[0] - 160.0).abs() / 80.0).min(1.0).asin();
+        let most = if row[1] > 80.0 || way > 10.0 { 0.01 } else { 0.031 };
+        assert!(off.abs() < most, "{off} at {row:?}, {way} mm behind the line");
     }
 }
 
@@ -127,6 +131,23 @@ fn merge_makes_fewer_of_them_d3_172() {
     };
     let with = |merge: u32| path(&format!("#HSC ON [SURFACE PATH_DEV=0.05 MERGE={merge}]"));
     assert_ne!(go::<3>(&with(1), &machine(50_000, 3)).digest, go::<3>(&with(0), &machine(50_000, 3)).digest);
+}
+
+/// D3-172: points that are up to half of PATH_DEV beside a line are left out, others not.
+#[test]
+fn merge_leaves_out_what_half_of_the_tolerance_permits_d3_172() {
+    let highest = |merge: u32, y: f64| {
+        let text = format!(
+            "G01 F6000\n#HSC ON [SURFACE PATH_DEV=0.05 MERGE={merge}]\nX20\nX40 Y{y}\nX60 Y0\n#HSC OFF\nM30\n"
+        );
+        rows_of(&text, &machine(50_000, 3)).iter().map(|row| row[1]).fold(0.0, f64::max)
+    };
+    // The first two lines are half as far from the one that stands for them as the point is, and all three a
+    // whole one more.
+    for (merge, y, left) in [(1, 0.016, false), (0, 0.016, true), (1, 0.018, true)] {
+        let highest = highest(merge, y);
+        assert_eq!(highest > 0.002, left, "MERGE={merge}, Y{y}: {highest}");
+    }
 }
 
 /// D3-168, D3-163: G00 is passed as it is with AUTO_OFF_G00, and has its own tolerance.
@@ -510,13 +531,13 @@ fn the_path_depends_little_on_the_points_d3_158() {
     }
 }
 
-/// D3-159: the two programs of short blocks, s: the rows as aimed at (18.0 and 20.5), the circle no slower than it
-/// was. There the aims are 2.25 and 2.60.
+/// D3-159: the two programs of short blocks, s: 2.25 and 2.60 for the circle, 18.0 and 20.5 for the rows are aimed
+/// at.
 #[test]
 fn short_blocks_are_fast_d3_159() {
     let circle = cam::circle("#HSC ON [SURFACE PATH_DEV=0.1]");
     let rows = cam::rows("#HSC ON [SURFACE PATH_DEV=0.02]");
-    for (ramp, most) in [(50_000, [2.28, 17.5]), (150_000, [2.82, 20.5])] {
+    for (ramp, most) in [(50_000, [2.25, 17.5]), (150_000, [2.60, 20.5])] {
         let machine = machine::<3>(ramp, 3);
         let times = [&circle, &rows].map(|text| go::<3>(text, &machine).trace.len() as f64 * 1e-3);
         println!("ramps of {ramp} µs: {times:?} s");

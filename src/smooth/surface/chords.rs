@@ -49,8 +49,11 @@ const GENTLE: f32 = 0.2;
 const STEP: f32 = 0.25;
 /// A chord of so many widths is straight but for its ends.
 const LONG: f32 = 3.0;
-/// Of a tolerance, that a curve may lie beside its chord.
-const BULGE: f32 = 0.9;
+/// A turn (twice the sine of half the angle) of less is none.
+const SLIGHT: f32 = 0.001;
+/// Of a tolerance, that a curve may lie beside its chord. What is missing of the curve between all points makes
+/// the curvature go to and fro.
+const BULGE: f32 = 0.96;
 /// One that wants more than so much of it gets less: what is left is for the kernels.
 const FAR: f32 = 1.05;
 const LESS: f32 = 0.6;
@@ -187,6 +190,14 @@ impl<const AXES: usize> Window<AXES> {
         (turn, smoothness(self.length(&turn)))
     }
 
+    /// Whether a long line meets a curve of chords smoothly: from one to the next, curvature is zero or that of
+    /// the curve.
+    fn curvature_steps(&self, one: &Chord<AXES>, next: &Chord<AXES>) -> bool {
+        let long = LONG * self.reach;
+        let (turn, smooth) = self.leaves(one, next);
+        (one.length > long) != (next.length > long) && smooth > 0.0 && self.length(&turn) > SLIGHT
+    }
+
     /// The curve that a chord stands for.
     fn bulge(&self, between: &Between<'_, AXES>, tolerance: &Tolerance) -> Bulge<AXES> {
         let Between { chord, before, behind, .. } = between;
@@ -233,6 +244,12 @@ impl<const AXES: usize> Window<AXES> {
         let widest = max(self.reach, f32::MIN_POSITIVE);
         let step = STEP * widest;
         let edge = between.before.map(|before| self.leaves(before, chord).1);
+        if let Some(before) = between.before
+            && self.curvature_steps(before, chord)
+            && let Some(vertex) = self.vertices.back_mut()
+        {
+            vertex.marks |= Vertex::<AXES>::STEPS;
+        }
         let mut bulge = Bulge::NONE;
         let mut count = 0;
         let mut long = false;
@@ -242,7 +259,8 @@ impl<const AXES: usize> Window<AXES> {
                 count = 8;
             } else {
                 count = (chord.length / step) as usize;
-                bulge = self.bulge(between, &parameters.tolerance(chord.programmed.feed.is_none()));
+                let tolerance = parameters.tolerance(chord.programmed.feed.is_none());
+                bulge = self.bulge(between, &parameters.left(tolerance, false));
             }
         }
         let mut from = (chord.from, [0.0; AXES]);

@@ -38,6 +38,9 @@ const LINE: f32 = 1.0;
 /// Less is no distance, mm.
 const NOTHING: f32 = 1e-6;
 
+/// Of the width of the kernel at a step of curvature: what is nearer is passed at one speed.
+const NEAR_STEP: f32 = 0.25;
+
 const ONE_40: f32 = (1u64 << 40) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 
@@ -162,6 +165,35 @@ impl<const AXES: usize> Window<AXES> {
             away += next.moved_length;
         }
         None
+    }
+
+    /// Whether an element of that length comes near a step of curvature: most of its jerk is the curve's there,
+    /// and what changes the speed is beside it.
+    pub fn is_near_step(&self, spot: &Spot, length: f32) -> bool {
+        let near = |vertex: &Vertex<AXES>, away: f32| {
+            vertex.is(Vertex::<AXES>::STEPS) && away < NEAR_STEP * vertex.width - NOTHING
+        };
+        let mut away = spot.x;
+        for vertex in self.before(spot.vertex + 1) {
+            if away >= self.widest {
+                break;
+            }
+            if near(vertex, away) {
+                return true;
+            }
+            away += vertex.moved_length;
+        }
+        away = -spot.x - length;
+        for vertex in self.from(spot.vertex + 1).take(self.moved.saturating_sub(spot.vertex + 1)) {
+            away += vertex.moved_length;
+            if away >= self.widest {
+                break;
+            }
+            if near(vertex, away) {
+                return true;
+            }
+        }
+        false
     }
 
     /// How far the next element goes; `None` if more vertices have to be known.

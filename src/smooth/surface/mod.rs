@@ -379,7 +379,8 @@ impl<const AXES: usize> Surface<AXES> {
         }
         let (mut element, draft) = Draft::new(&front.knot, &knot, length, fastest)?;
         if let Some(bounds) = &mut element.bounds {
-            bounds.passage = Passage::Flowing;
+            let steady = self.window.is_near_step(&front.spot, length);
+            bounds.passage = if steady { Passage::Steady } else { Passage::Flowing };
         }
         Some((knot, element, draft))
     }

@@ -38,17 +38,18 @@ pub struct Parameters {
     length_long_cir: f32,
 }
 
-/// Largest width of a kernel is this times the square root of the tolerance (mm): 5 mm at 0.02 mm, which is
-/// three or four segments of usual programs of free-form surfaces.
-const WIDTH: f32 = 38.0;
+/// Largest width of a kernel is this times the square root of the tolerance (mm): 6.5 mm at 0.02 mm, which is
+/// four or five segments of usual programs of free-form surfaces. Where they are shorter, the window has room for
+/// less.
+const WIDTH: f32 = 46.0;
 /// Its largest value, mm.
 const WIDEST: f32 = 16.0;
 
 /// Sagitta of a chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
-/// What lines that become one may be beside each other, as a part of the tolerance.
-const MERGED: f32 = 1.0 / 10.0;
+/// What lines that become one may be beside each other, as a part of the tolerance. The rest is for the curve.
+const MERGED: f32 = 0.5;
 
 /// An arc of so many tolerances or less is of their order.
 const SMALL_RADIUS: f32 = 4.0;

@@ -61,6 +61,8 @@ impl<const AXES: usize> Vertex<AXES> {
     /// The control polygon turns here, above rounding; sharply.
     pub const TURNS: u8 = 8;
     pub const STRONG: u8 = 16;
+    /// A long line meets a curve here: its curvature steps.
+    pub const STEPS: u8 = 32;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -122,9 +124,11 @@ const MORE: f32 = 0.6;
 const STEPS: usize = 9;
 const ALIKE: f32 = 1.0 / 64.0;
 
-/// The part of a tolerance that the path is inside where it is looked at, how much narrower kernels become
-/// where it is not, and how often.
-const WELL: f32 = 0.93;
+/// The part of a tolerance that the path is inside where it is looked at, in space and of other axes, how much
+/// narrower kernels become where it is not, and how often. Other axes have kinks where the path has none: their
+/// points are moved out there too.
+const WELL: f32 = 0.98;
+const WELL_BESIDE: f32 = 0.93;
 const LITTLE: f32 = 0.85;
 const AGAIN: u8 = 8;
 
@@ -317,7 +321,7 @@ impl<const AXES: usize> Window<AXES> {
     /// The tolerance at a vertex.
     fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
         let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
-        parameters.tolerance(rapid(k) && rapid(k + 1))
+        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false)
     }
 
     /// The next vertex gets its width; `false` if that has to wait.
@@ -523,11 +527,12 @@ impl<const AXES: usize> Window<AXES> {
         if k >= self.moved || !all && (k >= last || self.between(k, last) < self.reach) {
             return false;
         }
-        let tolerance = self.tolerance(k, parameters);
+        let Tolerance { path, track } = self.tolerance(k, parameters);
+        let well = Tolerance { path: WELL * path, track: WELL_BESIDE * track };
         let way = self.get(k + 1).filter(|_| k + 1 < self.moved).map_or(0.0, |next| 0.5 * next.moved_length);
         let fits = [0.0, way].into_iter().all(|x| {
             let off = self.beside(&Spot { vertex: k, x });
-            self.is_inside(&off, &tolerance, WELL)
+            self.is_inside(&off, &well, 1.0)
         });
         if fits || self.again >= AGAIN {
             (self.checked, self.again) = (k + 1, 0);
