@@ -95,7 +95,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
         let slope = SlopeType::of_profile(machine.channel.slope_profile);
         Self {
-            axes: machine.axes.map(|axis| Axis::new(&axis, &machine.channel, slope)),
+            axes: machine.axes.each_ref().map(|axis| Axis::new(axis, &machine.channel, slope)),
             before: None,
             machine: *machine,
             weights: Weights::new(),
