@@ -496,10 +496,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     fn look_ahead(&self, head: &Head) -> Result<(), Error> {
         match self.decoder.motion() {
             Some(motion) if head.in_motion => {
-                if self.moves_released(motion) {
+                if self.moves_released(&motion) {
                     return Err(Error::Motion(motion.place, MotionError::Released));
                 }
-                self.planning.look_at(motion).map_err(|e| self.error_of(motion, e))
+                self.planning.look_at(&motion).map_err(|e| self.error_of(&motion, e))
             }
             _ => Ok(()),
         }

@@ -164,6 +164,10 @@ fn curves_of_all_lengths_are_found() {
                 layer.hand_on(1);
                 handed += 1;
             }
+            for (number, (start, length)) in (0..).zip(&list).skip(at) {
+                let ends = [layer.start(number), layer.end_of(number)];
+                assert_eq!(ends, [*start, start.wrapping_add(*length)], "run {run}, curve {number}");
+            }
             if handed == 0 {
                 continue;
             }

@@ -267,7 +267,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                     return Ok(Progress::Waiting);
                 }
                 let joins = matches!(self.beside.pending.take(), Some(Pending::Join(_)));
-                match self.decoder.motion().copied() {
+                match self.decoder.motion() {
                     Some(motion) if joins => self.execute(&Command::Motion(motion)),
                     _ => Ok(Progress::Working),
                 }

@@ -4,7 +4,7 @@ use super::check::check;
 use super::{MachineError, Planner, Source};
 use crate::fir::{Bank, FilterError, FilterPlan, FilterTick, Filtered, Filters, Unfiltered};
 use crate::machine::MachineData;
-use crate::nc::{Decoder, DecoderMemory, Setup, Text};
+use crate::nc::{Decoder, DecoderMemory, Text};
 use crate::operator::Operator;
 use crate::plan::{Planning, PlanningMemory};
 use crate::quantity::Position;
@@ -123,7 +123,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         // Last, so that it is made where it stays: it is large.
         Handles {
             planner: Planner {
-                decoder: Decoder::new(decoder, Setup::new(machine, start), text),
+                decoder: Decoder::of_machine(decoder, machine, start, text),
                 planning: Planning::new(planning, machine, start, sender),
                 cycle_us: machine.channel.cycle_us,
                 ptp: machine.channel.ptp,
@@ -151,7 +151,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         start: [Position; AXES],
         text: T,
     ) -> Decoder<'a, T, AXES> {
-        Decoder::new(&mut self.decoder, Setup::new(machine, start), text)
+        Decoder::of_machine(&mut self.decoder, machine, start, text)
     }
 }
 

@@ -109,6 +109,32 @@ impl Set {
 }
 
 impl Axis {
+    /// Nothing is permitted.
+    pub(super) const BLANK: Self = {
+        let joint = TransitionLimits {
+            budget: 0.0,
+            knee: 0.0,
+            is_weighted: false,
+            bend: 0.0,
+            left: 0.0,
+            gained: 0.0,
+        };
+        let set = Set {
+            v: 0.0,
+            a_up: 0.0,
+            a_down: 0.0,
+            upper: [0.0; 2],
+            change_over: 0.0,
+            j: [0.0; 4],
+            joint,
+            ramp_budget: 0.0,
+            geometric_budget: 0.0,
+            a_shared: 0.0,
+            a_resting: 0.0,
+        };
+        Self { feed: set, rapid: set, a_max: 0.0, v_reduced: 0.0, gain: 0.0, cap: 0.0, share: None }
+    };
+
     /// Feed or rapid.
     #[inline(always)]
     pub(super) fn set(&self, rapid: bool) -> &Set {

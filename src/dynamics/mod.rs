@@ -94,8 +94,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn new(machine: &MachineData<AXES>) -> Self {
         let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
         let slope = SlopeType::of_profile(machine.channel.slope_profile);
-        Self {
-            axes: machine.axes.map(|axis| Axis::new(&axis, &machine.channel, slope)),
+        let mut new = Self {
+            axes: [Axis::BLANK; AXES],
             before: None,
             machine: *machine,
             weights: Weights::new(),
@@ -106,7 +106,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             level: 1.0,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
             watched: Watched::NONE,
+        };
+        // One after the other: all of them are large.
+        for (axis, data) in new.axes.iter_mut().zip(&machine.axes) {
+            *axis = Axis::new(data, &machine.channel, slope);
         }
+        new
     }
 
     /// Weights the axes in the elements that follow. The transition to the first of them belongs to both

@@ -28,10 +28,15 @@ pub struct ReleasedSpan {
     /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the
     /// faster one of `v_least` and `v_in`.
     pub checked: bool,
+    /// That, as it was released.
+    pub released_checked: bool,
     /// How the path turns where it begins.
     pub turns: Turns,
     /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
     pub trades: bool,
+    /// Acceleration in some of its blocks is bought with speed: v + a²/2j is at most that of its limits, or
+    /// little more.
+    pub bought: bool,
     /// Whether it is rapid motion; `None` where some of it is.
     pub rapid: Option<bool>,
     /// How its speed follows the override: of its blocks the fastest.
@@ -44,13 +49,27 @@ pub struct ReleasedSpan {
     pub level: f32,
 }
 
-/// How the path turns at transitions of a span.
+/// How the path turns at transitions of a span. In one byte: there are many spans.
 #[derive(Clone, Copy, Debug)]
-pub struct Turns {
-    /// A deceleration may pass its start.
-    pub smooth: bool,
-    /// At the start of one of its blocks, at least, a transition has its part of the limits.
-    pub knees: bool,
+pub struct Turns(u8);
+
+impl Turns {
+    const SMOOTH: u8 = 1;
+    const KNEES: u8 = 2;
+
+    const fn new(smooth: bool, knees: bool) -> Self {
+        Self(smooth as u8 * Self::SMOOTH | knees as u8 * Self::KNEES)
+    }
+
+    /// Whether a deceleration may pass its start.
+    pub const fn is_smooth(self) -> bool {
+        self.0 & Self::SMOOTH != 0
+    }
+
+    /// Whether a transition has its part of the limits at the start of one of its blocks, at least.
+    pub const fn has_knees(self) -> bool {
+        self.0 & Self::KNEES != 0
+    }
 }
 
 /// Speeds that all blocks of a span permit.
@@ -66,8 +85,6 @@ pub struct Slow {
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another
     /// speed.
     pub ceiling: f32,
-    /// Acceleration in some of them is bought with speed: v + a²/2j is at most that of its limits, or little more.
-    pub bought: bool,
 }
 
 /// The block behind a span.
@@ -86,12 +103,14 @@ impl ReleasedSpan {
         length: Distance::ZERO,
         limits: Limits::NOTHING,
         a_down: 0.0,
-        slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0, bought: false },
+        slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: false,
-        turns: Turns { smooth: false, knees: false },
+        released_checked: false,
+        turns: Turns::new(false, false),
         trades: false,
+        bought: false,
         // All bits zero, so that static memory needs no image in flash.
         rapid: Some(false),
         override_range: OverrideRange::BLANK,
@@ -270,10 +289,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked = first.is(Marks::CHECKED) || blocks == 1;
-        release.turns = Turns { smooth: first.is(Marks::SMOOTH), knees: any.has_knee() };
+        release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee());
         let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
         (release.trades, release.rapid) = (first.trades, rapid);
-        release.slow.bought = any.is_bought();
+        release.bought = any.is_bought();
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -96,6 +96,10 @@ pub struct SynchTable {
 }
 
 impl SynchTable {
+    /// No function in it: all bits zero.
+    pub(crate) const BLANK: Self =
+        Self { codes: [0; SYNCHRONISED], kinds: [Synch::NoSynch; SYNCHRONISED], len: 0, full: false };
+
     /// No function in it.
     pub const NONE: Self =
         Self { codes: [0; SYNCHRONISED], kinds: [Synch::Mos; SYNCHRONISED], len: 0, full: false };

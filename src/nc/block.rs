@@ -8,6 +8,7 @@ use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
 use super::{DwellTime, Fault, NcErrorKind, Plane, Span, WeightKind};
 use crate::quantity::{Feed, Position};
+use core::cell::Cell;
 use heapless::Deque;
 
 /// One thing a block makes the decoder hand out.
@@ -149,6 +150,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.waiting.is_some()
             && let Some(waiting) = self.waiting.take()
         {
+            let waiting = waiting.into_inner();
             (w, first) = (waiting.words, usize::from(waiting.first));
             c.back_to(usize::from(waiting.next));
         } else {
@@ -163,7 +165,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.calculator.halt()
             };
             if self.calculator.is_halted() {
-                self.waiting = Some(Waiting { words: w, first: first as u16, next: mark as u16 });
+                let waiting = Waiting { words: w, first: first as u16, next: mark as u16 };
+                self.waiting = Some(Cell::new(waiting));
                 return self.calculator.halt();
             }
             if let Some(single) = result? {
@@ -185,7 +188,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             if c.peek() == b'['
                 && let Some(command) = self.axis_command(c, line, axis, mark)?
             {
-                self.single = Some(command);
+                self.single = Some(Cell::new(command));
                 return Ok(Some(c.since(mark)));
             }
             let given = self.value(c, mark)?;

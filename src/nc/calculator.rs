@@ -49,6 +49,7 @@ pub(super) struct Calculator {
 const NOWHERE: usize = usize::MAX;
 
 impl Calculator {
+    /// All bits zero; it begins with [`Self::clear`].
     pub const fn new() -> Self {
         Self {
             parameters: Parameters::new(),
@@ -58,8 +59,15 @@ impl Calculator {
             known: [const { Cell::new(Known { start: 0, end: 0, value: 0.0 }) }; KNOWN],
             count: Cell::new(0),
             aside: Cell::new(None),
-            aside_start: Cell::new(NOWHERE),
+            aside_start: Cell::new(0),
         }
+    }
+
+    /// No parameter has a value, and no line is at hand.
+    pub fn clear(&mut self) {
+        self.parameters.clear();
+        self.aside.set(None);
+        self.reset();
     }
 
     /// A call begins; whether the line at hand goes on.

@@ -48,6 +48,19 @@ pub struct Setup<const AXES: usize> {
 }
 
 impl<const AXES: usize> Setup<AXES> {
+    /// None: all bits zero.
+    pub(super) const BLANK: Self = Self {
+        names: [AxisName([0; 4]); AXES],
+        kinds: [AxisKind::Linear; AXES],
+        main: [None; 3],
+        feedrate_factor_milli: 0,
+        start: [Position::ZERO; AXES],
+        zero_offsets: [[Position::ZERO; AXES]; ZERO_OFFSETS],
+        default_index: 0,
+        m_synch: SynchTable::BLANK,
+        h_synch: SynchTable::BLANK,
+    };
+
     /// The set-up of a machine standing at `start`.
     pub fn new(machine: &MachineData<AXES>, start: [Position; AXES]) -> Self {
         let mut zero_offsets = [[Position::ZERO; AXES]; ZERO_OFFSETS];

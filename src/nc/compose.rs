@@ -8,6 +8,7 @@ use super::number::Factor;
 use super::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span};
 use crate::machine::AxisKind;
 use crate::quantity::{Feed, Position};
+use core::cell::Cell;
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H.
@@ -216,7 +217,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let place = line.place(span);
         let centre = if arc { w.centre_span().map(|span| line.place(span)) } else { None };
-        self.motion = Some(Motion {
+        self.motion = Some(Cell::new(Motion {
             n: self.n,
             place,
             centre: centre.unwrap_or(place),
@@ -225,7 +226,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             feed: self.modal.feed.unwrap_or(Feed::ZERO),
             exact_stop: self.modal.exact_stop || w.exact_stop.is_some(),
             named,
-        });
+        }));
         self.moves = true;
         self.position = target;
         put_before(&mut self.queue, &mut w.before, span, ItemKind::Motion)

@@ -286,7 +286,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if go {
             return Ok(next);
         }
-        self.flow.passing = None;
+        self.flow.passing = Passing::No;
         Ok(Next::Line)
     }
 
@@ -319,7 +319,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         let fault = |kind| Fault { span, kind };
         // `$IF … $GOTO …` opens nothing.
         let role = if word.is("IF") && c.has_ahead(b'$') { Role::Other } else { role(&word) };
-        let Some(passing) = self.flow.passing else { return Ok(true) };
+        let passing = self.flow.passing;
+        if passing == Passing::No {
+            return Ok(true);
+        }
         if let Passing::Label(_) = passing {
             match role {
                 Role::Opens => {
@@ -344,7 +347,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     self.flow.blocks.pop();
                     return Ok(false);
                 }
-                self.flow.passing = None;
+                self.flow.passing = Passing::No;
                 if passing == Passing::Round {
                     c.back_to(start);
                     return Ok(true);
@@ -352,7 +355,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.flow.blocks.pop();
             }
             Role::Divides if self.flow.depth == 0 && self.enters(c, passing, &word)? => {
-                self.flow.passing = None;
+                self.flow.passing = Passing::No;
                 c.require_end(STATEMENT)?;
             }
             _ => {}
@@ -386,7 +389,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return c.here().fault(NcErrorKind::NotAvailable("jump into a control block, to"));
         }
         self.flow.blocks.truncate(base + self.flow.passed.len());
-        self.flow.passing = None;
+        self.flow.passing = Passing::No;
         Ok(true)
     }
 }

@@ -7,7 +7,8 @@ use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
-use core::mem::MaybeUninit;
+use crate::machine::MachineData;
+use core::cell::Cell;
 
 /// What one call of [`Decoder::step`] achieved.
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
@@ -47,13 +48,13 @@ const LITTLE_LINE: u32 = 120;
 /// in flash.
 pub struct DecoderMemory<const AXES: usize> {
     line: Line,
-    interpreter: MaybeUninit<Interpreter<AXES>>,
+    interpreter: Interpreter<AXES>,
 }
 
 impl<const AXES: usize> DecoderMemory<AXES> {
     /// Nothing is in it.
     pub const fn new() -> Self {
-        Self { line: Line::new(), interpreter: MaybeUninit::uninit() }
+        Self { line: Line::new(), interpreter: Interpreter::blank() }
     }
 }
 
@@ -78,8 +79,19 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     pub fn new(memory: &'a mut DecoderMemory<AXES>, setup: Setup<AXES>, text: T) -> Self {
         let DecoderMemory { line, interpreter } = memory;
         line.clear();
-        let interpreter = interpreter.write(Interpreter::new(setup));
+        interpreter.begin(&setup);
         Self { reader: LineReader::new(text), line, interpreter, refused: false }
+    }
+
+    /// The same for a machine that stands at `start`.
+    #[inline(never)]
+    pub(crate) fn of_machine(
+        memory: &'a mut DecoderMemory<AXES>,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        text: T,
+    ) -> Self {
+        Self::new(memory, Setup::new(machine, start), text)
     }
 
     /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a
@@ -99,7 +111,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
         if let Some(command) = self.interpreter.single.take() {
             self.interpreter.quiet = 0;
-            return Ok(Step::Command(command));
+            return Ok(Step::Command(command.into_inner()));
         }
         let is_motion = match self.interpreter.front() {
             Some(item) => matches!(item.kind, ItemKind::Motion),
@@ -124,7 +136,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         // Apart from the other commands: what is not copied costs nothing.
         if is_motion && let Some(motion) = &self.interpreter.motion {
             let _ = self.interpreter.queue.pop_front();
-            return Ok(Step::Command(Command::Motion(*motion)));
+            return Ok(Step::Command(Command::Motion(motion.get())));
         }
         self.hand_out()
     }
@@ -216,8 +228,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     }
 
     /// The motion of the line at hand, if it has one.
-    pub(crate) fn motion(&self) -> Option<&Motion<AXES>> {
-        if self.interpreter.moves { self.interpreter.motion.as_ref() } else { None }
+    pub(crate) fn motion(&self) -> Option<Motion<AXES>> {
+        if self.interpreter.moves { self.interpreter.motion.as_ref().map(Cell::get) } else { None }
     }
 
     /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
@@ -339,7 +351,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {
-            ItemKind::Motion => Command::Motion(i.motion?),
+            ItemKind::Motion => Command::Motion(i.motion.as_ref()?.get()),
             ItemKind::Dwell(time) => Command::Dwell(head, time),
             ItemKind::M(code) => Command::M(head, code),
             ItemKind::H(code) => Command::H(head, code),

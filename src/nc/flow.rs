@@ -90,6 +90,8 @@ pub(super) struct Subroutine {
 /// What lines are passed over for.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Passing {
+    /// They are not.
+    No,
     /// To the next $ELSEIF, $ELSE or $ENDIF.
     Branch,
     /// To the next $CASE, $DEFAULT or $ENDSWITCH.
@@ -120,7 +122,7 @@ pub(super) struct Flow {
     pub subroutines: Vec<Subroutine, SUBROUTINES>,
     /// Start of the text of the program that runs.
     pub program: Mark,
-    pub passing: Option<Passing>,
+    pub passing: Passing,
     /// Depth of blocks opened while passing.
     pub depth: u16,
     /// Offsets of the blocks open at the line reached in a search for a label.
@@ -134,19 +136,28 @@ pub(super) struct Flow {
 }
 
 impl Flow {
+    /// All bits zero; it begins with [`Self::begin`].
     pub const fn new() -> Self {
         Self {
             blocks: Vec::new(),
             frames: Vec::new(),
             subroutines: Vec::new(),
-            program: Mark::start_of(0),
-            passing: None,
+            program: Mark::BLANK,
+            passing: Passing::No,
             depth: 0,
             passed: Vec::new(),
             origin: Place::NONE,
-            behind: Mark::start_of(0),
+            behind: Mark::BLANK,
             left: false,
         }
+    }
+
+    /// Before the first line.
+    pub fn begin(&mut self) {
+        self.clear();
+        self.passed.clear();
+        (self.program, self.behind) = (Mark::start_of(0), Mark::start_of(0));
+        (self.depth, self.origin, self.left) = (0, Place::NONE, false);
     }
 
     /// Nothing is open, and no subroutine is known.
@@ -154,14 +165,14 @@ impl Flow {
         self.blocks.clear();
         self.frames.clear();
         self.subroutines.clear();
-        self.passing = None;
+        self.passing = Passing::No;
     }
 
     /// What is open in the running program is left.
     pub fn leave_blocks(&mut self) {
         let base = self.base();
         self.blocks.truncate(base);
-        self.passing = None;
+        self.passing = Passing::No;
     }
 
     /// The local subroutine of that name: of the file that runs, else of the nearest caller that has it.
@@ -190,7 +201,7 @@ impl Flow {
 
     /// Begins to pass over lines, `depth` blocks inside the one that matters.
     pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
-        self.passing = Some(passing);
+        self.passing = passing;
         self.depth = depth;
         self.passed.clear();
         self.origin = origin;

@@ -8,6 +8,7 @@ use super::line::Line;
 use super::number::Factor;
 use super::smoothing::{AkimaWords, HscWords, LogWords};
 use super::{Command, Fault, Head, NcErrorKind};
+use core::cell::Cell;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Hash {
@@ -226,7 +227,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<(), Fault> {
-        self.single = Some(match id {
+        self.single = Some(Cell::new(match id {
             Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
             Hash::LogClear => Command::ContourLog(head, ContourLog::Clear),
             Hash::LogOn | Hash::LogOff | Hash::Log => Command::ContourLog(head, self.log(c, id)?),
@@ -278,7 +279,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let seconds = number(c, &self.calculator, mark, Range::new(0, 100_000, "s"))?;
                 Command::Dwell(head, DwellTime::Seconds(seconds))
             }
-        });
+        }));
         Ok(())
     }
 

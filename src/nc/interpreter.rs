@@ -11,6 +11,7 @@ use super::number::Number;
 use super::plain::Letters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
 use crate::quantity::Position;
+use core::cell::Cell;
 use heapless::Deque;
 
 /// Words of a block that can wait for their turn.
@@ -73,11 +74,11 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub moves: bool,
     /// What the block at hand makes the decoder hand out, all of it when no block waits.
     pub queue: Items,
-    /// A block that goes on in the next call.
-    pub waiting: Option<Waiting<AXES>>,
-    pub motion: Option<Motion<AXES>>,
+    /// A block that goes on in the next call. A cell, as the next two are: so none is all bits zero.
+    pub waiting: Option<Cell<Waiting<AXES>>>,
+    pub motion: Option<Cell<Motion<AXES>>>,
     /// Command of a block that holds nothing else.
-    pub single: Option<Command<AXES>>,
+    pub single: Option<Cell<Command<AXES>>>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
@@ -93,15 +94,17 @@ pub(super) struct Bounds {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    pub fn new(setup: Setup<AXES>) -> Self {
+    /// Nothing is in it yet: [`Self::begin`]. All bits zero.
+    pub const fn blank() -> Self {
         Self {
+            setup: Setup::BLANK,
             phase: Phase::Start,
             flow: Flow::new(),
             calculator: Calculator::new(),
-            modal: Modal::new(setup.default_index),
+            modal: Modal::BLANK,
             before: Before::Alike,
-            letters: Letters::new(setup.names.iter().map(|name| &name.0)),
-            position: setup.start,
+            letters: Letters::BLANK,
+            position: [Position::ZERO; AXES],
             n: 0,
             moves: false,
             queue: Items::new(),
@@ -111,8 +114,26 @@ impl<const AXES: usize> Interpreter<AXES> {
             values: [None; AXES],
             warnings: Deque::new(),
             quiet: 0,
-            setup,
         }
+    }
+
+    /// Before the first line, on a machine with that set-up: nothing that was in it counts. It is large, and
+    /// becomes so in its place.
+    pub fn begin(&mut self, given: &Setup<AXES>) {
+        let Self { setup, phase, flow, calculator, modal, before, letters, position, .. } = self;
+        *setup = *given;
+        *phase = Phase::Start;
+        flow.begin();
+        calculator.clear();
+        (*modal, *before) = (Modal::new(given.default_index), Before::Alike);
+        *letters = Letters::new(given.names.iter().map(|name| &name.0));
+        *position = given.start;
+        let Self { n, moves, queue, waiting, motion, single, values, warnings, quiet, .. } = self;
+        (*n, *moves, *quiet) = (0, false, 0);
+        queue.clear();
+        (*waiting, *motion, *single) = (None, None, None);
+        *values = [None; AXES];
+        warnings.clear();
     }
 
     /// The first of what the block at hand makes the decoder hand out, once it is understood to its end.
@@ -131,7 +152,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// What is still open where the running program ends.
     pub fn unfinished(&mut self) -> Option<Refusal> {
-        if let Some(Passing::Label(_)) = self.flow.passing {
+        if let Passing::Label(_) = self.flow.passing {
             return Some(Refusal::At(self.flow.origin, NcErrorKind::NoLabel));
         }
         let open = self.flow.innermost()?;
@@ -143,7 +164,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         if !goes_on
             && self.phase == Phase::Running
-            && self.flow.passing.is_none()
+            && self.flow.passing == Passing::No
             && self.plain_block(line).is_some()
         {
             return Ok(Next::Motion);
@@ -169,8 +190,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Phase::Running => {}
         }
-        if self.flow.passing.is_some() && !self.pass(&mut c, bounds)? {
-            let Some(Passing::End(ending)) = self.flow.passing else { return Ok(Next::Line) };
+        if self.flow.passing != Passing::No && !self.pass(&mut c, bounds)? {
+            let Passing::End(ending) = self.flow.passing else { return Ok(Next::Line) };
             return Ok(self.end_by_word(ending));
         }
         self.quiet = self.quiet.saturating_add(u32::from(!goes_on));
@@ -243,10 +264,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// M02, M30, M17 or M29: at once, or when the control blocks around it are closed.
     pub fn end_by_word(&mut self, ending: Ending) -> Next {
         if self.flow.innermost().is_some() {
-            self.flow.passing = Some(Passing::End(ending));
+            self.flow.passing = Passing::End(ending);
             return Next::Line;
         }
-        self.flow.passing = None;
+        self.flow.passing = Passing::No;
         match ending {
             Ending::Subroutine => self.finish_program(),
             Ending::Program => {
@@ -385,7 +406,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn pass(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<bool, Fault> {
         let start = c.mark();
         let label = super::control::label_of(c);
-        if let (Some(Passing::Label(wanted)), Some(label)) = (self.flow.passing, label)
+        if let (Passing::Label(wanted), Some(label)) = (self.flow.passing, label)
             && wanted == label
         {
             c.back_to(start);

@@ -45,6 +45,9 @@ pub(super) struct Mark {
 }
 
 impl Mark {
+    /// Nowhere: all bits zero.
+    pub const BLANK: Self = Self { offset: 0, line: 0, file: 0 };
+
     /// The first line of a file.
     pub const fn start_of(file: u16) -> Self {
         Self { offset: 0, line: 1, file }

@@ -14,8 +14,9 @@ pub(super) enum Mode {
     Counterclockwise,
 }
 
-/// What was in force before the line at hand.
+/// What was in force before the line at hand. With a tag of its own, so that the first one is all bits zero.
 #[derive(Clone, Copy)]
+#[repr(u8)]
 pub(super) enum Before<const AXES: usize> {
     /// The same.
     Alike,
@@ -43,6 +44,20 @@ pub(super) struct Modal<const AXES: usize> {
 }
 
 impl<const AXES: usize> Modal<AXES> {
+    /// All bits zero.
+    pub const BLANK: Self = Self {
+        mode: Mode::Rapid,
+        plane: Plane::G17,
+        relative: false,
+        centre_absolute: false,
+        inch: false,
+        feed: None,
+        exact_stop: false,
+        zero_set: None,
+        shift: [Position::ZERO; AXES],
+        radius: None,
+    };
+
     /// At program start: G01, G17, G71, G90, G94, G162, G260, G150, G359, and G53 or what P-ZERO-00002 says.
     pub fn new(default_index: u8) -> Self {
         Self {

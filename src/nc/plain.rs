@@ -11,6 +11,7 @@ use super::modal::{Before, COORDINATE_MAX, Mode};
 use super::number::Factor;
 use super::{Motion, MotionKind};
 use crate::quantity::{Feed, Position};
+use core::cell::Cell;
 
 /// Work of a word, as [`super::calculator`] counts it.
 const WORD: u32 = 2;
@@ -29,6 +30,9 @@ const LETTERS: usize = 26;
 pub(super) struct Letters([u8; LETTERS]);
 
 impl Letters {
+    /// All bits zero.
+    pub const BLANK: Self = Self([0; LETTERS]);
+
     /// For these names.
     pub fn new<'a>(names: impl Iterator<Item = &'a [u8; 4]> + Clone) -> Self {
         let mut letters = [u8::MAX; LETTERS];
@@ -125,7 +129,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             _ => return None,
         };
         let place = line.place(g.filter(|g| g.at < first.at).unwrap_or(first));
-        self.motion = Some(Motion {
+        self.motion = Some(Cell::new(Motion {
             n,
             place,
             centre: place,
@@ -134,7 +138,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             feed: feed.unwrap_or(Feed::ZERO),
             exact_stop: self.modal.exact_stop,
             named: given,
-        });
+        }));
         self.position = target;
         self.n = n;
         self.moves = true;

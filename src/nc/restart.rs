@@ -45,13 +45,13 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
         match (kind, self.flow.passing) {
             (NcErrorKind::NoLabel, _) => {
-                self.flow.passing = None;
+                self.flow.passing = Passing::No;
                 Some(self.flow.behind)
             }
             (NcErrorKind::Unclosed { .. }, passing) => {
                 self.flow.leave_blocks();
                 let next = match passing {
-                    Some(Passing::End(ending)) => self.end_by_word(ending),
+                    Passing::End(ending) => self.end_by_word(ending),
                     _ => self.finish_program(),
                 };
                 if let Next::At(mark) = next { Some(mark) } else { None }
@@ -68,8 +68,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn stay(&mut self, mark: Mark) {
         if core::mem::take(&mut self.flow.left) {
             // Nothing is open any more.
-        } else if matches!(self.flow.passing, Some(Passing::Label(_))) {
-            self.flow.passing = None;
+        } else if matches!(self.flow.passing, Passing::Label(_)) {
+            self.flow.passing = Passing::No;
         } else if self.flow.innermost().is_some_and(|open| open.body == mark) {
             self.flow.blocks.pop();
         } else if self.flow.program == mark {

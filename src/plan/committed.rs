@@ -23,23 +23,22 @@ pub(super) struct CommittedSpan {
     pub leaves: Speed,
     pub limit: f32,
     pub pace: u32,
-    /// As it was released: start, speed planned there, whether that keeps the limits of all blocks.
+    /// As it was released: start, speed planned there. Whether that keeps the limits of all blocks is in `span`.
     released: (Distance, Speed),
-    released_checked: bool,
 }
 
 impl CommittedSpan {
     /// It is released, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
-        (self.released, self.released_checked) = ((start, self.span.v_in), self.span.checked);
+        (self.released, self.span.released_checked) = ((start, self.span.v_in), self.span.checked);
     }
 
     /// It gets another law before it has begun: nothing of it is behind.
     pub const fn restore(&mut self) {
         let end = self.end();
         (self.start, self.span.v_in) = self.released;
-        self.span.checked = self.released_checked;
+        self.span.checked = self.span.released_checked;
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
@@ -49,7 +48,7 @@ impl CommittedSpan {
     pub fn look(&mut self, at: i64) {
         let (start, v_in) = self.released;
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.released_checked && at > 0 && self.span.is_uneven();
+        let known = self.span.released_checked && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
     }
 
@@ -58,7 +57,7 @@ impl CommittedSpan {
     pub fn rises(&self, v: Speed) -> f32 {
         let (start, v_in) = self.released;
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.released_checked && at > 0 && self.span.is_uneven();
+        let known = self.span.released_checked && at > 0 && self.span.is_uneven();
         if known && self.span.length.to_bits() >= SHORT { self.span.rises(length, v_in, at, v) } else { 0.0 }
     }
 
@@ -129,7 +128,6 @@ impl CommittedSpans {
             limit: 0.0,
             pace: 0,
             released: (Distance::ZERO, Speed::ZERO),
-            released_checked: false,
         };
         Self { slots: [blank; SLOTS], front: 0, len: 0 }
     }

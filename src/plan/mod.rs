@@ -280,6 +280,23 @@ impl Frontier {
     }
 }
 
+/// What is large of a [`Planning`], made in its memory.
+struct Large<'a, const AXES: usize, const BLOCKS: usize> {
+    lookahead: &'a mut LookaheadMemory<BLOCKS>,
+    committed: &'a mut CommittedSpans,
+    functions: &'a mut Functions,
+    dynamics: &'a mut Dynamics<AXES>,
+    smoothing: &'a mut Smoothing<AXES>,
+    held: &'a mut HeldLine<AXES>,
+    reserve: &'a mut Reserve,
+}
+
+/// What is made in its memory. A call of its own: what it is on the stack until then is there alone.
+#[inline(never)]
+fn filled<T>(memory: &mut MaybeUninit<T>, make: impl FnOnce() -> T) -> &mut T {
+    memory.write(make())
+}
+
 /// Pieces of time per call.
 const PIECES: u32 = 8;
 
@@ -291,7 +308,7 @@ const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// At rest at `start`, in `memory`: nothing that was in it counts.
-    #[inline(never)]
+    #[inline(always)]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
         machine: &MachineData<AXES>,
@@ -299,19 +316,35 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         queue: Sender<'a, AXES>,
     ) -> Self {
         let PlanningMemory { lookahead, committed, functions, dynamics, smoothing, held, reserve } = memory;
+        let dynamics = filled(dynamics, || Dynamics::new(machine));
+        let channel = &machine.channel;
+        let chords = f32::from(channel.merge_chords) * 0.01;
+        let preset = Preset { check_jerk: channel.check_jerk_on_poly_path, chords };
+        let measure = Measure::of(machine);
+        let smoothing = filled(smoothing, || Smoothing::new(measure, preset, channel.auto_contour_mode));
+        let (held, reserve) = (filled(held, HeldLine::none), filled(reserve, Reserve::none));
+        let large = Large { lookahead, committed, functions, dynamics, smoothing, held, reserve };
+        Self::with(large, machine, start, queue)
+    }
+
+    /// With what is large in its place.
+    #[inline(never)]
+    fn with(
+        large: Large<'a, AXES, BLOCKS>,
+        machine: &MachineData<AXES>,
+        start: [Position; AXES],
+        queue: Sender<'a, AXES>,
+    ) -> Self {
+        let Large { lookahead, committed, functions, dynamics, smoothing, held, reserve } = large;
         committed.clear();
         functions.forget();
         let measure = Measure::of(machine);
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
-        let channel = &machine.channel;
-        let chords = f32::from(channel.merge_chords) * 0.01;
-        let preset = Preset { check_jerk: channel.check_jerk_on_poly_path, chords };
-        let smoothing = smoothing.write(Smoothing::new(measure, preset, channel.auto_contour_mode));
-        let (held, travel) = (held.write(HeldLine::none()), Travel::new(machine));
+        let travel = Travel::new(machine);
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
-            dynamics: dynamics.write(Dynamics::new(machine)),
+            dynamics,
             intake: Intake {
                 programmed: start,
                 entered: start,
@@ -339,7 +372,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 yields: false,
             },
             functions,
-            reserve: reserve.write(Reserve::none()),
+            reserve,
             report: Report { begun: 0, planned: Planned::default() },
             queue,
         }

@@ -87,7 +87,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) -> Result<Descent, No> {
         let curve = self.curve_at(motion.distance).ok_or(No::Law)?;
         let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
-        let behind = motion.distance.wrapping_sub(first.start.to_bits());
+        let behind = motion.distance.wrapping_sub(self.queue.segments.start(curve));
         let is_line = first.shape.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
         let (now, ends, mut way) = self.as_planned(cursor, span, motion).ok_or(No::Law)?;
@@ -242,9 +242,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let segments = &self.queue.segments;
         let first = segments.taken();
         let ahead = segments.count().wrapping_sub(first);
-        (0..ahead).map(|k| first.wrapping_add(k)).find(|number| {
-            segments.recent(*number).is_some_and(|segment| segment.end().wrapping_sub(distance) > 0)
-        })
+        let is_ahead = |number: &u32| segments.end_of(*number).wrapping_sub(distance) > 0;
+        (0..ahead).map(|k| first.wrapping_add(k)).find(is_ahead)
     }
 
     /// `braking`, or less of it where a part permits less: in each span at most at the speed planned at its
@@ -272,12 +271,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     let segment = self.queue.segments.recent(curve)?;
                     let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
                     begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
-                    let [from, to] = [at, end].map(|at| at.wrapping_sub(segment.start.to_bits()));
-                    let (from, to) = (from.max(0), to.min(segment.shape.length.to_bits()));
+                    let (start, length) = (self.queue.segments.start(curve), segment.shape.length.to_bits());
+                    let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
+                    let (from, to) = (from.max(0), to.min(length));
                     if to > from {
                         segment.shape.bend([from, to], &mut bounds);
                     }
-                    if segment.end().wrapping_sub(end) >= 0 {
+                    if start.wrapping_add(length).wrapping_sub(end) >= 0 {
                         break;
                     }
                     curve = curve.wrapping_add(1);

@@ -72,6 +72,11 @@ struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
 unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
 impl<const AXES: usize> Place<AXES> {
+    const AS_STARTS: usize = {
+        assert!(size_of::<Self>() % size_of::<Start>() == 0, "as large as so many starts");
+        size_of::<Self>() / size_of::<Start>()
+    };
+
     const fn blank() -> Self {
         Self(UnsafeCell::new(Segment::BLANK))
     }
@@ -132,6 +137,8 @@ pub struct CurveProducer<'a, const AXES: usize> {
     handed: u32,
     /// Those whose start the interrupt can see.
     shown: u32,
+    /// Where the first one starts that it cannot see. Only where there were long ones.
+    hidden: i64,
     /// Where the next one goes, and where its start.
     slot: usize,
     place: usize,
@@ -149,11 +156,12 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     slot: RingCursor<'a, Place<AXES>>,
 }
 
-/// An element of a ring, and where its array ends: to go on takes neither an index nor a check of one.
+/// An element of a ring, where its array ends, and the way back from there to its begin, in bytes, below 0: to
+/// go on takes neither an index nor a check of one.
 struct RingCursor<'a, T> {
     at: *const T,
     end: *const T,
-    len: usize,
+    back: isize,
     ring: PhantomData<&'a [T]>,
 }
 
@@ -164,14 +172,15 @@ impl<'a, T> RingCursor<'a, T> {
     /// At the first element. The ring is so many elements at the front of the array, one at least.
     fn new(array: &'a [T], len: usize) -> Self {
         let at = array.as_ptr();
-        Self { at, end: at.wrapping_add(len), len, ring: PhantomData }
+        let back = -((len * size_of::<T>()) as isize);
+        Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
 
-    /// Goes on by no more than a lap.
+    /// Goes on by so many bytes, whole elements and no more than a lap.
     #[inline(always)]
     fn go_on(&mut self, by: usize) {
-        let to = self.at.wrapping_add(by);
-        self.at = if to >= self.end { to.wrapping_sub(self.len) } else { to };
+        let to = self.at.wrapping_byte_add(by);
+        self.at = if to >= self.end { to.wrapping_byte_offset(self.back) } else { to };
     }
 }
 
@@ -206,6 +215,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             count: 0,
             handed: 0,
             shown: 0,
+            hidden: 0,
             slot: 0,
             place: 0,
             end: 0,
@@ -259,29 +269,42 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// Whether there is more path than distances are compared over from the curve that the interrupt is on to
     /// the one with this number.
     fn is_far(&self, number: u32) -> bool {
-        let here = self.recent(self.taken()).map_or(0, |segment| segment.shape.length.to_bits());
-        self.is_behind(number, OUT_OF_REACH - here)
+        self.is_behind(number, self.start(number), OUT_OF_REACH - self.length(self.taken()))
     }
 
-    /// Whether the curve with this number ends too far ahead to be shown before it is handed on.
-    fn is_too_far(&self, number: u32) -> bool {
-        let length = self.recent(number).map_or(0, |segment| segment.shape.length.to_bits());
-        self.is_far(number) && self.is_behind(number, SHOWN - length)
+    /// Whether the curve with this number and that start ends too far ahead to be shown before it is handed on.
+    fn is_too_far(&self, number: u32, start: i64) -> bool {
+        self.is_behind(number, start, OUT_OF_REACH - self.length(self.taken()))
+            && self.is_behind(number, start, SHOWN - self.length(number))
     }
 
     /// Whether there is more path than that from the end of the curve the interrupt is on to the start of the
     /// one with this number. From there: the way of both, and the curve behind, may be more than can be
     /// compared.
     #[inline(never)]
-    fn is_behind(&self, number: u32, path: i64) -> bool {
+    fn is_behind(&self, number: u32, start: i64, path: i64) -> bool {
         let next = self.taken().wrapping_add(1);
-        if (number.wrapping_sub(next) as i32) <= 0 {
-            return false;
+        (number.wrapping_sub(next) as i32) > 0 && start.wrapping_sub(self.start(next)) > path
+    }
+
+    /// Path length of the curve with this number, or nothing, LSB 2^-44 mm.
+    fn length(&self, number: u32) -> i64 {
+        self.recent(number).map_or(0, |segment| segment.shape.length.to_bits())
+    }
+
+    /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only of one that
+    /// [`Self::recent`] has.
+    pub fn start(&self, number: u32) -> i64 {
+        if (number.wrapping_sub(self.shown) as i32) < 0 {
+            return self.starts.get(self.place_of(number)).map_or(0, Start::get);
         }
-        let (Some(next), Some(last)) = (self.recent(next), self.recent(number.wrapping_sub(1))) else {
-            return false;
-        };
-        last.end().wrapping_sub(next.start.to_bits()) > path
+        let before = numbers(self.shown, number).map(|number| self.length(number));
+        before.fold(self.hidden, i64::wrapping_add)
+    }
+
+    /// Path distance at which it ends, LSB 2^-44 mm.
+    pub fn end_of(&self, number: u32) -> i64 {
+        self.start(number).wrapping_add(self.length(number))
     }
 
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
@@ -297,14 +320,15 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         let segment = unsafe { &mut *slot.get() };
         segment.shape.assign(shape);
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.start, segment.n, segment.block) =
-            (*base, Distance::from_bits(start), n, block);
+        (segment.base, segment.n, segment.block) = (*base, n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());
         self.place = on(place, 1, places(self.starts));
         self.count = self.count.wrapping_add(1);
-        self.long |= length >= LONG;
+        if length >= LONG && !self.long {
+            (self.long, self.hidden) = (true, start);
+        }
         if self.long {
             self.show();
         } else {
@@ -328,32 +352,31 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// Writes the starts of curves handed on, and of more as far as distances are compared.
     #[inline(never)]
     fn show(&mut self) {
-        let from = self.shown;
-        let (mut end, mut cleared) = (0, from.wrapping_add(BEHIND as u32));
+        let (from, mut start) = (self.shown, self.hidden);
+        let (mut shown, mut end) = (from, start);
+        let mut cleared = from.wrapping_add(BEHIND as u32);
         for _ in 0..self.slots.len() {
-            let due = (self.handed.wrapping_sub(self.shown) as i32) > 0;
-            if self.shown == self.count || (!due && self.is_too_far(self.shown)) {
+            let due = (self.handed.wrapping_sub(shown) as i32) > 0;
+            if shown == self.count || (!due && self.is_too_far(shown, end)) {
                 break;
             }
-            let Some(segment) = self.recent(self.shown) else { break };
-            end = segment.end();
-            let is_long = segment.shape.length.to_bits() >= LONG;
-            self.shown = self.shown.wrapping_add(1);
-            if is_long || (cleared.wrapping_sub(self.shown) as i32) < 0 {
-                cleared = self.shown;
+            let length = self.length(shown);
+            (shown, end) = (shown.wrapping_add(1), end.wrapping_add(length));
+            if length >= LONG || (cleared.wrapping_sub(shown) as i32) < 0 {
+                cleared = shown;
             }
         }
-        if self.shown == from {
+        if shown == from {
             return;
         }
-        for number in numbers(cleared, self.shown.wrapping_add(BEHIND as u32)) {
+        for number in numbers(cleared, shown.wrapping_add(BEHIND as u32)) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        for number in numbers(from, self.shown) {
-            if let Some(segment) = self.recent(number) {
-                self.set(self.place_of(number), segment.start.to_bits(), Ordering::Release);
-            }
+        for number in numbers(from, shown) {
+            self.set(self.place_of(number), start, Ordering::Release);
+            start = start.wrapping_add(self.length(number));
         }
+        (self.shown, self.hidden) = (shown, end);
     }
 
     /// Where the start of the curve with this number is.
@@ -413,8 +436,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
 
     /// Path distance up to which the interrupt finds its way.
     pub fn known(&self) -> Distance {
-        let last = self.recent(self.shown.wrapping_sub(1));
-        Distance::from_bits(last.map_or(self.end, Segment::end))
+        Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
 
     /// Whether it finds its way as far as that, with no further word of the planner.
@@ -441,7 +463,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// `stands`: the next one begins at that, and all that are left are handed on.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
-        self.end = stands;
+        (self.end, self.hidden) = (stands, stands);
     }
 
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
@@ -450,7 +472,10 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         let first = self.taken().wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
         let back = self.count.wrapping_sub(number);
-        let Some(end) = self.recent(number.wrapping_sub(1)).map(Segment::end) else { return };
+        if self.recent(number.wrapping_sub(1)).is_none() {
+            return;
+        }
+        let end = self.end_of(number.wrapping_sub(1));
         let behind = self.count.wrapping_add(BEHIND as u32);
         for number in numbers(number, behind) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
@@ -460,7 +485,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
         if (number.wrapping_sub(self.shown) as i32) < 0 {
-            self.shown = number;
+            (self.shown, self.hidden) = (number, end);
         }
         self.show();
     }
@@ -484,11 +509,12 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
             // SAFETY: both are in one window, the first one in front.
-            let passed = unsafe { ptr::from_ref(at).offset_from_unsigned(first) };
+            let passed = unsafe { ptr::from_ref(at).byte_offset_from_unsigned(first) };
             self.start.go_on(passed);
-            self.slot.go_on(passed);
+            self.slot.go_on(passed * Place::<AXES>::AS_STARTS);
             let taken = self.taken.load(Ordering::Relaxed);
-            self.taken.store(taken.wrapping_add(passed as u32), Ordering::Release);
+            let passed = (passed / size_of::<Start>()) as u32;
+            self.taken.store(taken.wrapping_add(passed), Ordering::Release);
         }
         let along = distance.wrapping_sub(at.get());
         if along < -(OUT_OF_REACH / 2) {

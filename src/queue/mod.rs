@@ -49,15 +49,13 @@ pub struct Event {
     pub action: Action,
 }
 
-/// A curve at its place on the path.
+/// A curve of the path. Where it starts is in the ring: [`CurveProducer::start`].
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<const AXES: usize> {
     /// The curve.
     pub shape: Shape<AXES>,
     /// What its offsets are added to.
     pub base: [Position; AXES],
-    /// Path distance of its start.
-    pub start: Distance,
     /// Programmed N number.
     pub n: u32,
     /// Motion blocks since program start, from 0.
@@ -81,17 +79,8 @@ pub struct Phase {
     pub ticks: u16,
 }
 
-impl<const AXES: usize> Segment<AXES> {
-    /// Path distance of its end, LSB 2^-44 mm.
-    #[inline(always)]
-    pub fn end(&self) -> i64 {
-        self.start.to_bits().wrapping_add(self.shape.length.to_bits())
-    }
-}
-
 impl<const AXES: usize> Slot for Segment<AXES> {
-    const BLANK: Self =
-        Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], start: Distance::ZERO, n: 0, block: 0 };
+    const BLANK: Self = Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], n: 0, block: 0 };
 }
 
 impl Slot for Phase {
