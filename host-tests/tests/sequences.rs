@@ -1,5 +1,4 @@
 //! Random sessions of one channel: [`host_tests::sequences`].
-use host_tests::seeds::seeds;
 use host_tests::sequences::{Done, session};
 
 /// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one.
@@ -8,7 +7,7 @@ fn sessions_do_what_their_lines_say() {
     let number = |name| std::env::var(name).ok().and_then(|number: String| number.parse::<u64>().ok());
     let (from, count) = (number("GLIDEPATH_FROM").unwrap_or(0), number("GLIDEPATH_SEEDS").unwrap_or(60));
     let (mut all, mut faults) = (Done::default(), Vec::new());
-    for seed in seeds(from..from + count, 10) {
+    for seed in from..from + count {
         match session(seed) {
             Ok(done) => {
                 all.steps += done.steps;
