@@ -106,6 +106,8 @@ impl Held {
 ///
 /// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put
 /// in force does not belong to where the axes stand: then [`Self::continue_with`] begins as a program does.
+/// An abort at rest does the same, whether the planner was called since or not: it ends what was before it, and
+/// nothing that is handed over behind it.
 pub struct Planner<
     'a,
     T: Text,
@@ -152,6 +154,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     fn poll_path(&mut self) -> Result<Progress, Error> {
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
+            if self.filters.is_pending() {
+                return Ok(self.change_filters());
+            }
             if !self.beside.is_free() {
                 return self.wait_beside();
             }

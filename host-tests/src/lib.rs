@@ -21,6 +21,7 @@
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
 //! | [`operate`] | and while an operator gives commands |
+//! | [`sequences`] | what comes of programs, single lines and aborts one behind the other |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
 pub mod accept;
@@ -36,6 +37,8 @@ pub mod cases;
 pub mod cam;
 
 pub mod seeds;
+
+pub mod sequences;
 
 pub mod trace;
 pub mod walk;

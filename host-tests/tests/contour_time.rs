@@ -408,3 +408,17 @@ fn two_curves_that_fill_a_block_leave_nothing_between_them() {
         assert!(slowest > 100.0, "{mode}: {slowest} mm/s");
     }
 }
+
+/// D3-119. ACC_MAX=0 is the gentlest, as 1 % is: the less acceleration, the longer it takes.
+#[test]
+fn acc_max_0_is_the_gentlest() {
+    let time = |percent: u32| {
+        let text = format!(
+            "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=20 ACC_MIN=0 ACC_MAX={percent}]\nN10 G01 X80 F20000\nN20 G260 Y80\nM30\n"
+        );
+        run_from(&text, [Position::ZERO; 3], &quick(1000)).time()
+    };
+    let [none, least, half, all] = [0, 1, 50, 100].map(time);
+    assert_eq!(none, least);
+    assert!(least > half && half > all, "{least} {half} {all}");
+}

@@ -109,6 +109,11 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
         self.singles.iter_mut().find(|single| single.axis().is_none())
     }
 
+    /// The axis whose motion is to begin.
+    const fn starting(&self) -> u32 {
+        if let Some(Pending::Start(axis, ..)) = self.pending { bit(axis) } else { 0 }
+    }
+
     /// All of them come to a standstill, and what was to come is forgotten.
     pub(super) fn stop(&mut self) {
         self.pending = None;
@@ -153,6 +158,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// A piece of work for an axis; `false` if there is none.
     fn tend(&mut self) -> Result<bool, Error> {
+        // A jog behind a position that was set: the filters begin anew before it.
+        if self.filters.is_pending() && self.beside.starting() != 0 {
+            return Ok(false);
+        }
         let commands = self.planning.commands();
         let wishes =
             Wishes { hold: commands.hold || commands.abort, reduced: commands.reduced, feed: commands.feed };
@@ -239,11 +248,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         joins
     }
 
-    /// Axes beside the path come to the ends of their motions; whether there are none.
+    /// Axes beside the path come to the ends of their motions; whether there are none. A jog that has not
+    /// begun waits.
     pub(super) fn ends_beside(&mut self) -> bool {
-        let free = OVERLAYS == 0 || self.beside.axes() == 0;
+        let begun = self.beside.axes() & !self.beside.starting();
+        let free = OVERLAYS == 0 || begun == 0;
         if !free {
-            self.beside.finish(u32::MAX);
+            self.beside.finish(begun);
         }
         free
     }
@@ -462,6 +473,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         single
             .go(axis as u8, [from, target], pace, &limits)
             .map_err(|_| MoveError::Motion(MotionError::StrokeTooSlow))?;
+        // One that came before does not end this motion.
+        self.forget_abort();
         self.beside.pending = Some(Pending::Start(axis, target, 0));
         Ok(())
     }

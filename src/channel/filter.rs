@@ -33,7 +33,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// A part of the change to other kernels, once everything taken in is in the queue.
     #[inline(never)]
     pub(super) fn change_filters(&mut self) -> Progress {
-        if !self.planning.is_at_rest() || !self.ends_beside() {
+        if !self.planning.is_at_rest() || !self.planning.is_shown() || !self.ends_beside() {
             return Progress::Waiting;
         }
         if !self.filters.is_settled() || !self.filters.work() {

@@ -110,7 +110,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// # Errors
     /// Not at rest: the text comes back, and nothing has changed.
     pub fn continue_with(&mut self, text: T) -> Result<T, Busy<T>> {
-        self.replace(text, !self.lost)
+        let keeps = !self.is_lost();
+        self.replace(text, keeps)
     }
 
     /// Takes the next program of the same text, behind the one that has ended, or that a refused line or an
@@ -136,7 +137,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// # Errors
     /// Not at rest, or there is no such line: nothing has changed.
     pub fn go_on(&mut self) -> Result<(), GoOnError> {
-        if self.lost || !self.decoder.is_refused() {
+        if self.is_lost() || !self.decoder.is_refused() {
             return Err(GoOnError::NothingRefused);
         }
         if !self.is_at_rest() {
@@ -160,10 +161,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if axis >= AXES || position > MAX || position < -MAX {
             return Err(PositionError::Range);
         }
-        if !self.is_at_rest() || !self.planning.set_position(axis, position) {
+        if !self.is_at_rest() {
             return Err(PositionError::NotAtRest);
         }
+        // Before the interrupt may see it.
         self.filters.suspend();
+        if !self.planning.set_position(axis, position) {
+            return Err(PositionError::NotAtRest);
+        }
         self.decoder.set_position(axis, position);
         Ok(())
     }
@@ -214,8 +219,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.lost = false;
     }
 
-    /// There is nothing that an abort could end.
+    /// Whether what is in force does not belong to where the axes stand. An abort that is not carried out yet
+    /// counts: what follows does not depend on when the planner is called.
+    fn is_lost(&self) -> bool {
+        self.lost || self.planning.commands().abort
+    }
+
+    /// At rest: there is nothing in motion that an abort could end.
     pub(super) fn forget_abort(&mut self) {
+        self.lost = self.is_lost();
         self.planning.forget_abort();
     }
 }

@@ -231,7 +231,10 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 
     fn work(&mut self) -> bool {
+        let [asked, done] = [&self.words.asked, &self.words.done].map(|word| word.load(Ordering::Acquire));
         match self.change {
+            // The interrupt still takes over what was written before, with the positions of then.
+            Change::Writing(0) if asked != done => false,
             Change::Writing(axis) if axis < AXES => {
                 self.write(axis);
                 self.change = Change::Writing(axis + 1);
@@ -244,8 +247,6 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
                 true
             }
             Change::Asked => {
-                let [asked, done] =
-                    [&self.words.asked, &self.words.done].map(|word| word.load(Ordering::Acquire));
                 if asked == done {
                     self.change = Change::None;
                 }

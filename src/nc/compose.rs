@@ -40,7 +40,11 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(given) = w.radius {
             let radius = given.number.fixed(self.length_factor());
             let radius = radius.filter(|r| *r != Position::ZERO && in_range(*r));
-            let Some(radius) = radius else { return given.span.fault(coordinate("R", "mm")) };
+            let Some(radius) = radius else {
+                let is_zero = given.number.fixed(self.length_factor()) == Some(Position::ZERO);
+                let zero = NcErrorKind::Expected("a radius that is not 0");
+                return given.span.fault(if is_zero { zero } else { coordinate("R", "mm") });
+            };
             self.modal.radius = Some(radius);
         }
         match w.consumer {

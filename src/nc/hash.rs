@@ -200,6 +200,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         let words = c.mark();
         let Some((_, id)) = COMMANDS.iter().find(|(name, _)| c.eat_words(name)) else {
             let word = c.letters();
+            if word.is("SPLINE") {
+                return c.expected("ON, OFF, TYPE AKIMA or TYPE BSPLINE");
+            }
             let other = OTHER.iter().any(|name| word.is(name));
             c.back_to(words);
             while c.peek().is_ascii_alphanumeric() || matches!(c.raw(), b'&' | b'_') {
@@ -456,6 +459,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok((0..AXES as u32).fold(0, |bits, axis| bits | 1_u32.wrapping_shl(axis)));
         }
         let mut bits = 0_u32;
+        let mark = c.mark();
         c.require(b'[', "[ and axes")?;
         loop {
             while c.eat(b',') {}
@@ -473,7 +477,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             bits |= 1_u32.wrapping_shl(axis as u32);
         }
         if bits == 0 {
-            return c.expected("at least one axis");
+            return c.since(mark).fault(NcErrorKind::Expected("at least one axis in brackets"));
         }
         Ok(bits)
     }

@@ -262,7 +262,11 @@ pub(super) fn number(
             what: "value",
             min: range.min,
             max: range.max.unsigned_abs(),
-            unit: range.unit,
+            unit: match (range.or_off, range.unit) {
+                (true, "mm") => "mm, or -1",
+                (true, _) => "deg, or -1",
+                _ => range.unit,
+            },
             above: range.above,
         },
     })

@@ -101,14 +101,20 @@ impl Keywords for Contour {
     ];
 
     fn slot(&mut self, keyword: &'static str, _: bool, units: Units) -> Slot<'_> {
-        match keyword {
-            "DEV" => return choose(&mut self.method, ContourMethod::Dev),
-            "DIST" => return choose(&mut self.method, ContourMethod::Dist),
-            "POS" => return choose(&mut self.method, ContourMethod::Pos),
-            "DIST_SOFT" => return choose(&mut self.method, ContourMethod::DistSoft),
-            "DIST_MASTER" => return choose(&mut self.method, ContourMethod::DistMaster),
-            "PTP" => return choose(&mut self.method, ContourMethod::Ptp),
-            _ => {}
+        let method = match keyword {
+            "DEV" => Some(ContourMethod::Dev),
+            "DIST" => Some(ContourMethod::Dist),
+            "POS" => Some(ContourMethod::Pos),
+            "DIST_SOFT" => Some(ContourMethod::DistSoft),
+            "DIST_MASTER" => Some(ContourMethod::DistMaster),
+            "PTP" => Some(ContourMethod::Ptp),
+            _ => None,
+        };
+        if let Some(method) = method {
+            return match self.method {
+                Some(other) if other != method => Slot::Mismatch(contour_list(other).0),
+                _ => choose(&mut self.method, method),
+            };
         }
         if let ("PRE_ACTION" | "INTER_ACTION" | "POST_ACTION", Some(method)) = (keyword, self.method)
             && matches!(method, ContourMethod::DistSoft | ContourMethod::DistMaster)

@@ -13,11 +13,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || !self.intake.held.is_none()
             || !self.intake.smoothing.is_empty();
         let handed_out = self.frontier.planned == self.committed.len() && self.frontier.emitter.is_done();
-        let passed = !clock::is_before(self.queue.clock.now(), self.frontier.end)
-            || self.task.shifted == Some(self.frontier.end);
+        let passed = self.is_shown() || self.task.shifted == Some(self.frontier.end);
         let rests =
             self.frontier.speed == Speed::ZERO && self.task.rest == 0 && self.frontier.pending_dwell == 0;
         !taken_in && handed_out && passed && rests && !self.queue.clock.has_left() && !self.orders.failed
+    }
+
+    /// Whether a tick has shown all that was handed on: a position that is set as well.
+    pub fn is_shown(&self) -> bool {
+        !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
 
     /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.

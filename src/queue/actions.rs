@@ -197,7 +197,7 @@ impl Lag {
 
 impl Actions {
     /// As [`Self::reach`], with filters behind the path: an action becomes due when the delayed path has
-    /// reached its point. Where the path stands at that point by then, it waits until the axes stand too.
+    /// reached its point. Where the path stands at that point, it is due when the axes stand too.
     #[inline(never)]
     pub(super) fn reach_later(&self, distance: i64, tick: u32, lag: &mut Lag, settled: bool) {
         let mut due = self.due.load(Ordering::Relaxed);
@@ -219,7 +219,8 @@ impl Actions {
             let record = self.record(due);
             // SAFETY: the same.
             let (point, from) = unsafe { ((*record).distance, (*record).tick) };
-            if (tick.wrapping_sub(from) as i32) < 0 || distance == point.to_bits() && !settled {
+            let is_there = distance == point.to_bits();
+            if !(is_there && settled) && (is_there || (tick.wrapping_sub(from) as i32) < 0) {
                 return;
             }
             // SAFETY: the same.

@@ -58,12 +58,30 @@ impl Told {
     }
 }
 
-/// One motion as it ran: the ticks in which the axis turned.
+/// One motion as it ran: its turns, and the periods without a hold.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    first: u64,
-    last: u64,
     turns: u64,
+    /// The tick at which the period at hand began, and whether a hold is in it.
+    from: u64,
+    is_held: bool,
+    /// Periods, and the ticks of all of them.
+    periods: u64,
+    ticks: u64,
+}
+
+impl Seen {
+    /// The axis turns; every second time another period begins.
+    fn turn(&mut self, tick: u64) {
+        if self.turns.is_multiple_of(2) {
+            if self.turns > 0 && !self.is_held {
+                self.periods += 1;
+                self.ticks += tick - self.from;
+            }
+            (self.from, self.is_held) = (tick, false);
+        }
+        self.turns += 1;
+    }
 }
 
 /// An axis.
@@ -99,8 +117,8 @@ impl Beside {
         Self { axes: vec![Axis::default(); machine.axes.len()] }
     }
 
-    /// A tick: where the axes are, and which move beside the path, bit i for axis i.
-    pub fn add(&mut self, tick: u64, set_points: &[Position], moving: u32) {
+    /// A tick: where the axes are, which move beside the path, bit i for axis i, and whether they are to hold.
+    pub fn add(&mut self, tick: u64, set_points: &[Position], moving: u32, held: bool) {
         for (k, (axis, point)) in self.axes.iter_mut().zip(set_points).enumerate() {
             let (x, moves) = (point.to_bits(), moving >> k & 1 == 1);
             if moves && !axis.moves {
@@ -108,30 +126,27 @@ impl Beside {
                 axis.direction = 0;
             }
             let direction = (x - axis.before).signum();
-            if let (true, Some(seen)) = (moves && direction != 0, axis.seen.last_mut()) {
-                if axis.direction == -direction {
-                    seen.first = if seen.turns == 0 { tick } else { seen.first };
-                    // Whole periods only.
-                    seen.last = if seen.turns % 2 == 0 { tick } else { seen.last };
-                    seen.turns += 1;
+            if let (true, Some(seen)) = (moves, axis.seen.last_mut()) {
+                if direction != 0 && axis.direction == -direction {
+                    seen.turn(tick);
                 }
-                axis.direction = direction;
+                seen.is_held |= held;
+                axis.direction = if direction == 0 { axis.direction } else { direction };
             }
             (axis.before, axis.moves) = (x, moves);
         }
     }
 
-    /// Those that turned for a period at least.
+    /// Those that turned for a period at least, without those in which they held.
     pub fn oscillations(&self, told: &[Told], machine: &Machine) -> Vec<Oscillation> {
         let mut all = Vec::new();
         for (k, axis) in self.axes.iter().enumerate() {
             let told: Vec<&Told> = told.iter().filter(|told| told.axis == k).collect();
             for (number, seen) in axis.seen.iter().enumerate() {
-                let periods = seen.turns.saturating_sub(1) / 2;
-                if periods == 0 {
+                if seen.periods == 0 {
                     continue;
                 }
-                let period_s = (seen.last - seen.first) as f64 * machine.cycle_s() / periods as f64;
+                let period_s = seen.ticks as f64 * machine.cycle_s() / seen.periods as f64;
                 // Motions that follow each other without rest are seen as one.
                 let known = told.len() == axis.seen.len();
                 let wanted_hz = if known { told.get(number).and_then(|told| told.wanted) } else { None };
@@ -156,5 +171,33 @@ impl Beside {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Periods of 40 ticks, and a hold of 1000 in the middle of the third.
+    #[test]
+    fn a_period_with_a_hold_in_it_does_not_count() {
+        let mut beside = Beside { axes: vec![Axis::default()] };
+        let mut tick = 0;
+        let mut add = |at: i64, held: bool| {
+            beside.add(tick, &[Position::from_num(at)], 1, held);
+            tick += 1;
+        };
+        for period in 0..6 {
+            for k in 0..40_i64 {
+                let at = if k < 20 { k } else { 40 - k };
+                add(at, false);
+                if (period, k) == (2, 30) {
+                    (0..1000).for_each(|_| add(at, true));
+                }
+            }
+        }
+        let Seen { periods, ticks, .. } = beside.axes[0].seen[0];
+        assert!(periods >= 3, "{periods}");
+        assert_eq!(ticks, 40 * periods);
     }
 }

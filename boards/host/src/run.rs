@@ -266,7 +266,7 @@ fn drive<const AXES: usize>(
             planner.filter_in_force(),
         );
         let (row, beside) = (recorder.statistics.ticks, planner.beside());
-        recorder.statistics.beside.add(row, path, beside);
+        recorder.statistics.beside.add(row, path, beside, commands.hold || commands.abort);
         recorder.statistics.monitor.beside(row, beside);
         recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);

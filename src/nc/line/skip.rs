@@ -12,7 +12,9 @@ impl<T: Text> LineReader<T> {
     /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
     pub fn next_program(&mut self, mark: Mark) {
         let begins = self.text.next_program();
-        let goes_on = !self.fresh && mark == self.next_start() && begins.is_none();
+        // A part of a line was read that is not the program's.
+        let begun = !self.fresh && self.offset != self.logical.start.offset;
+        let goes_on = begun && mark == self.next_start() && begins.is_none();
         self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
         self.skips = goes_on;
     }

@@ -318,6 +318,9 @@ const PART_PTP: [f32; 2] = [0.975, 0.96];
 const NORMAL: f32 = 0.932;
 const TWISTED: f32 = 0.866;
 
+/// The least part of acceleration of DIST_SOFT.
+const GENTLEST: f32 = 0.01;
+
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within
 /// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change
 /// their speed, ticks.
@@ -330,7 +333,8 @@ fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -
     if v > part * a * ramp && hold > 0.0 {
         part = v * v / (2.0 * a * hold);
     }
-    let part = min(max(part, least), most);
+    // 0 % is the gentlest, as 1 % is.
+    let part = min(max(part, least), max(most, GENTLEST));
     if part <= 0.0 || distance <= 0.0 {
         return None;
     }
