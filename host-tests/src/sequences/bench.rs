@@ -60,7 +60,7 @@ const LONGEST: usize = 300_000;
 const RESTS: usize = 20_000;
 /// Ticks without anything to do behind which a stream has nothing for now: more than filters take to begin
 /// anew.
-const QUIET: usize = 40;
+const QUIET: usize = 120;
 
 /// Why a step is given up that may be a good one.
 pub const TOO_LONG: &str = "too long";
