@@ -108,6 +108,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         Ok(handles)
     }
 
+    /// A call of its own, so that they are made where the caller has them.
+    #[inline(never)]
     fn handles<'a, T: Text, P: FilterPlan<AXES>, I: FilterTick<AXES>>(
         &'a mut self,
         machine: &MachineData<AXES>,

@@ -25,18 +25,12 @@ pub struct ReleasedSpan {
     pub v_in: Speed,
     /// Speed at its end.
     pub v_out: Speed,
-    /// All blocks keep their limits with these speeds; otherwise only as long as it is no faster than the
-    /// faster one of `v_least` and `v_in`.
-    pub checked: bool,
-    /// That, as it was released.
-    pub released_checked: bool,
+    /// Whether all blocks keep their limits with these speeds.
+    pub checked: Checked,
     /// How the path turns where it begins.
     pub turns: Turns,
-    /// Acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
-    pub trades: bool,
-    /// Acceleration in some of its blocks is bought with speed: v + a²/2j is at most that of its limits, or
-    /// little more.
-    pub bought: bool,
+    /// Whether acceleration inside it is bought with speed.
+    pub trades: Trades,
     /// Whether it is rapid motion; `None` where some of it is.
     pub rapid: Option<bool>,
     /// How its speed follows the override: of its blocks the fastest.
@@ -49,6 +43,25 @@ pub struct ReleasedSpan {
     pub level: f32,
 }
 
+/// Whether all blocks of a span keep their limits with the speeds at its ends. Otherwise they do as long as it is
+/// no faster than the faster one of its lowest speed and the one at its start.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked {
+    /// As it is.
+    pub now: bool,
+    /// As it was released.
+    pub released: bool,
+}
+
+/// Whether acceleration is bought with speed: v + a²/2j is at most the speed of the limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Trades {
+    /// In all of a span.
+    pub all: bool,
+    /// In some of its blocks; or little more than that.
+    pub some: bool,
+}
+
 /// How the path turns at transitions of a span. In one byte: there are many spans.
 #[derive(Clone, Copy, Debug)]
 pub struct Turns(u8);
@@ -58,7 +71,7 @@ impl Turns {
     const KNEES: u8 = 2;
 
     const fn new(smooth: bool, knees: bool) -> Self {
-        Self(smooth as u8 * Self::SMOOTH | knees as u8 * Self::KNEES)
+        Self((smooth as u8 * Self::SMOOTH) | (knees as u8 * Self::KNEES))
     }
 
     /// Whether a deceleration may pass its start.
@@ -106,11 +119,9 @@ impl ReleasedSpan {
         slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
-        checked: false,
-        released_checked: false,
+        checked: Checked { now: false, released: false },
         turns: Turns::new(false, false),
-        trades: false,
-        bought: false,
+        trades: Trades { all: false, some: false },
         // All bits zero, so that static memory needs no image in flash.
         rapid: Some(false),
         override_range: OverrideRange::BLANK,
@@ -191,7 +202,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Self::span_of(self.blocks_from(0, self.blocks.len()), release, true)?;
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        release.checked &= !self.scope.stale || release.blocks == 1;
+        release.checked.now &= !self.scope.stale || release.blocks == 1;
         if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
             next.start_at(release.v_out);
         }
@@ -288,11 +299,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.length = Distance::from_bits(length);
         release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
-        release.checked = first.is(Marks::CHECKED) || blocks == 1;
+        release.checked.now = first.is(Marks::CHECKED) || blocks == 1;
         release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee());
         let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
-        (release.trades, release.rapid) = (first.trades, rapid);
-        release.bought = any.is_bought();
+        (release.trades, release.rapid) = (Trades { all: first.trades, some: any.is_bought() }, rapid);
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

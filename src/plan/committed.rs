@@ -31,14 +31,15 @@ impl CommittedSpan {
     /// It is released, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
-        (self.released, self.span.released_checked) = ((start, self.span.v_in), self.span.checked);
+        self.released = (start, self.span.v_in);
+        self.span.checked.released = self.span.checked.now;
     }
 
     /// It gets another law before it has begun: nothing of it is behind.
     pub const fn restore(&mut self) {
         let end = self.end();
         (self.start, self.span.v_in) = self.released;
-        self.span.checked = self.span.released_checked;
+        self.span.checked.now = self.span.checked.released;
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
@@ -48,7 +49,7 @@ impl CommittedSpan {
     pub fn look(&mut self, at: i64) {
         let (start, v_in) = self.released;
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.span.released_checked && at > 0 && self.span.is_uneven();
+        let known = self.span.checked.released && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
     }
 
@@ -57,7 +58,7 @@ impl CommittedSpan {
     pub fn rises(&self, v: Speed) -> f32 {
         let (start, v_in) = self.released;
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.span.released_checked && at > 0 && self.span.is_uneven();
+        let known = self.span.checked.released && at > 0 && self.span.is_uneven();
         if known && self.span.length.to_bits() >= SHORT { self.span.rises(length, v_in, at, v) } else { 0.0 }
     }
 
@@ -68,7 +69,7 @@ impl CommittedSpan {
         let span = &mut self.span;
         span.length = Distance::from_bits(left);
         span.v_in = v_in;
-        span.checked = false;
+        span.checked.now = false;
         if left < SHORT {
             // Most of it at constant speed, which takes up the rounding of the rest.
             let limits = &span.limits;

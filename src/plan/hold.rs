@@ -418,7 +418,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (committed.first, committed.next, committed.enters, committed.pace) =
             (end, next, v_in, self.orders.pace.key());
         let span = &committed.span;
-        let as_planned = v_in == span.v_in && span.checked && self.orders.pace.is_planned(span);
+        let as_planned = v_in == span.v_in && span.checked.now && self.orders.pace.is_planned(span);
         (committed.limit, committed.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
@@ -497,7 +497,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let span = &mut committed.span;
         let mut v = self.orders.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
-        let lowered = v_in != expected || !span.checked;
+        let lowered = v_in != expected || !span.checked.now;
         if lowered && span.blocks > 1 {
             let known = max(span.slow.least, speed_f32(v_in.to_bits()));
             span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));

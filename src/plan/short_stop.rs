@@ -59,6 +59,8 @@ struct Begin {
     cursor: Cursor,
     /// Number of its first curve.
     curve: u32,
+    /// Where that starts, and the next one.
+    curve_starts: [i64; 2],
     /// Near the start of its first span.
     starts: bool,
     /// Limits of its first span.
@@ -87,7 +89,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) -> Result<Descent, No> {
         let curve = self.curve_at(motion.distance).ok_or(No::Law)?;
         let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
-        let behind = motion.distance.wrapping_sub(self.queue.segments.start(curve));
+        let curve_starts = [curve, curve.wrapping_add(1)].map(|curve| self.queue.segments.start(curve));
+        let behind = motion.distance.wrapping_sub(curve_starts[0]);
         let is_line = first.shape.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
         let (now, ends, mut way) = self.as_planned(cursor, span, motion).ok_or(No::Law)?;
@@ -104,7 +107,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
         let gains = if stepped { 0.0 } else { max(accel, 0.0) };
-        let begin = Begin { cursor, curve, starts, planned, v, begun, gains, left: Cell::new(CURVES) };
+        let begin =
+            Begin { cursor, curve, curve_starts, starts, planned, v, begun, gains, left: Cell::new(CURVES) };
         let [_, end] = ends;
         let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
         if stepped
@@ -239,11 +243,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// The number of the curve that a path distance is on.
     fn curve_at(&self, distance: i64) -> Option<u32> {
-        let segments = &self.queue.segments;
-        let first = segments.taken();
-        let ahead = segments.count().wrapping_sub(first);
-        let is_ahead = |number: &u32| segments.end_of(*number).wrapping_sub(distance) > 0;
-        (0..ahead).map(|k| first.wrapping_add(k)).find(is_ahead)
+        self.queue.segments.ends_behind(distance)
     }
 
     /// `braking`, or less of it where a part permits less: in each span at most at the speed planned at its
@@ -257,6 +257,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         mut braking: Braking,
     ) -> Option<Braking> {
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
+        let [mut start, second] = begin.curve_starts;
         let mut at = motion.distance;
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
@@ -271,16 +272,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     let segment = self.queue.segments.recent(curve)?;
                     let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
                     begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
-                    let (start, length) = (self.queue.segments.start(curve), segment.shape.length.to_bits());
+                    let length = segment.shape.length.to_bits();
                     let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
                     let (from, to) = (from.max(0), to.min(length));
                     if to > from {
                         segment.shape.bend([from, to], &mut bounds);
                     }
-                    if start.wrapping_add(length).wrapping_sub(end) >= 0 {
+                    let behind = start.wrapping_add(length);
+                    if behind.wrapping_sub(end) >= 0 {
                         break;
                     }
                     curve = curve.wrapping_add(1);
+                    // The first one may have been left within: the motion stood there.
+                    let is_second = curve == begin.curve.wrapping_add(1);
+                    start = if is_second { second } else { behind };
                 }
                 let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);
                 if goes_on {

@@ -73,7 +73,7 @@ unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
 impl<const AXES: usize> Place<AXES> {
     const AS_STARTS: usize = {
-        assert!(size_of::<Self>() % size_of::<Start>() == 0, "as large as so many starts");
+        assert!(size_of::<Self>().is_multiple_of(size_of::<Start>()), "as large as so many starts");
         size_of::<Self>() / size_of::<Start>()
     };
 
@@ -300,6 +300,21 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         }
         let before = numbers(self.shown, number).map(|number| self.length(number));
         before.fold(self.hidden, i64::wrapping_add)
+    }
+
+    /// The number of the first curve that ends behind a path distance, of those that the interrupt has not left.
+    pub fn ends_behind(&self, distance: i64) -> Option<u32> {
+        let first = self.taken();
+        if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
+            return (first != self.count).then_some(first);
+        }
+        // The motion may have stood within the first one: the next one starts there.
+        let second = first.wrapping_add(1);
+        let mut end = self.start(second);
+        numbers(second, self.count).find(|number| {
+            end = end.wrapping_add(self.length(*number));
+            end.wrapping_sub(distance) > 0
+        })
     }
 
     /// Path distance at which it ends, LSB 2^-44 mm.
