@@ -48,6 +48,10 @@ pub enum Progress {
     /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said
     /// once for each standstill.
     Late,
+    /// The motion is slower than programmed: from a higher speed the way to a standstill, which is kept ready
+    /// for a planner without time, would have more than 62 pieces of time, or lead beyond what the interpolator
+    /// knows. Said when that begins, and again once the programmed speed has been possible in between.
+    Slower,
     /// The axis with this index was beyond AX_DEV of #FILTER, or had more than 0.25 mm per cycle² and passed its
     /// filter: a defect of the planner. Said once until #FILTER changes the filters;
     /// [`Planner::filter_deviation`] says by how much.
@@ -164,6 +168,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Ok(Work::Replanned) => return Ok(Progress::Replanned),
             Ok(Work::Hungry | Work::Starved) => {}
             Ok(Work::Late) => return Ok(Progress::Late),
+            Ok(Work::Slower) => return Ok(Progress::Slower),
             Ok(Work::Aborted) => {
                 self.lose();
                 return Ok(Progress::Working);

@@ -1,7 +1,9 @@
 //! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as
-//! many as wanted: `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls]`;
-//! with `stalls` the planner gets no time now and then. `machines -- SEED` shows one seed, and what comes of
+//! many as wanted: `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED
+//! [stalls|chains]`; with `stalls` the planner gets no time now and then; `chains`: chains of short blocks with
+//! knees, each undisturbed and with stalls. `machines -- SEED` shows one seed, and what comes of
 //! it without an operator and without contour mode. Two threads.
+use host_tests::chains;
 use host_tests::soak::{Outcome, plain, setup, soak};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -19,8 +21,14 @@ fn show<const AXES: usize>(seed: u64, stalls: bool) {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let stalls = arguments.iter().any(|word| word == "stalls");
+    let chained = arguments.iter().any(|word| word == "chains");
     let seeds: Vec<u64> = arguments.iter().filter_map(|word| word.parse().ok()).collect();
     let (first, last) = match seeds[..] {
+        [seed] if chained => {
+            let chain = chains::chain(seed);
+            println!("{:#?}\n{:?}, {} polls", chain.machine, chain.acts, chain.polls);
+            (seed, seed + 1)
+        }
         [seed] => {
             match seed % 4 {
                 0 => show::<3>(seed, stalls),
@@ -46,7 +54,8 @@ fn main() {
                     if seed >= last {
                         break;
                     }
-                    match std::panic::catch_unwind(|| soak(seed, stalls)) {
+                    let run = || if chained { chains::soak(seed) } else { soak(seed, stalls) };
+                    match std::panic::catch_unwind(run) {
                         Ok(Outcome::Good(count)) => _ = ticks.fetch_add(count as u64, Relaxed),
                         Ok(Outcome::TooLong) => _ = too_long.fetch_add(1, Relaxed),
                         Ok(Outcome::Refused(_)) => _ = refused.fetch_add(1, Relaxed),

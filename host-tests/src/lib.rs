@@ -29,6 +29,8 @@ pub mod beside;
 
 pub mod calls;
 
+pub mod chains;
+
 pub mod cases;
 
 pub mod cam;

@@ -78,6 +78,8 @@ pub struct Operated {
     pub starved: Vec<usize>,
     /// Ticks before which it was said that the planner came late.
     pub late: Vec<usize>,
+    /// Ticks before which it was said that the motion is slower, so that a standstill has room.
+    pub slower: Vec<usize>,
     /// Functions, with the tick behind which they came out.
     pub outputs: Vec<(usize, Output)>,
 }
@@ -189,7 +191,8 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
         let most = if tick < stalled_until { 0 } else { polls };
         let said = |progress| match progress {
             Progress::Starved => run.starved.push(tick),
-            other if says_late(other) => run.late.push(tick),
+            other if says(other, "Late") => run.late.push(tick),
+            other if says(other, "Slower") => run.slower.push(tick),
             _ => {}
         };
         let done = call(&mut planner, most, said).map_err(|e| format!("tick {tick}: {e:?}"))?;
@@ -217,11 +220,10 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     Err(TOO_LONG.to_owned())
 }
 
-/// Whether the planner says that it came late: it found the motion at a standstill that it had not planned.
-fn says_late(progress: Progress) -> bool {
-    // `Progress::Late`, by name until it is there; for most calls nothing has to be written out.
+/// Whether the planner says that, by name: for most calls nothing has to be written out.
+fn says(progress: Progress, name: &str) -> bool {
     let other = matches!(progress, Progress::Working | Progress::Planned | Progress::Waiting);
-    !other && format!("{progress:?}") == "Late"
+    !other && format!("{progress:?}") == name
 }
 
 /// The judge's word on such a run: limits at every tick, on the contour and in order, at the end exactly.

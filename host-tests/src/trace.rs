@@ -133,6 +133,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
             | Progress::Replanned
             | Progress::Starved
             | Progress::Late
+            | Progress::Slower
             | Progress::Deviated(_) => idle += 1,
             Progress::Waiting => {
                 for _ in 0..burst {

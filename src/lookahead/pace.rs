@@ -29,6 +29,9 @@
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
 //! that are known may be. So there is always time to get as slow as the next one needs.
 //!
+//! A *cap* is a speed that no span exceeds, whatever the commands are: from a higher one there is no way to a
+//! standstill ([`crate::queue::Keeper`] has no room for it). It acts like a lower feed, but on rapid motion too.
+//!
 //! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there.
 //! Reduced speed is a limit and has no such end.
 use super::ReleasedSpan;
@@ -87,7 +90,7 @@ const LEAST_LEVEL: f32 = 0.25;
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
-/// Override and reduced speed of now.
+/// Override and reduced speed of now, and the highest speed from which there is a way to a standstill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// 0…2.
@@ -95,18 +98,49 @@ pub struct Pace {
     /// P-CHAN-00066.
     mode: u8,
     reduced: bool,
+    /// Neither reduced nor capped.
+    free: bool,
+    /// Highest speed of all spans, mm/tick.
+    cap: f32,
+    key: u32,
 }
 
 impl Pace {
     /// 100 %, with a mode of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
-        Self { over: 1.0, mode, reduced: false }
+        let cap = f32::MAX;
+        Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
     /// It in a word, but for P-CHAN-00066, which is one for the channel.
     pub const fn key(&self) -> u32 {
+        self.key
+    }
+
+    const fn word(over: f32, reduced: bool, cap: f32) -> u32 {
         // An override is not negative.
-        self.over.to_bits() | (self.reduced as u32) << 31
+        (over.to_bits() | (reduced as u32) << 31) ^ (cap.to_bits() ^ f32::MAX.to_bits()).rotate_left(16)
+    }
+
+    /// Highest speed of all spans, mm/tick; `f32::MAX`: none.
+    pub const fn cap(&self) -> f32 {
+        self.cap
+    }
+
+    /// No span is to be faster than that, mm/tick; `f32::MAX`: none.
+    pub const fn set_cap(&mut self, cap: f32) {
+        self.cap = cap;
+        self.renew();
+    }
+
+    const fn renew(&mut self) {
+        self.free = !self.reduced && self.cap == f32::MAX;
+        self.key = Self::word(self.over, self.reduced, self.cap);
+    }
+
+    /// The cap makes the span slower.
+    const fn is_capped(&self, span: &ReleasedSpan) -> bool {
+        self.cap < span.limits.v
     }
 
     /// As an operator wants it; an override of 0 leaves it as it is.
@@ -115,6 +149,7 @@ impl Pace {
             self.over = f32::from(commands.feed) / f32::from(FULL_OVERRIDE);
         }
         self.reduced = commands.reduced;
+        self.renew();
     }
 
     /// The level it needs.
@@ -125,13 +160,24 @@ impl Pace {
     /// All that was planned for `level` runs as planned.
     #[inline(always)]
     fn is_full(&self, level: f32) -> bool {
-        self.over == level && !self.reduced && (level >= 1.0 || self.mode == 1)
+        self.over == level && self.free && (level >= 1.0 || self.mode == 1)
     }
 
     /// The span runs as planned.
     #[inline(always)]
     pub fn is_planned(&self, span: &ReleasedSpan) -> bool {
         self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
+            || (self.cap < f32::MAX && self.is_planned_below(span))
+    }
+
+    /// The same where there is a cap: it makes no difference to the span.
+    #[cold]
+    #[inline(never)]
+    fn is_planned_below(&self, span: &ReleasedSpan) -> bool {
+        let free = Self { free: !self.reduced, ..*self };
+        !self.is_capped(span)
+            && free.is_full(span.level)
+            && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
     }
 
     /// Highest speed of a span now.
@@ -162,7 +208,7 @@ impl Pace {
     /// `v_in`; `None` where the slowest of them is the limit instead: entered at another speed, the law is
     /// not the one that keeps all of them.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
-        if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced {
+        if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced || self.is_capped(span) {
             return None;
         }
         let most = self.part(span.level);
@@ -200,6 +246,7 @@ impl Pace {
 
     /// At most the reduced speed. What the override takes from that ends at `slowest`, as it does without.
     fn reduce(&self, span: &ReleasedSpan, v: f32, slowest: f32) -> f32 {
+        let v = min(v, self.cap);
         if !self.reduced {
             return v;
         }

@@ -13,7 +13,7 @@ use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
 use super::reserve::Way;
-use super::{Distance, Frontier, PIECES, Planning, RingStage, Speed, Work};
+use super::{Distance, Frontier, PIECES, Planning, Speed, Work};
 use crate::queue::{Change, TooLate};
 
 /// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
@@ -148,16 +148,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // The next call begins with it.
         true
-    }
-
-    /// There is no such way. If it may be found later, all is as before until then.
-    pub(super) fn give_up(&mut self) {
-        if self.task.stage == RingStage::Passing && self.reserve.renews_law() {
-            self.reserve.waits = true;
-            self.undo();
-        } else if self.hand_over(None) && !self.reserve.is_made() {
-            self.take_over();
-        }
     }
 
     /// The new pieces, if there are any, and the way behind them count. `false`: it was too late, and all is

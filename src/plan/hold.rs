@@ -44,8 +44,8 @@ pub(super) const NOTHING: i64 = 1 << 10;
 /// Where the commands stand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
-    /// There is something to do for the commands.
-    busy: bool,
+    /// There is something to do for the commands, or to be told.
+    pub(super) busy: bool,
     /// Laws lead to a standstill.
     pub stopping: bool,
     /// Laws in the queue may have been made for another pace.
@@ -121,6 +121,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn follow(&mut self, word: u32) -> Option<Work> {
         if self.reserve.is_made() || self.reserve.pending.is_some() || self.queue.clock.has_left() {
             return Some(self.look_after());
+        }
+        if core::mem::take(&mut self.reserve.slowed) {
+            return Some(Work::Slower);
         }
         let mut commands = Commands::of(word);
         // A law that failed ends the motion as an abort does.

@@ -11,6 +11,7 @@ mod late;
 mod pace;
 mod reserve;
 mod short_stop;
+mod slower;
 mod stand;
 
 use crate::control::{Commands, Control};
@@ -64,6 +65,8 @@ pub enum Work {
     Starved,
     /// It got no time for so long that the motion came to a standstill on its way. It goes on.
     Late,
+    /// From its speed there is no way to a standstill that has room: it is slower until there is.
+    Slower,
     /// It stands still, and what was taken in is forgotten, as the operator wanted or because a plan failed.
     Aborted,
     /// The curve of a corner leads beyond a software limit. The motion ends before it:

@@ -17,6 +17,9 @@
 //! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length
 //! of the blocks.
 //!
+//! A way that has no room, or is not known to its end, is none: the one before stays, and the motion is made
+//! slower ([`super::slower`]).
+//!
 //! A command of the operator that changes the laws in the queue, and a start from rest, count when the next
 //! reserve is complete ([`super::change`]).
 use super::change::Pending;
@@ -80,8 +83,9 @@ pub(super) struct Reserve {
     /// new one is made.
     waited: u32,
     pub near: u32,
-    /// There was no room for the one that begins there.
+    /// There was no room for the one that begins there; the motion is slower for that, and nobody knows yet.
     pub failed: Option<u32>,
+    pub slowed: bool,
     /// Path distance of the standstill, where spans up to there are still to be handed on.
     pub behind: Option<i64>,
 }
@@ -102,6 +106,7 @@ impl Reserve {
             waited: 0,
             near: NEAR,
             failed: None,
+            slowed: false,
             behind: None,
         }
     }
@@ -163,7 +168,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if self.reserve.pending.is_some() && !self.reserve.is_made() {
             if !self.begin_reserve() {
-                self.give_up();
+                self.undo();
             }
             return Work::Working;
         }
@@ -239,7 +244,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let unplanned = self.task.stage == RingStage::Passing;
         // One that there is leads further.
         let has_better = unplanned && self.reserve.is_kept();
-        let refused = (has_better || failed) && self.reserve.pending.is_none();
+        let refused = (has_better || failed || self.comes_down()) && self.reserve.pending.is_none();
         if refused || (self.reserve.behind.is_some() && !stops) {
             return false;
         }
@@ -354,18 +359,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.reserve.push(phase) || self.fail()
     }
 
-    /// There is no room for it. The one before would be in the way of what is in the queue behind it.
-    fn fail(&mut self) -> bool {
-        let end = self.reserve.aside.map(|aside| aside.frontier.end);
-        if self.reserve.pending.is_some() {
-            self.give_up();
-        } else {
-            self.drop_reserve();
-        }
-        self.reserve.failed = end;
-        false
-    }
-
     /// The law of the next span: of one that has been handed on, or of the look-ahead.
     fn lay_next(&mut self) -> bool {
         let Some(Aside { spans, touched, .. }) = &self.reserve.aside else { return false };
@@ -427,6 +420,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         let as_planned = self.reserve.as_planned;
+        self.rise();
         self.hand_over(Some(Way { at, end: self.frontier.end, stands, as_planned }));
     }
 

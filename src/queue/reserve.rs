@@ -2,7 +2,7 @@
 //! ([`super::clock`]).
 //!
 //! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of
-//! no ticks. The interrupt reads only the way in force, and only once it has left the queue for it; from then
+//! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The interrupt reads only the way in force, and only once it has left the queue for it; from then
 //! on until it is let go nothing is written.
 #![allow(unsafe_code)]
 use super::Phase;
@@ -10,6 +10,8 @@ use super::word::{Memory, Place, Ram, Replay};
 
 /// Pieces of both ways together, a power of two.
 pub const STOP_PIECES: usize = 128;
+/// Pieces of a way, with the one that ends it.
+const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
 /// Static memory of the ways.
@@ -77,7 +79,7 @@ impl<M: Memory> Keeper<'_, M> {
 
     /// Its next piece; one of no ticks ends it. `false` if there is no room.
     pub fn push(&mut self, piece: Phase) -> bool {
-        if self.count + self.written > MASK {
+        if self.written >= WAY_PIECES {
             return false;
         }
         let number = self.start.wrapping_add(self.written);
@@ -92,6 +94,11 @@ impl<M: Memory> Keeper<'_, M> {
     pub const fn commit(&mut self) -> u32 {
         (self.first, self.count, self.written) = (self.start, self.written, 0);
         self.first
+    }
+
+    /// Pieces of the way that is being written.
+    pub const fn written(&self) -> u32 {
+        self.written
     }
 
     /// The first piece of the way in force.

@@ -161,6 +161,7 @@ where
                 | Progress::Replanned
                 | Progress::Starved
                 | Progress::Late
+                | Progress::Slower
                 | Progress::Deviated(_)
                 | Progress::Warning(_) => {}
             }

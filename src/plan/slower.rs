@@ -1,0 +1,230 @@
+//! A way to a standstill that has no room: the motion is made so slow that it has.
+//!
+//! The interrupt never loses the way in force: where that begins it leaves the queue, so what is in the queue
+//! behind that instant does not count before the next way is complete. If that has more pieces than there is
+//! room for ([`crate::queue::Keeper`]), or leads beyond what the interrupt knows, the planner sets a speed
+//! that no law exceeds ([`crate::lookahead::Pace::set_cap`]), takes back what does not count, and makes it
+//! anew. A lower speed ends in a shorter way; each try is slower. If none is in time, the interrupt comes to
+//! the way in force and stands.
+//!
+//! A start from rest, or another law by a command, is taken back too and tried again: at the lower speed.
+//!
+//! The speed rises step by step while ways leave room, so that it stays where they just have it.
+use super::committed::CommittedSpan;
+use super::{Brake, Instant, PIECES, Planning, RESERVE, RingStage, Speed, clock};
+use crate::math::float::min;
+use crate::math::root::sqrt_f32;
+use crate::quantity::{speed_bits, speed_f32};
+use crate::queue::PHASES;
+
+/// The next try is at so much of the speed.
+const PART: f32 = 0.7;
+
+/// A way of fewer pieces lets the speed rise until it would have so many: they grow with its square.
+const FULL: f32 = 50.0;
+
+/// No speed is lower: an LSB of the path distance per tick, mm. It is a standstill. From [`MOST`] on there is no
+/// cap: nothing is faster.
+const LEAST: f32 = 1.0 / (1u64 << 44) as f32;
+const MOST: f32 = 256.0;
+
+/// Rounding of a speed.
+const CLOSE: f32 = 1.0 + 1.0 / 65_536.0;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// The way being made has no room. Always `false`.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn fail(&mut self) -> bool {
+        self.drop_aside();
+        let end = self.frontier.end;
+        let v = self.motion_at(end).map_or(0.0, |motion| speed_f32(motion.speed));
+        let is_above = v > self.orders.pace.cap() * CLOSE;
+        if self.reserve.pending.is_some() {
+            let starts = !self.reserve.renews_law();
+            if self.task.stage == RingStage::Passing && !starts {
+                // It may be found when the plan is complete.
+                self.reserve.waits = true;
+                self.undo();
+            } else if !starts {
+                // All is as before, and goes on as it did; it is tried again where the motion is slower.
+                self.undo();
+                if !is_above {
+                    self.slow(v);
+                }
+            } else if self.slow(v) {
+                self.undo();
+                self.start_slower();
+            } else if self.hand_over(None) {
+                self.take_over();
+            }
+        } else {
+            self.reserve.failed = Some(end);
+            if !(is_above && self.has_room()) && self.slow(v) {
+                self.go_back();
+            }
+        }
+        self.orders.mode.busy |= self.reserve.slowed;
+        false
+    }
+
+    /// The laws being handed out are still about to reach the speed from which there may be a way.
+    #[inline(always)]
+    pub(super) fn comes_down(&self) -> bool {
+        let cap = self.orders.pace.cap();
+        cap < f32::MAX && speed_f32(self.frontier.speed.to_bits()) > cap * CLOSE && self.has_room()
+    }
+
+    /// What is handed out next has room.
+    fn has_room(&self) -> bool {
+        self.queue.phases.room() >= PIECES + RESERVE
+            && !self.committed.is_full()
+            && !self.queue.segments.is_sated()
+    }
+
+    /// No law is to be faster than a part of `v`, and of what was tried before. `false`: it cannot be less.
+    fn slow(&mut self, v: f32) -> bool {
+        let cap = self.orders.pace.cap();
+        let v = if v > 0.0 { min(v, cap) } else { cap };
+        if v == f32::MAX || v * PART < LEAST {
+            return false;
+        }
+        self.reserve.slowed |= cap == f32::MAX;
+        self.orders.pace.set_cap(v * PART);
+        true
+    }
+
+    /// The way is complete: where it left much room, the motion may be faster.
+    #[inline(always)]
+    pub(super) fn rise(&mut self) {
+        if self.orders.pace.cap() < f32::MAX {
+            self.rise_a_step();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn rise_a_step(&mut self) {
+        let rise = FULL / self.queue.reserve.written().max(1) as f32;
+        if rise > 1.0 {
+            let cap = self.orders.pace.cap() * sqrt_f32(rise);
+            self.orders.pace.set_cap(if cap < MOST { cap } else { f32::MAX });
+        }
+    }
+
+    /// The law with the emitter, which begins at rest, is made anew; with it those before it that have no tick.
+    fn start_slower(&mut self) {
+        let at = self.frontier.end;
+        let Some(mut k) = self.frontier.planned.checked_sub(1) else { return };
+        let has_no_tick = |before: &CommittedSpan| before.first == at && before.leaves > Speed::ZERO;
+        while k > 0 && self.committed.get(k - 1).is_some_and(has_no_tick) {
+            k -= 1;
+        }
+        self.begin_again(k);
+    }
+
+    /// The span `k` is the next one that gets a law, from its start.
+    fn begin_again(&mut self, k: usize) {
+        let Some(committed) = self.committed.get(k) else { return };
+        (self.frontier.planned, self.frontier.speed) = (k, committed.enters);
+        self.frontier.emitter.resume_at(committed.next);
+        (self.frontier.stops, self.frontier.pending_dwell) = (false, 0);
+        self.orders.mode.uneven = true;
+        self.committed.from(k + 1).for_each(CommittedSpan::restore);
+    }
+
+    /// What is in the queue behind the start of the way in force is taken back: laws of now take its place.
+    fn go_back(&mut self) {
+        let Some(at) = self.reserve.kept.map(|way| way.at) else { return };
+        let mode = &self.orders.mode;
+        let commanded = mode.stopping || mode.halting || self.task.joining || self.reserve.behind.is_some();
+        if commanded || self.queue.clock.has_left() || !clock::is_before(self.queue.clock.now(), at) {
+            return;
+        }
+        let Some(motion) = self.motion_at(at) else { return };
+        let planned = self.frontier.planned;
+        let ahead = |committed: &CommittedSpan| committed.end().wrapping_sub(motion.distance) > 0;
+        let Some(k) = (0..planned).find(|&k| self.committed.get(k).is_some_and(ahead)) else { return };
+        let ends = |k: usize| {
+            let stands = |committed: &CommittedSpan| committed.leaves == Speed::ZERO && k + 1 < planned;
+            self.committed.get(k).is_some_and(|committed| committed.rest > 0 || stands(committed))
+        };
+        if (k..planned).any(ends) {
+            return;
+        }
+        let begins = self.committed.get(k).is_some_and(|committed| committed.first == at);
+        if !begins && self.slow_down_from(k, at, &motion) {
+            return;
+        }
+        let begins_behind = |committed: &CommittedSpan| !clock::is_before(committed.first, at);
+        let next =
+            (k..planned).rev().take_while(|&k| self.committed.get(k).is_some_and(begins_behind)).last();
+        if let Some(next) = next
+            && let Some(first) = self.committed.get(next).map(|committed| committed.first)
+            && self.take_back_from(first)
+        {
+            self.begin_again(next);
+        }
+    }
+
+    /// From the instant `at` on, inside the span `k`, the motion gets as slow as is permitted now. `false`: it
+    /// gets so as it is, or cannot.
+    fn slow_down_from(&mut self, k: usize, at: u32, motion: &Instant) -> bool {
+        let Some(committed) = self.committed.get_mut(k) else { return false };
+        let before = *committed;
+        if committed.start.to_bits().wrapping_sub(motion.distance) > 0 {
+            // It was made slower before, and begins anew.
+            committed.restore();
+        }
+        committed.look(motion.distance);
+        let (end, span) = (committed.end(), &committed.span);
+        let target = speed_bits(self.orders.pace.limit(span));
+        let slows = motion.accel < 0 && motion.speed <= target;
+        let (v_out, limits) = (span.v_out.to_bits(), span.braking());
+        let brake = if slows {
+            None
+        } else {
+            Brake::plan(&mut self.profile, motion, end, v_out, limits, target)
+                .filter(|brake| motion.accel >= 0 || motion.speed > target || brake.ends_at_once(motion, end))
+        };
+        let Some(brake) = brake.filter(|_| self.take_back_from(at)) else {
+            if let Some(committed) = self.committed.get_mut(k) {
+                *committed = before;
+            }
+            return false;
+        };
+        if let Some(committed) = self.committed.get_mut(k)
+            && clock::is_before(at, committed.first)
+        {
+            committed.first = at;
+        }
+        self.frontier.emitter.resume_at(0);
+        self.frontier.stops = false;
+        self.orders.mode.uneven = true;
+        self.brake(k, &brake);
+        self.committed.from(k + 1).for_each(CommittedSpan::restore);
+        true
+    }
+
+    /// The pieces from the instant `at` on are taken back: they are behind the start of the way in force, where
+    /// the interrupt leaves the queue. `false`: none begins there.
+    fn take_back_from(&mut self, at: u32) -> bool {
+        let (mut start, mut number) = (self.frontier.end, self.queue.phases.count());
+        for _ in 0..PHASES {
+            if start == at {
+                break;
+            }
+            number = number.wrapping_sub(1);
+            let Some(ticks) = self.queue.phases.recent(number).map(|phase| phase.ticks) else { return false };
+            start = start.wrapping_sub(clock::TICK * u32::from(ticks));
+        }
+        if start != at {
+            return false;
+        }
+        self.queue.phases.withdraw(number);
+        // On another core a tick at hand may still look at the queue.
+        self.queue.clock.settle();
+        self.frontier.end = at;
+        true
+    }
+}
