@@ -5,7 +5,7 @@
 //! that gets no time at many ticks, until the motion stands.
 use crate::cases::random::Random;
 use crate::cases::{Program, machines};
-use crate::operate::{Act, Operated, POLLS, TOO_LONG, judge, operate, with_overrides};
+use crate::operate::{Act, Operated, POLLS, TOO_LONG, judge, operate, random_acts, with_overrides};
 use crate::soak::Outcome;
 use glidepath::machine::MachineData;
 
@@ -16,7 +16,7 @@ pub struct Chain {
     pub machine: MachineData<3>,
     /// Its program.
     pub program: Program,
-    /// Overrides.
+    /// Holds and overrides.
     pub acts: Vec<(usize, Act)>,
     /// Calls of the planner between two ticks.
     pub polls: usize,
@@ -107,7 +107,8 @@ pub fn chain(seed: u64) -> Chain {
     }
     program.optimised = r.once_in(2);
     let polls = if r.once_in(4) { POLLS[(r.bits() % 2) as usize] } else { POLLS[2] };
-    let acts = if r.once_in(3) { with_overrides(r, 4000, Vec::new()) } else { Vec::new() };
+    let holds = if r.once_in(4) { random_acts(r, 4000) } else { Vec::new() };
+    let acts = if r.once_in(3) { with_overrides(r, 4000, holds) } else { holds };
     Chain { machine, program, acts, polls, random }
 }
 

@@ -143,7 +143,9 @@ fn random_chains_stalled() {
 #[test]
 fn a_chain_stalled_often_comes_to_its_end() {
     let mut chain: Chain = chain(11);
-    let stalls = chain.stalls(20_000, 20);
+    chain.acts.clear();
+    let plain = chain.run(&[]).unwrap_or_else(|fault| panic!("{fault}"));
+    let stalls = chain.stalls(plain.trace.len(), 20);
     let run = chain.run(&stalls).unwrap_or_else(|fault| panic!("{fault}"));
     assert!(run.late.len() > 2, "{:?}", run.late);
 }

@@ -13,18 +13,19 @@
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, PIECES, Planning, RESERVE, RingStage, Speed, clock};
 use crate::math::float::min;
+use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::PHASES;
 
 /// The next try is at so much of the speed.
 const PART: f32 = 0.7;
 
-/// A way of so few pieces lets the speed rise by that. It grows less than the cube of the speed.
-const FEW: u32 = 40;
-const RISE: f32 = 1.125;
+/// A way of fewer pieces lets the speed rise until it would have so many: they grow with its square.
+const FULL: f32 = 50.0;
 
-/// No speed is lower: 4 LSB of a set point per tick, mm. From that on there is no cap: nothing is faster.
-const LEAST: f32 = 1.0 / (1u64 << 30) as f32;
+/// No speed is lower: an LSB of the path distance per tick, mm. It is a standstill. From [`MOST`] on there is no
+/// cap: nothing is faster.
+const LEAST: f32 = 1.0 / (1u64 << 44) as f32;
 const MOST: f32 = 256.0;
 
 /// Rounding of a speed.
@@ -38,20 +39,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.drop_aside();
         let end = self.frontier.end;
         let v = self.motion_at(end).map_or(0.0, |motion| speed_f32(motion.speed));
+        let is_above = v > self.orders.pace.cap() * CLOSE;
         if self.reserve.pending.is_some() {
             let starts = !self.reserve.renews_law();
-            let unknown = self.task.stage == RingStage::Passing && !starts;
-            self.undo();
-            if unknown {
+            if self.task.stage == RingStage::Passing && !starts {
                 // It may be found when the plan is complete.
                 self.reserve.waits = true;
-            } else if self.slow(v) && starts {
+                self.undo();
+            } else if !starts {
+                // All is as before, and goes on as it did; it is tried again where the motion is slower.
+                self.undo();
+                if !is_above {
+                    self.slow(v);
+                }
+            } else if self.slow(v) {
+                self.undo();
                 self.start_slower();
+            } else if self.hand_over(None) {
+                self.take_over();
             }
         } else {
             self.reserve.failed = Some(end);
-            let comes_down = v > self.orders.pace.cap() * CLOSE && self.has_room();
-            if !comes_down && self.slow(v) {
+            if !(is_above && self.has_room()) && self.slow(v) {
                 self.go_back();
             }
         }
@@ -96,8 +105,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[cold]
     #[inline(never)]
     fn rise_a_step(&mut self) {
-        if self.queue.reserve.written() <= FEW {
-            let cap = self.orders.pace.cap() * RISE;
+        let rise = FULL / self.queue.reserve.written().max(1) as f32;
+        if rise > 1.0 {
+            let cap = self.orders.pace.cap() * sqrt_f32(rise);
             self.orders.pace.set_cap(if cap < MOST { cap } else { f32::MAX });
         }
     }

@@ -226,6 +226,7 @@ fn drive<const AXES: usize>(
                 }
                 // What is late stands in the list of events.
                 Progress::Starved | Progress::Late => {}
+                Progress::Slower => recorder.statistics.slower = true,
                 Progress::Deviated(axis) => recorder.statistics.filtered.beyond(axis),
                 Progress::Waiting => break,
                 Progress::Done => done = true,

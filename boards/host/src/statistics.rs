@@ -130,6 +130,8 @@ pub struct Statistics {
     pub dwelt: u64,
     /// The operator has aborted the program.
     pub aborted: bool,
+    /// The motion was slower than programmed, so that a standstill without the planner has room.
+    pub slower: bool,
     /// Stretches of both: tick of the first row and of the last one.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
@@ -233,6 +235,7 @@ impl Statistics {
             waited: 0,
             dwelt: 0,
             aborted: false,
+            slower: false,
             holds: Vec::new(),
             awaited: Vec::new(),
             told: HashSet::new(),

@@ -41,6 +41,9 @@ pub struct Summary {
     waited_s: f64,
     path_mm: f64,
     v_path_max: f64,
+    /// Slower than programmed somewhere, so that a planner without time leaves a motion that can end.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    slower: bool,
     /// The driven path beside the programmed one.
     #[serde(flatten)]
     shape: Option<deviation::Told>,
@@ -284,6 +287,7 @@ impl Summary {
             waited_s: in_seconds(statistics.waited, machine),
             path_mm: statistics.distance_mm(),
             v_path_max,
+            slower: statistics.slower,
             shape: statistics
                 .deviation
                 .as_ref()
@@ -360,6 +364,12 @@ impl Summary {
         let moving = self.program_time_s - self.dwell_s - self.held_s - self.waited_s;
         let mean = if moving > 0.0 { self.path_mm / moving } else { 0.0 };
         writeln!(out, "  path speed     {:.1} mm/s at most, {mean:.1} mm/s in the mean", self.v_path_max)?;
+        if self.slower {
+            writeln!(
+                out,
+                "  slower         than programmed: from a higher speed a standstill has too many pieces of time"
+            )?;
+        }
         if let Some(shape) = &self.shape {
             shape.write(out)?;
         }
