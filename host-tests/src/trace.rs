@@ -80,6 +80,8 @@ pub struct Run {
     pub digest: u64,
     /// What the planner warned of, and in which line.
     pub warnings: Vec<(u32, NcWarningKind)>,
+    /// Laws that were planned have been made anew, slower, so that a standstill has room.
+    pub slower: bool,
 }
 
 /// Runs `program`: the planner as far as the queue takes it, then `burst` ticks, and so on.
@@ -114,6 +116,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
         blocks: Vec::new(),
         digest: 0,
         warnings: Vec::new(),
+        slower: false,
     };
     let mut digest = Digest::new();
     let mut tick = || {
@@ -133,8 +136,11 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
             | Progress::Replanned
             | Progress::Starved
             | Progress::Late
-            | Progress::Slower
             | Progress::Deviated(_) => idle += 1,
+            Progress::Slower => {
+                run.slower = true;
+                idle += 1;
+            }
             Progress::Waiting => {
                 for _ in 0..burst {
                     if tick() == State::Active {

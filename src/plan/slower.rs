@@ -21,7 +21,7 @@ use crate::queue::PHASES;
 const PART: f32 = 0.7;
 
 /// A way of fewer pieces lets the speed rise until it would have so many: they grow with its square.
-const FULL: f32 = 50.0;
+const FULL: f32 = 100.0;
 
 /// No speed is lower: an LSB of the path distance per tick, mm. It is a standstill. From [`MOST`] on there is no
 /// cap: nothing is faster.

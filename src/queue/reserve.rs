@@ -9,7 +9,7 @@ use super::Phase;
 use super::word::{Memory, Place, Ram, Replay};
 
 /// Pieces of both ways together, a power of two.
-pub const STOP_PIECES: usize = 128;
+pub const STOP_PIECES: usize = 256;
 /// Pieces of a way, with the one that ends it.
 const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;

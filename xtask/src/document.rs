@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 /// How the firmware is compiled, for the document: profiles of `hil-tests` and `boards`, flags of
 /// `.cargo/config.toml`.
-const PROFILE: &str = "`opt-level = 3`, fat LTO, `-C llvm-args=-inline-threshold=40`";
+const PROFILE: &str = "`opt-level = 3`, fat LTO, `-C llvm-args=-inline-threshold=40 -unroll-max-count=2`";
 
 /// The document, from the accepted figures.
 pub fn text(figures: &Figures) -> String {
