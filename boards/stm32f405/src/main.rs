@@ -67,7 +67,9 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
             }
             Ok(Progress::Warning(_warning)) => message::info!("warning: {}", defmt::Debug2Format(&_warning)),
             Ok(Progress::Late) => message::info!("the planner was late: the motion stood still"),
-            Ok(Progress::Slower) => message::info!("slower: a standstill from the programmed speed has no room"),
+            Ok(Progress::Slower) => {
+                message::info!("slower: a standstill from the programmed speed has no room")
+            }
             Ok(Progress::Starved) => message::info!("the program text is late"),
             Ok(Progress::Working | Progress::Replanned | Progress::Deviated(_)) => {}
             // What was planned before the error is still valid and comes to a standstill; the loop ends in
