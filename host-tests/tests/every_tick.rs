@@ -73,10 +73,10 @@ fn a_stall_before_every_tick_of_a_surface() {
 /// Besides chords, corners of which some stand.
 #[test]
 fn a_hold_before_every_tick_of_a_surface() {
-    for (case, slope) in
-        [("chords-surface", "HSC"), ("corners-surface", "TRAPEZ"), ("corners-surface", "HSC")]
-    {
-        holds_mostly(case, slope, [1.25, 1.5]);
+    // One tick is beyond 1.25: behind the joint of a line and a circle, where the curve takes most of the jerk.
+    holds_mostly("chords-surface", "HSC", [1.25, 1.5]);
+    for slope in ["TRAPEZ", "HSC"] {
+        holds("corners-surface", slope, 1.25);
     }
 }
 

@@ -112,7 +112,8 @@ impl Pace {
         Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
-    /// It in a word, but for P-CHAN-00066, which is one for the channel.
+    /// It in a word, but for P-CHAN-00066, which is one for the channel. Without a cap each pace has its own
+    /// word. With one, two of 2^32 may share it: then a law stays as it was made, inside all limits.
     pub const fn key(&self) -> u32 {
         self.key
     }

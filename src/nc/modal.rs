@@ -60,17 +60,6 @@ impl<const AXES: usize> Modal<AXES> {
 
     /// At program start: G01, G17, G71, G90, G94, G162, G260, G150, G359, and G53 or what P-ZERO-00002 says.
     pub fn new(default_index: u8) -> Self {
-        Self {
-            mode: Mode::Line,
-            plane: Plane::G17,
-            relative: false,
-            centre_absolute: false,
-            inch: false,
-            feed: None,
-            exact_stop: false,
-            zero_set: usize::from(default_index).checked_sub(1),
-            shift: [Position::ZERO; AXES],
-            radius: None,
-        }
+        Self { mode: Mode::Line, zero_set: usize::from(default_index).checked_sub(1), ..Self::BLANK }
     }
 }

@@ -2,8 +2,9 @@
 //! ([`super::clock`]).
 //!
 //! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of
-//! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The interrupt reads only the way in force, and only once it has left the queue for it; from then
-//! on until it is let go nothing is written.
+//! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The
+//! interrupt reads only the way in force, and only once it has left the queue for it; from then on until it is
+//! let go nothing is written.
 #![allow(unsafe_code)]
 use super::Phase;
 use super::word::{Memory, Place, Ram, Replay};
