@@ -397,6 +397,8 @@ impl<const AXES: usize> Setup<AXES> {
             Err(fault) if fault.contains("TooFewPoints") || fault.contains("FeedAxes") => {
                 Outcome::Refused(fault)
             }
+            // A random target beyond what a program may say.
+            Err(fault) if fault.contains("Range { what: \"coordinate\"") => Outcome::Refused(fault),
             Err(fault) if fault.ends_with("TooSlow)") => Outcome::Refused(fault),
             Err(fault) => Outcome::Fault(fault),
         }

@@ -50,11 +50,11 @@ fn random_machines_keep_every_limit_where_the_planner_stalls() {
 fn seeds_that_once_failed() {
     for seed in [
         17, 158, 296, 351, 500, 1025, 1298, 3112, 4103, 4157, 5739, 6290, 10838, 11415, 17903, 49820,
-        1_006_007, 3_030_380, 3_048_236, 5_045_277,
+        1_006_007, 3_030_380, 3_048_236, 5_045_277, 21_031_808,
     ] {
         all_good(seed..seed + 1, false);
     }
-    for seed in [4641, 8643, 30_547, 41_047, 56_340] {
+    for seed in [4641, 8643, 30_547, 41_047, 56_340, 22_007_818] {
         all_good(seed..seed + 1, true);
     }
 }

@@ -245,9 +245,10 @@ impl Pace {
         self.mode == 1 || (self.mode == 2 && self.reduced)
     }
 
-    /// At most the reduced speed. What the override takes from that ends at `slowest`, as it does without.
+    /// At most the reduced speed. What the override takes from that ends at `slowest`, as it does without. So
+    /// does what the cap takes: no span gets slower than can be planned.
     fn reduce(&self, span: &ReleasedSpan, v: f32, slowest: f32) -> f32 {
-        let v = min(v, self.cap);
+        let v = min(v, max(self.cap, slowest));
         if !self.reduced {
             return v;
         }

@@ -12,13 +12,16 @@
 //! The speed rises step by step while ways leave room, so that it stays where they just have it.
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, PIECES, Planning, RESERVE, RingStage, Speed, clock};
-use crate::math::float::min;
+use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::PHASES;
 
 /// The next try is at so much of the speed.
 const PART: f32 = 0.7;
+/// No try is at less of the speed at which the way in force begins: what follows there begins at that speed,
+/// whatever comes behind it, and hardly gets shorter.
+const LEAST_PART: f32 = 1.0 / 4.0;
 
 /// A way of fewer pieces lets the speed rise until it would have so many: they grow with its square.
 const FULL: f32 = 100.0;
@@ -86,7 +89,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn slow(&mut self, v: f32) -> bool {
         let cap = self.orders.pace.cap();
         let v = if v > 0.0 { min(v, cap) } else { cap };
-        if v == f32::MAX || v * PART < LEAST {
+        let start = self.reserve.kept.and_then(|way| self.motion_at(way.at));
+        let start = start.map_or(0.0, |motion| speed_f32(motion.speed));
+        if v == f32::MAX || v * PART < max(LEAST, start * LEAST_PART) {
             return false;
         }
         self.reserve.slowed |= cap == f32::MAX;
