@@ -308,6 +308,17 @@ impl<const AXES: usize> CornerCurve<AXES> {
             || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
     }
 
+    /// Path length of element `i`, and how far its speed is above what that says.
+    fn known(&self, i: u32) -> [f32; 2] {
+        match self.seen.get(i as usize) {
+            Some(seen) if seen[0] > 0.0 => *seen,
+            _ => {
+                let ([a, b], length) = self.part(i);
+                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
+            }
+        }
+    }
+
     /// Whether the next element belongs to the first half.
     pub fn is_before(&self) -> bool {
         self.is_first(self.done)
@@ -338,9 +349,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         if i >= self.count() {
             return None;
         }
-        let ([a, b], length) = self.part(i);
-        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
-        let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
+        let [length, above] = self.known(i);
+        let [from, to] = [0.0, 1.0].map(|t| knot_of(&self.site(i, t), &self.origin));
         let (mut element, mut draft) = Draft::new(&from, &to, length, fastest(above))?;
         while !draft.is_done() {
             draft.go_on(&mut element)?;
@@ -354,13 +364,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
             return None;
         }
         let i = self.done;
-        let [length, above] = match self.seen.get(i as usize) {
-            Some(seen) if seen[0] > 0.0 => *seen,
-            _ => {
-                let ([a, b], length) = self.part(i);
-                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
-            }
-        };
+        let [length, above] = self.known(i);
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
         let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;

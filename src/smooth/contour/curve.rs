@@ -270,17 +270,22 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
-    /// Square of the speed over the main axes.
-    fn square(&self, main: &Main, u: f32) -> f32 {
+    /// Squares of the speed over the main axes at some places.
+    #[inline(always)]
+    fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
-        let mut sum = 0.0;
+        let mut sums = [0.0; N];
+        // Axis by axis: what all places have in common is taken once.
         for k in main.iter().flatten() {
             let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
-            let rest = 3.0 * get(p3) + u * (4.0 * get(p4) + u * 5.0 * get(p5));
-            let speed = get(p1) + u * (2.0 * get(p2) + u * rest);
-            sum += speed * speed;
+            let [c1, c2, c3, c4] = [get(p1), 2.0 * get(p2), 3.0 * get(p3), 4.0 * get(p4)];
+            let c5 = get(p5);
+            for (sum, u) in sums.iter_mut().zip(places) {
+                let speed = c1 + u * (c2 + u * (c3 + u * (c4 + u * 5.0 * c5)));
+                *sum += speed * speed;
+            }
         }
-        sum
+        sums
     }
 
     /// Second derivative.
@@ -335,21 +340,16 @@ impl<const AXES: usize> Quintic<AXES> {
     /// Arc length from `u0` to `u1`: Gauss's rule of eight points.
     pub fn length(&self, main: &Main, u0: f32, u1: f32) -> f32 {
         let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
-        let mut sum = 0.0;
-        for (x, weight) in GAUSS {
-            for x in [-x, x] {
-                sum += weight * sqrt_f32(self.square(main, middle + half * x));
-            }
-        }
-        half * sum
+        let places = GAUSS.map(|(x, _)| middle + half * x);
+        let squares = self.squares(main, &places);
+        half * squares.iter().zip(GAUSS).fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
     /// How far the speed along the curve is above and below `speed` at most, relative, at places between the
     /// ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut most, mut least] = [0.0, f32::MAX];
-        for u in PLACES {
-            let square = self.square(main, u);
+        for square in self.squares(main, &PLACES) {
             most = max(most, square);
             least = min(least, square);
         }
@@ -523,11 +523,15 @@ const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 /// Places between the ends where speed is looked at.
 const PLACES: [f32; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
-/// Gauss's rule of eight points: places and weights of one half.
-const GAUSS: [(f32, f32); 4] = [
+/// Gauss's rule of eight points: places and weights.
+const GAUSS: [(f32, f32); 8] = [
+    (-0.183_434_64, 0.362_683_78),
     (0.183_434_64, 0.362_683_78),
+    (-0.525_532_4, 0.313_706_65),
     (0.525_532_4, 0.313_706_65),
+    (-0.796_666_5, 0.222_381_03),
     (0.796_666_5, 0.222_381_03),
+    (-0.960_289_84, 0.101_228_54),
     (0.960_289_84, 0.101_228_54),
 ];
 
