@@ -229,7 +229,7 @@ impl<const AXES: usize> Draft<AXES> {
             if travel.saturating_abs() >= LONGEST >> FINER {
                 return None;
             }
-            if travel == 0 && [*t0, *t1] == [0; 2] && [*k0, *k1] == [0.0; 2] {
+            if travel | *t0 | *t1 == 0 && *k0 == 0.0 && *k1 == 0.0 {
                 // At rest: all of it is zero.
                 continue;
             }

@@ -89,13 +89,13 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
-        let Smoothed { element, data, curving, due } = smoothed;
+        let Smoothed { element, end, data, curving, due } = smoothed;
         let limits = match (&element.bounds, curving) {
             (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = **data;
-        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
+        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, *end);
     }
 
     /// `end`: where it ends, if that is known.
