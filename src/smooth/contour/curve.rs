@@ -342,7 +342,10 @@ impl<const AXES: usize> Quintic<AXES> {
         let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
         let places = GAUSS.map(|(x, _)| middle + half * x);
         let squares = self.squares(main, &places);
-        half * squares.iter().zip(GAUSS).fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
+        half * squares
+            .iter()
+            .zip(GAUSS)
+            .fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
     /// How far the speed along the curve is above and below `speed` at most, relative, at places between the

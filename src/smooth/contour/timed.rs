@@ -439,7 +439,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.third = self.third_at(self.at + path / 2);
         self.at += path;
         let to = if left == 0 { self.to } else { self.knot(self.at) };
-        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.known();
+        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.cubic();
         self.from = to;
         Some(made)
     }
