@@ -577,10 +577,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
             let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
-            if joining.go_on([held, next], &setting, &mut self.course) {
-                self.joined();
+            if !joining.go_on([held, next], &setting, &mut self.course) {
+                return true;
             }
-            return true;
+            self.joined();
+            return !self.is_before;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
         // The block before the corner, or an element that is made.
@@ -591,10 +592,12 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.is_before = turning.begin(&mut self.before).is_some();
         }
         if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+            let goes_on = turning.draft.is_some();
             if turning.is_done() {
                 self.course = None;
             }
-            return true;
+            // What is made goes out in the same call.
+            return goes_on;
         }
         self.go_straight();
         true

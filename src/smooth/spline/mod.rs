@@ -607,8 +607,10 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
                 let (from, to, data) = (*draft.from(), *draft.to(), (made.data, made.due));
                 self.made = None;
                 self.go_straight(&from, &to, data);
+                return true;
             }
-            return true;
+            // What is made goes out in the same call.
+            return !draft.is_done();
         }
         if self.course.piece.is_some() {
             self.cut();

@@ -553,11 +553,12 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some(made) = &mut self.made {
             let Some(draft) = made.draft.as_mut().filter(|draft| !draft.is_done()) else { return false };
-            let done = draft.go_on(&mut made.element).is_some();
-            if !done {
-                let draft = *draft;
-                self.replace(&draft);
+            if draft.go_on(&mut made.element).is_some() {
+                // What is made goes out in the same call.
+                return !draft.is_done();
             }
+            let draft = *draft;
+            self.replace(&draft);
             return true;
         }
         if self.window.len() > 0
