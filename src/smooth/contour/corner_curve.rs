@@ -29,7 +29,7 @@ pub const HEAVIEST: f32 = 4096.0;
 const MOST_PARTS: u32 = 16;
 
 /// Elements of which it is kept what was seen of them: as many as mostly are enough.
-const SEEN: usize = 8;
+const SEEN: usize = 16;
 
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;

@@ -359,20 +359,47 @@ impl<const AXES: usize> Quintic<AXES> {
         [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
-    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
-    pub fn nearest(&self, main: &Main, point: &[f32; AXES], mut u: f32) -> f32 {
+    /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
+    /// half of the change of that.
+    #[inline(always)]
+    fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
+        let [p0, p1, p2, p3, p4, p5] = &self.power;
+        let [mut square, mut along, mut slope, mut bend] = [0.0; 4];
+        for k in main.iter().flatten() {
+            let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
+            let [c1, c2, c3, c4, c5] = [get(p1), get(p2), get(p3), get(p4), get(p5)];
+            let away = get(p0) + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))) - get(point);
+            let first = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)));
+            let second = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5));
+            square += away * away;
+            along += away * first;
+            slope += first * first;
+            bend += away * second;
+        }
+        [square, along, slope + bend]
+    }
+
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`. `None` where a place is
+    /// seen whose distance has at most the square `most`.
+    fn search(&self, main: &Main, point: &[f32; AXES], mut u: f32, most: f32) -> Option<f32> {
         for _ in 0..NEAREST_STEPS {
-            let [q, q1, q2] = self.at(u);
-            let away = plus(&q, -1.0, point);
-            let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
-            let next = if slope > 0.0 { min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0) } else { u };
+            let [square, along, slope] = self.seen(main, point, u);
+            if square <= most {
+                return None;
+            }
+            let next = if slope > 0.0 { min(max(u - along / slope, 0.0), 1.0) } else { u };
             let is_near = max(next - u, u - next) <= NEAR;
             u = next;
             if is_near {
                 break;
             }
         }
-        u
+        Some(u)
+    }
+
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
+    pub fn nearest(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+        self.search(main, point, u, -1.0).unwrap_or(u)
     }
 
     /// Whether a point is no further from the curve than that, beginning to search at `u`.
@@ -381,14 +408,19 @@ impl<const AXES: usize> Quintic<AXES> {
         let (away, along) = (plus(&self.point(u), -1.0, point), self.first(u));
         let foot = u - dot(main, &away, &along) / max(dot(main, &along, &along), f32::MIN_POSITIVE);
         let there = self.point(min(max(foot, 0.0), 1.0));
-        size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u) <= most
+        size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u, most) <= most
     }
 
-    /// Distance of a point from the curve, beginning to search at `u`.
-    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
-        size(main, &plus(&self.point(self.nearest(main, point, u)), -1.0, point))
+    /// Distance of a point from the curve, beginning to search at `u`; where it is surely no more than `most`, it
+    /// may be any that is not.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> f32 {
+        let nearest = self.search(main, point, u, SURELY * most * most);
+        nearest.map_or(0.0, |u| size(main, &plus(&self.point(u), -1.0, point)))
     }
 }
+
+/// For rounding.
+const SURELY: f32 = 0.999;
 
 /// The search for the largest distance between a curve and the contour it replaces, from places along both,
 /// either way: a few places per call.
@@ -434,11 +466,11 @@ impl Deviation {
             return None;
         }
         if !self.inward.is_found() {
-            self.inward.climb(INWARD, |place, _| {
+            self.inward.climb(INWARD, |place, top| {
                 let (side, s) = block(place);
                 let point = side.at(s).offset;
                 let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
-                curve.distance(main, &point, 0.5 + 0.5 * place)
+                curve.distance(main, &point, 0.5 + 0.5 * place, top)
             });
             return None;
         }
@@ -446,12 +478,13 @@ impl Deviation {
         let Some(gap) = gap else { return Some(most) };
         // Its ends too: the curve may be furthest from them.
         let over = |part: f32| gap.map(|x| part * x);
-        self.across.climb(INWARD, |place, _| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
+        self.across.climb(INWARD, |place, top| curve.distance(main, &over(0.5 + 0.5 * place), 0.5, top));
         if !self.across.is_found() {
             return None;
         }
-        let ends = max(curve.distance(main, &over(0.0), 0.5), curve.distance(main, &over(1.0), 0.5));
-        Some(max(max(most, self.across.top), ends))
+        let most = max(most, self.across.top);
+        let most = max(most, curve.distance(main, &over(0.0), 0.5, most));
+        Some(max(most, curve.distance(main, &over(1.0), 0.5, most)))
     }
 }
 
