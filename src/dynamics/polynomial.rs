@@ -6,7 +6,8 @@ use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_S
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
-use crate::path::{Bounds, Element, Passage};
+use crate::path::{Bounds, Passage};
+use crate::quantity::Distance;
 use crate::slope::limits::{Limits, SlopeLaw, lower};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
@@ -148,7 +149,7 @@ impl Limits {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's
+    /// Limits of a polynomial of that length, as [`Self::element`] has them for lines and arcs. Per axis the path's
     /// derivatives, each at its largest, share the acceleration a_max and the jerk budget:
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
@@ -158,13 +159,13 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// command.
     pub fn polynomial(
         &self,
-        element: &Element<AXES>,
+        length: Distance,
         bounds: &Bounds<AXES>,
         feed: Option<f32>,
         curving: Curving,
     ) -> Permitted {
         let rapid = feed.is_none();
-        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        let length = to_f32(length.to_bits()) * LSB_44;
         if let Passage::Timed(speed) = bounds.passage {
             return self.timed(bounds, speed, feed);
         }

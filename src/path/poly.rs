@@ -63,6 +63,43 @@ impl<const AXES: usize> Bounds<AXES> {
         Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
     }
 
+    /// Those of the curve from one knot to another, and its length as path, as [`Draft`] makes it. `None` where
+    /// the formats cannot hold it.
+    pub fn between(
+        from: &Knot<AXES>,
+        to: &Knot<AXES>,
+        length: f32,
+        fastest: f32,
+    ) -> Option<(Distance, Self)> {
+        let mut shape = Shape::<AXES>::BLANK;
+        shape.measure(length)?;
+        let mut bounds = Self::none(fastest);
+        let (scale, per) = (Scale::new(length, shape.reciprocal()), 1.0 / length);
+        for k in 0..AXES {
+            let (Some(x0), Some(x1)) = (from.position.get(k), to.position.get(k)) else { return None };
+            let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) else { return None };
+            let (Some(k0), Some(k1)) = (from.end.curvature.get(k), to.end.curvature.get(k)) else {
+                return None;
+            };
+            let travel = travel(*x0, *x1)?;
+            if rests(travel, [*t0, *t1], [*k0, *k1]) {
+                continue;
+            }
+            let made = scale.quintic(travel, [*t0, *t1], [*k0, *k1])?;
+            bounds.set(k, &made.bounds, per)?;
+        }
+        Some((shape.length, bounds))
+    }
+
+    /// Those of an axis over 0..1; `per`: 1 mm of path.
+    #[inline(always)]
+    fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
+        *self.first.get_mut(k)? = first * per;
+        *self.second.get_mut(k)? = second * per * per;
+        *self.third.get_mut(k)? = third * per * per * per;
+        Some(())
+    }
+
     /// Its path is time.
     pub const fn is_timed(&self) -> bool {
         matches!(self.passage, Passage::Timed(_))
@@ -231,48 +268,61 @@ impl<const AXES: usize> Draft<AXES> {
             let (Some(x0), Some(x1)) = (start.get(k), end.get(k)) else { return None };
             let (Some(t0), Some(t1)) = (entry.tangent.get(k), exit.tangent.get(k)) else { return None };
             let (Some(k0), Some(k1)) = (entry.curvature.get(k), exit.curvature.get(k)) else { return None };
-            let travel = x1.to_bits().saturating_sub(x0.to_bits());
-            if travel.saturating_abs() >= LONGEST >> FINER {
-                return None;
-            }
-            if travel | *t0 | *t1 == 0 && *k0 == 0.0 && *k1 == 0.0 {
-                // At rest: all of it is zero.
+            let travel = travel(*x0, *x1)?;
+            if rests(travel, [*t0, *t1], [*k0, *k1]) {
                 continue;
             }
             let per = 1.0 / self.length;
-            let (coefficients, down, bent, first) = if self.is_cubic {
+            let (coefficients, down, bent) = if self.is_cubic {
                 let (first, Scaled { coefficients: [c2, c3], down, powers }) =
                     scale.cubic(travel, [*t0, *t1])?;
-                ([c2, c3, 0, 0], down, bent_cubic(end_w, [c2, c3], down), fastest_of_cubic(first, powers))
+                *bounds.first.get_mut(k)? = fastest_of_cubic(first, powers) * per;
+                ([c2, c3, 0, 0], down, bent_cubic(end_w, [c2, c3], down))
             } else {
-                let (first, Scaled { coefficients, down, powers }) =
-                    scale.quintic(travel, [*t0, *t1], [*k0, *k1])?;
-                let [second, third] = bends(powers);
-                *bounds.second.get_mut(k)? = second * per * per;
-                *bounds.third.get_mut(k)? = third * per * per * per;
-                (coefficients, down, bent(end_w, &coefficients, down), fastest(first, powers))
+                let made = scale.quintic(travel, [*t0, *t1], [*k0, *k1])?;
+                bounds.set(k, &made.bounds, per)?;
+                (made.coefficients, made.down, bent(end_w, &made.coefficients, made.down))
             };
             *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
             // Off by at most a few LSB: hidden by the guard bits.
             let rest = (travel << GUARD).wrapping_sub(bent);
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
-            *bounds.first.get_mut(k)? = first * per;
         }
         Some(())
     }
 }
 
+/// How far an axis goes. `None` where the formats cannot hold it.
+#[inline(always)]
+fn travel(from: Position, to: Position) -> Option<i64> {
+    let travel = to.to_bits().saturating_sub(from.to_bits());
+    (travel.saturating_abs() < LONGEST >> FINER).then_some(travel)
+}
+
+/// Whether an axis is at rest: all of it is zero.
+#[inline(always)]
+fn rests(travel: i64, [t0, t1]: [i64; 2], [k0, k1]: [f32; 2]) -> bool {
+    travel | t0 | t1 == 0 && k0 == 0.0 && k1 == 0.0
+}
+
 impl<const AXES: usize> Shape<AXES> {
-    /// Becomes a polynomial of that length (mm) whose axes are to be made.
+    /// Gets that length, mm.
     #[inline(always)]
-    fn uncurve(&mut self, length: f32) -> Option<()> {
+    fn measure(&mut self, length: f32) -> Option<()> {
         let bits = to_bits::<44>(length);
         if bits <= 0 || bits >= LONGEST {
             return None;
         }
         self.length = Distance::from_bits(bits);
         self.shift = Self::shift_of(self.length);
+        Some(())
+    }
+
+    /// Becomes a polynomial of that length (mm) whose axes are to be made.
+    #[inline(always)]
+    fn uncurve(&mut self, length: f32) -> Option<()> {
+        self.measure(length)?;
         self.gain = [0; AXES];
         self.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
         Some(())
@@ -328,22 +378,24 @@ impl Scale {
         (travel << (point - 32).clamp(0, 63), [slope(t0), slope(t1)])
     }
 
-    /// A quintic: slope at its begin, and what comes to it. `None` where the formats cannot hold it.
+    /// A quintic, and its bounds over 0..1. `None` where the formats cannot hold it.
     ///
     /// In integers: a core that has no f64 takes some hundred instructions for that, ten times as many for the
     /// same in f64.
-    #[inline(always)]
-    fn quintic(&self, travel: i64, tangents: [i64; 2], curvatures: [f32; 2]) -> Option<(f32, Scaled<4>)> {
+    #[inline(never)]
+    fn quintic(&self, travel: i64, tangents: [i64; 2], curvatures: [f32; 2]) -> Option<Quintic> {
         let slopes = self.slopes(tangents);
         let [v0, v1] = slopes;
         let [w0, w1] = [curvatures[0] * self.square, curvatures[1] * self.square];
         let point = self.point(travel, most(&[v0, v1, w0, w1]))?;
         let (travel, v) = self.placed(travel, tangents, point);
         let a = quintic(travel, v, [fixed(w0, point), fixed(w1, point)]);
-        Some((slopes[0], self.scaled(a, point)?))
+        let Scaled { coefficients, down, powers } = self.scaled(a, point)?;
+        let [second, third] = bends(powers);
+        Some(Quintic { coefficients, down, bounds: [fastest(v0, powers), second, third] })
     }
 
-    /// A cubic, likewise.
+    /// A cubic, likewise: its slope at the begin, and what comes to that.
     #[inline(always)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<(f32, Scaled<2>)> {
         let slopes = self.slopes(tangents);
@@ -381,7 +433,14 @@ impl Scale {
     }
 }
 
-/// What an axis has beside its linear part.
+/// What an axis has beside its linear part, and its bounds over 0..1.
+struct Quintic {
+    coefficients: [i32; 4],
+    down: u8,
+    bounds: [f32; 3],
+}
+
+/// The same without bounds.
 struct Scaled<const N: usize> {
     /// Coefficients from the second power on, and their exponent.
     coefficients: [i32; N],

@@ -91,7 +91,9 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
         let Smoothed { element, end, data, curving, due } = smoothed;
         let limits = match (&element.bounds, curving) {
-            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            (Some(bounds), Some(curving)) => {
+                self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving)
+            }
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = **data;

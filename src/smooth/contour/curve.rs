@@ -540,8 +540,8 @@ impl Peak {
 }
 
 /// Places per call: out from the curve there are two blocks to look for.
-const OUTWARD: u8 = 2;
-const INWARD: u8 = 6;
+const OUTWARD: u8 = 4;
+const INWARD: u8 = 12;
 
 /// How often the step is halved.
 const REFINEMENTS: u8 = 4;

@@ -35,6 +35,9 @@ const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
 
+/// Elements that are fitted in one call.
+const ELEMENTS: usize = 2;
+
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
@@ -412,7 +415,15 @@ impl<const AXES: usize> Joining<AXES> {
         else {
             return;
         };
-        match course.fit(if const_vel { CONSTANT } else { EVEN }, slack) {
+        let even = if const_vel { CONSTANT } else { EVEN };
+        let mut fit = Fit::Working;
+        for _ in 0..ELEMENTS {
+            fit = course.fit(even, slack);
+            if fit != Fit::Working {
+                break;
+            }
+        }
+        match fit {
             Fit::Working => {}
             Fit::Failed => *stage = cut.smaller(slack, smaller),
             Fit::Ready if const_vel => {
@@ -435,18 +446,16 @@ impl<const AXES: usize> Joining<AXES> {
         else {
             return;
         };
-        let Some((is_before, element)) = course.rehearse(*i) else {
+        let Some((is_before, length, mut bounds)) = course.rehearse(*i) else {
             *stage = JoinStep::Joining { cut: *cut, steady: Some(*steady) };
             return;
         };
         let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
         let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE), near: Near::NONE };
-        if let Some(bounds) = &element.bounds {
-            let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
-            let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
-            steady.v = min(steady.v, limits.v);
-            steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
-        }
+        bounds.passage = Passage::Constant;
+        let (limits, ..) = setting.dynamics.polynomial(length, &bounds, feed, curving);
+        steady.v = min(steady.v, limits.v);
+        steady.length += to_f32(length.to_bits()) * LSB_44;
         *i += 1;
     }
 
