@@ -167,9 +167,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
-                        let element = line.element();
-                        Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
-                        self.round(&element, Form::Line, motion, feed)?;
+                        let block = self.programmed(line.element(), Form::Line, motion, feed);
+                        Self::in_time(&self.dynamics.element(&block.element, feed), line.length())?;
+                        self.round(&block);
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
@@ -219,7 +219,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
-            self.round(element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+            let form = Form::Arc { centre, plane, clockwise };
+            self.round(&self.programmed(*element, form, motion, feed));
         }
         self.advance(motion);
         Ok(())
@@ -382,14 +383,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// The smoother takes a block.
-    fn round(
-        &mut self,
-        element: &Element<AXES>,
+    /// A block as the smoother takes it.
+    #[inline(always)]
+    fn programmed(
+        &self,
+        element: Element<AXES>,
         form: Form,
         motion: &Motion<AXES>,
         feed: Option<f32>,
-    ) -> Result<(), MotionError> {
+    ) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,
@@ -398,6 +400,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             number: self.intake.taken,
             stop: motion.exact_stop,
         };
+        ProgrammedBlock { element, from, to, form, data }
+    }
+
+    /// The smoother takes a block.
+    fn round(&mut self, block: &ProgrammedBlock<AXES>) {
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
         } else if self.functions.are_open() {
@@ -405,13 +412,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         } else {
             Parting::None
         };
-        self.intake.smoothing.take(
-            &ProgrammedBlock { element: *element, from, to, form, data },
-            self.dynamics,
-            parting,
-        );
+        self.intake.smoothing.take(block, self.dynamics, parting);
         self.functions.settle(true, self.intake.smoothing.rounds());
-        Ok(())
     }
 
     /// A block has been taken in.
