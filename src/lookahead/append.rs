@@ -223,9 +223,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
         // In place: as a whole it would be copied.
         let last = self.tail.last.get_or_insert_with(|| Last::BLANK);
-        last.exit = *piece.exit;
+        let End { tangent, curvature } = *piece.exit;
+        (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
         if !keeps {
-            last.behind = *piece.exit;
+            (last.behind.tangent, last.behind.curvature) = (tangent, curvature);
         }
         (last.length, last.share, last.rapid, last.shared) = (length, share, rapid, shared);
         (last.slope, last.timed, last.bent) = (slope, timed, bent);
