@@ -229,7 +229,11 @@ impl<const AXES: usize> Draft<AXES> {
     ) -> Option<Self> {
         let Element { shape, entry, exit, circle, bounds } = element;
         shape.uncurve(length)?;
-        (*entry, *exit, *circle, *bounds) = (from.end, to.end, None, Some(Bounds::none(fastest)));
+        (*entry, *exit, *circle) = (from.end, to.end, None);
+        match bounds {
+            Some(bounds) => (bounds.fastest, bounds.passage) = (fastest, Passage::Varying),
+            None => *bounds = Some(Bounds::none(fastest)),
+        }
         Some(Self { ends: [from.position, to.position], length, made: 0, is_cubic: false })
     }
 
@@ -270,6 +274,9 @@ impl<const AXES: usize> Draft<AXES> {
             let (Some(k0), Some(k1)) = (entry.curvature.get(k), exit.curvature.get(k)) else { return None };
             let travel = travel(*x0, *x1)?;
             if rests(travel, [*t0, *t1], [*k0, *k1]) {
+                // What was there before was another element's.
+                (*power.get_mut(k)?, *downs.get_mut(k)?, *shape.gain.get_mut(k)?) = ([0; 4], 0, 0);
+                bounds.set(k, &[0.0; 3], 0.0)?;
                 continue;
             }
             let per = 1.0 / self.length;
@@ -319,12 +326,13 @@ impl<const AXES: usize> Shape<AXES> {
         Some(())
     }
 
-    /// Becomes a polynomial of that length (mm) whose axes are to be made.
+    /// Becomes a polynomial of that length (mm) whose axes are to be made: until then they are anything.
     #[inline(always)]
     fn uncurve(&mut self, length: f32) -> Option<()> {
         self.measure(length)?;
-        self.gain = [0; AXES];
-        self.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
+        if !matches!(self.curve, Curve::Poly { .. }) {
+            self.curve = Curve::Poly { power: [[0; 4]; AXES], down: [0; AXES] };
+        }
         Some(())
     }
 }
