@@ -109,9 +109,9 @@ fn a_cubic_is_that_of_points_and_directions() {
         let from = [r.between(-900.0, 900.0), r.between(-900.0, 900.0), 3.0].map(|x| (x / LSB) as i64);
         let (mut to, mut ends) = (from, [End { tangent: [0; 3], curvature: [0.0; 3] }; 2]);
         let bend = r.magnitude(1e-7, 1.5);
-        for k in 0..2 {
+        for (k, to) in to.iter_mut().enumerate().take(2) {
             let slope = r.between(-1.0, 1.0);
-            to[k] += (h * (slope + bend * r.between(-0.3, 0.3)) / LSB).round() as i64;
+            *to += (h * (slope + bend * r.between(-0.3, 0.3)) / LSB).round() as i64;
             for end in &mut ends {
                 end.tangent[k] = ((slope + bend * r.between(-1.0, 1.0)) / LSB_40) as i64;
                 // Of no use.

@@ -222,6 +222,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let keeps = self.tail.last.is_some() && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
         // In place: as a whole it would be copied.
+        #[expect(clippy::unnecessary_lazy_evaluations, reason = "it would be written each time")]
         let last = self.tail.last.get_or_insert_with(|| Last::BLANK);
         let End { tangent, curvature } = *piece.exit;
         (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
