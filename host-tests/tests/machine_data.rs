@@ -362,7 +362,7 @@ fn the_jerk_of_a_curve_is_that_of_the_geometric_ramp() {
             if bounds.is_timed() {
                 continue;
             }
-            let (limits, ..) = dynamics.polynomial(element, &bounds, Some(60_000.0), curving);
+            let (limits, ..) = dynamics.polynomial(element.shape.length, &bounds, Some(60_000.0), curving);
             let SlopeLaw::JerkLimited { j, .. } = limits.law else { continue };
             let (v, a) = (f64::from(limits.v), f64::from(limits.a_up.max(limits.a_down)));
             let j = j.into_iter().fold(0.0, f32::max);

@@ -1,8 +1,8 @@
 //! Polynomials of the fifth degree, which are made in integers: against the same one in f64, from a micrometre
 //! to metres, shallow and bent, with axes faster than the path. Ends are exact, and no derivative is larger
-//! than the bounds say.
-use glidepath::path::End;
+//! than the bounds say. The same of cubics, which take points and directions alone.
 use glidepath::path::poly::{Draft, Knot};
+use glidepath::path::{Element, End};
 use glidepath::quantity::Position;
 use host_tests::cases::random::Random;
 
@@ -29,6 +29,14 @@ fn at(p: &[f64; 6], u: f64) -> [f64; 4] {
     out
 }
 
+/// All axes.
+fn finish((mut element, mut draft): (Element<3>, Draft<3>)) -> Option<Element<3>> {
+    while !draft.is_done() {
+        draft.go_on(&mut element)?;
+    }
+    Some(element)
+}
+
 #[test]
 fn integers_make_the_polynomial_of_f64() {
     let r = &mut Random::new(7);
@@ -52,14 +60,7 @@ fn integers_make_the_polynomial_of_f64() {
         }
         let [from, to] = [from, to].map(|x| x.map(Position::from_bits));
         let [a, b] = [Knot { position: from, end: ends[0] }, Knot { position: to, end: ends[1] }];
-        let Some((mut element, mut draft)) = Draft::new(&a, &b, length, 1.0) else { continue };
-        let mut fits = true;
-        while fits && !draft.is_done() {
-            fits = draft.go_on(&mut element).is_some();
-        }
-        if !fits {
-            continue;
-        }
+        let Some(element) = Draft::new(&a, &b, length, 1.0).and_then(finish) else { continue };
         made += 1;
         let (bits, bounds) = (element.shape.length.to_bits(), element.bounds.unwrap());
         let mut out = from;
@@ -96,4 +97,54 @@ fn integers_make_the_polynomial_of_f64() {
     }
     assert!(made > 25_000, "{made}");
     println!("{made} made, off by {worst:.2} of what is permitted");
+}
+
+#[test]
+fn a_cubic_is_that_of_points_and_directions() {
+    let r = &mut Random::new(8);
+    let mut worst = 0.0f64;
+    for _ in 0..20_000 {
+        let length = r.magnitude(1e-3, 500.0) as f32;
+        let h = f64::from(length);
+        let from = [r.between(-900.0, 900.0), r.between(-900.0, 900.0), 3.0].map(|x| (x / LSB) as i64);
+        let (mut to, mut ends) = (from, [End { tangent: [0; 3], curvature: [0.0; 3] }; 2]);
+        let bend = r.magnitude(1e-7, 1.5);
+        for (k, to) in to.iter_mut().enumerate().take(2) {
+            let slope = r.between(-1.0, 1.0);
+            *to += (h * (slope + bend * r.between(-0.3, 0.3)) / LSB).round() as i64;
+            for end in &mut ends {
+                end.tangent[k] = ((slope + bend * r.between(-1.0, 1.0)) / LSB_40) as i64;
+                // Of no use.
+                end.curvature[k] = (r.between(-3.0, 3.0) / h) as f32;
+            }
+        }
+        let [from, to] = [from, to].map(|x| x.map(Position::from_bits));
+        let [a, b] = [Knot { position: from, end: ends[0] }, Knot { position: to, end: ends[1] }];
+        let made = Draft::new(&a, &b, length, 1.0).map(|(element, draft)| (element, draft.cubic()));
+        let element = made.and_then(finish).unwrap();
+        let (bits, bounds) = (element.shape.length.to_bits(), element.bounds.unwrap());
+        let mut out = from;
+        element.shape.at(bits, &from, &mut out);
+        assert_eq!(out, to, "{length} {ends:?}");
+        for k in 0..3 {
+            let travel = (to[k].to_bits() - from[k].to_bits()) as f64 * LSB;
+            let [v0, v1] = [0, 1].map(|i| ends[i].tangent[k] as f64 * LSB_40 * h);
+            let (d, e) = (travel - v0, v1 - v0);
+            let p = [0.0, v0, 3.0 * d - e, e - 2.0 * d, 0.0, 0.0];
+            let size = p[2].abs() + p[3].abs();
+            for i in 0..=16 {
+                let u = f64::from(i) / 16.0;
+                let [x, first, ..] = at(&p, u);
+                element.shape.at((bits as f64 * u) as i64, &from, &mut out);
+                let off = ((out[k].to_bits() - from[k].to_bits()) as f64 * LSB - x).abs();
+                // Half a step, the rounding of lengths, and 2^-28 of what bends.
+                let most = 0.6 * LSB + 1e-12 * first.abs() + 4e-9 * size;
+                worst = worst.max(off / most);
+                assert!(off <= most, "axis {k} of {length} at {u}: off by {off:e}, {most:e}");
+                let bound = f64::from(bounds.first[k]) * h;
+                assert!(first.abs() <= bound * (1.0 + 1e-6) + 2e-6 * size, "axis {k} of {length}: {first:e}");
+            }
+        }
+    }
+    println!("off by {worst:.2} of what is permitted");
 }

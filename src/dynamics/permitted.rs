@@ -19,7 +19,7 @@ pub(crate) const ARC_PART: f32 = 0.5;
 pub(crate) const ARC_SPEEDS: usize = 5;
 pub(crate) const ARC_SPEED_STEP: f32 = 0.8;
 /// What is below that part of another value is below it for any rounding.
-const SURELY: f32 = 0.999;
+pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 

@@ -2,11 +2,12 @@
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;
-use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS};
+use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, SURELY};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
-use crate::path::{Bounds, Element, Passage};
+use crate::path::{Bounds, Passage};
+use crate::quantity::Distance;
 use crate::slope::limits::{Limits, SlopeLaw, lower};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
@@ -148,7 +149,7 @@ impl Limits {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of a polynomial, as [`Self::element`] has them for lines and arcs. Per axis the path's
+    /// Limits of a polynomial of that length, as [`Self::element`] has them for lines and arcs. Per axis the path's
     /// derivatives, each at its largest, share the acceleration a_max and the jerk budget:
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
@@ -158,13 +159,13 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// command.
     pub fn polynomial(
         &self,
-        element: &Element<AXES>,
+        length: Distance,
         bounds: &Bounds<AXES>,
         feed: Option<f32>,
         curving: Curving,
     ) -> Permitted {
         let rapid = feed.is_none();
-        let length = to_f32(element.shape.length.to_bits()) * LSB_44;
+        let length = to_f32(length.to_bits()) * LSB_44;
         if let Passage::Timed(speed) = bounds.passage {
             return self.timed(bounds, speed, feed);
         }
@@ -379,10 +380,12 @@ impl<const AXES: usize> Dynamics<AXES> {
                 limits.restrict(&mut share_left, set, 1.0 / first, true);
                 v_reduced = min(v_reduced, axis.v_reduced / first);
             }
-            if *second > 0.0 {
+            // Roots only where they may be lower.
+            let v = limits.v;
+            if v * v * second >= SURELY * TIMED_PART * axis.a_max {
                 limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / second));
             }
-            if *third > 0.0 {
+            if v * v * v * third >= SURELY * TIMED_PART * set.joint.budget {
                 limits.v = min(limits.v, cbrt_f32(TIMED_PART * set.joint.budget / third));
             }
         }
@@ -429,16 +432,28 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             let a = second * v * v;
             let free = max(axis.a_max - a, 0.0);
-            let near = max(free, sqrt_f32(7.0 * a * free));
+            // A root below the one or above the other of these is not needed.
+            let whole = axis.a_max * axis.a_max;
+            let near = if 7.0 * a <= SURELY * free {
+                free
+            } else if SURELY * (7.0 * a * free) >= whole {
+                axis.a_max
+            } else {
+                max(free, sqrt_f32(7.0 * a * free))
+            };
             most = min(most, min(min(near, axis.a_max), 2.0 * (axis.a_max - 0.5625 * a)) / first);
             let budget = min(budget_of(axis), NO_LIMIT);
             let (cubed, across, along) = (third * v * v * v, second * v, first / (2.0 * v));
             // The largest x of 0.385·D·x + |x'|·j ≤ rest.
             let reach = |rest: f32| root_of(rest, 0.5 * 0.385 * 3.0 * across, along);
             let slack = max(budget - cubed, 0.0);
+            let least = reach(slack);
+            if least >= most {
+                continue;
+            }
             let evenly = sqrt_f32(cubed * slack / max(across * across + cubed * along, f32::MIN_POSITIVE));
             let whole = reach(budget - 0.421_875 * cubed);
-            most = min(most, max(reach(slack), min(evenly, whole)));
+            most = min(most, max(least, min(evenly, whole)));
         }
         most *= TRADED;
         let j = most * most / (2.0 * v);

@@ -37,6 +37,22 @@ pub(super) struct Last<const AXES: usize> {
 }
 
 impl<const AXES: usize> Last<AXES> {
+    /// None yet.
+    const BLANK: Self = Self {
+        exit: End::BLANK,
+        length: 0.0,
+        share: Share::WHOLE,
+        rapid: false,
+        shared: false,
+        slope: SlopeType::Step,
+        timed: false,
+        bent: false,
+        through: false,
+        trades: false,
+        flows: false,
+        behind: End::BLANK,
+    };
+
     /// Whether it may take less than two ticks between a knee and a standstill though its speed at the knee is
     /// low: what its neighbours do then shows together with the knee. From a speed that is a third of its length
     /// per tick at most it goes a third of it in two ticks, and a quarter of its jerk. STEP has its own rules.
@@ -203,25 +219,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.tail.slowest.take(override_range, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
         let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        let behind = match &self.tail.last {
-            Some(last) if self.tail.row.is_brief() => last.behind,
-            _ => *piece.exit,
-        };
+        let keeps = self.tail.last.is_some() && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
-        self.tail.last = Some(Last {
-            exit: *piece.exit,
-            length,
-            share,
-            rapid,
-            shared,
-            slope,
-            timed,
-            bent,
-            trades,
-            flows,
-            through,
-            behind,
-        });
+        // In place: as a whole it would be copied.
+        #[expect(clippy::unnecessary_lazy_evaluations, reason = "it would be written each time")]
+        let last = self.tail.last.get_or_insert_with(|| Last::BLANK);
+        let End { tangent, curvature } = *piece.exit;
+        (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
+        if !keeps {
+            (last.behind.tangent, last.behind.curvature) = (tangent, curvature);
+        }
+        (last.length, last.share, last.rapid, last.shared) = (length, share, rapid, shared);
+        (last.slope, last.timed, last.bent) = (slope, timed, bent);
+        (last.trades, last.flows, last.through) = (trades, flows, through);
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
         marks.set(Marks::SMOOTH, smooth);

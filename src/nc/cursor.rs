@@ -328,11 +328,12 @@ impl<'a> Cursor<'a> {
 fn digits(text: &[u8], number: &mut u32) -> usize {
     let mut count = 0;
     for byte in text {
-        let digit = byte.wrapping_sub(b'0');
+        // As a whole word: a byte would be cut to its bits again.
+        let digit = u32::from(*byte).wrapping_sub(u32::from(b'0'));
         if digit > 9 {
             break;
         }
-        *number = number.wrapping_mul(10).wrapping_add(u32::from(digit));
+        *number = number.wrapping_mul(10).wrapping_add(digit);
         count += 1;
     }
     count

@@ -46,6 +46,11 @@ pub struct End<const AXES: usize> {
     pub curvature: [f32; AXES],
 }
 
+impl<const AXES: usize> End<AXES> {
+    /// None yet.
+    pub(crate) const BLANK: Self = Self { tangent: [0; AXES], curvature: [0.0; AXES] };
+}
+
 /// The circle an arc runs on, for limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
@@ -92,10 +97,8 @@ pub(crate) struct Piece<'a, const AXES: usize> {
 
 impl<const AXES: usize> Element<AXES> {
     /// None yet.
-    pub(crate) const BLANK: Self = {
-        let end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
-        Self { shape: Shape::BLANK, entry: end, exit: end, circle: None, bounds: None }
-    };
+    pub(crate) const BLANK: Self =
+        Self { shape: Shape::BLANK, entry: End::BLANK, exit: End::BLANK, circle: None, bounds: None };
 
     /// What the look-ahead takes of it.
     #[inline(always)]

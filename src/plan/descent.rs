@@ -196,6 +196,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             first = self.ahead(&mut cursor, span, false)?;
         }
         let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
+        // Where the last of them begins, as long as they are those.
+        let mut last = Some(start);
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
             // A deceleration that a span does not permit ends before it.
@@ -203,7 +205,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
                 passes && limits.slows_alike(&next.limits)
             };
+            let at = cursor;
             let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
+            last = Some(at);
             limits.go_on_braking(&next.limits);
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
@@ -213,7 +217,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         {
             match self.verify(start, span, motion, (&brake, &limits), false) {
                 Ok(descent) => return Some(descent),
-                Err(whole) => spans = whole,
+                Err(whole) => (last, spans) = (last.filter(|_| whole == spans), whole),
             }
         }
         if fits
@@ -224,7 +228,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // To the end of so many spans: fewer of them if the law is too fast before.
         loop {
-            let (limits, end, v_out) = self.together(start, span, spans)?;
+            // Of as many as were looked at, only the speed at their end is not known yet.
+            let v_out = match last.take() {
+                Some(mut last) => self.ahead(&mut last, span, true)?.v_out,
+                None => {
+                    let v_out;
+                    (limits, end, v_out) = self.together(start, span, spans)?;
+                    v_out
+                }
+            };
             let braking = (&limits, limits.a_down);
             let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
             if spans == 1 {

@@ -89,13 +89,15 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
-        let Smoothed { element, data, curving, due } = smoothed;
+        let Smoothed { element, end, data, curving, due } = smoothed;
         let limits = match (&element.bounds, curving) {
-            (Some(bounds), Some(curving)) => self.dynamics.polynomial(element, bounds, data.feed, *curving),
+            (Some(bounds), Some(curving)) => {
+                self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving)
+            }
             _ => self.dynamics.element(element, data.feed),
         };
         let Data { feed, n, number, stop, .. } = **data;
-        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, None);
+        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, *end);
     }
 
     /// `end`: where it ends, if that is known.
@@ -165,9 +167,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
-                        let element = line.element();
-                        Self::in_time(&self.dynamics.element(&element, feed), line.length())?;
-                        self.round(&element, Form::Line, motion, feed)?;
+                        let block = self.programmed(line.element(), Form::Line, motion, feed);
+                        Self::in_time(&self.dynamics.element(&block.element, feed), line.length())?;
+                        self.round(&block);
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
@@ -217,7 +219,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
-            self.round(element, Form::Arc { centre, plane, clockwise }, motion, feed)?;
+            let form = Form::Arc { centre, plane, clockwise };
+            self.round(&self.programmed(*element, form, motion, feed));
         }
         self.advance(motion);
         Ok(())
@@ -380,14 +383,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// The smoother takes a block.
-    fn round(
-        &mut self,
-        element: &Element<AXES>,
+    /// A block as the smoother takes it.
+    #[inline(always)]
+    fn programmed(
+        &self,
+        element: Element<AXES>,
         form: Form,
         motion: &Motion<AXES>,
         feed: Option<f32>,
-    ) -> Result<(), MotionError> {
+    ) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,
@@ -396,6 +400,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             number: self.intake.taken,
             stop: motion.exact_stop,
         };
+        ProgrammedBlock { element, from, to, form, data }
+    }
+
+    /// The smoother takes a block.
+    fn round(&mut self, block: &ProgrammedBlock<AXES>) {
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
         } else if self.functions.are_open() {
@@ -403,13 +412,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         } else {
             Parting::None
         };
-        self.intake.smoothing.take(
-            &ProgrammedBlock { element: *element, from, to, form, data },
-            self.dynamics,
-            parting,
-        );
+        self.intake.smoothing.take(block, self.dynamics, parting);
         self.functions.settle(true, self.intake.smoothing.rounds());
-        Ok(())
     }
 
     /// A block has been taken in.

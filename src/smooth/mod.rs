@@ -70,6 +70,8 @@ pub struct ProgrammedBlock<const AXES: usize> {
 pub struct Smoothed<'a, const AXES: usize> {
     /// The curve.
     pub element: &'a Element<AXES>,
+    /// Where it ends, if that is known: as its curve has it, to the last bit.
+    pub end: Option<&'a [Position; AXES]>,
     /// What goes with it.
     pub data: &'a Data,
     /// Set for a part of the curve in a corner.

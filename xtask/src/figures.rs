@@ -31,7 +31,7 @@ pub(crate) const LIMITS: [(&str, u64); 35] = [
     ("case.micro.block_mean", 8000),
     ("case.short_arcs.block_mean", 9600),
     ("total.block_mean_hsc", 8000),
-    ("case.plain.decode_mean", 2510),
+    ("case.plain.decode_mean", 2500),
     ("case.cam.decode_mean", 2500),
     ("flash.reference", 471 * 1024),
     ("stack.bound_tick_3_axes", 1024),

@@ -217,7 +217,7 @@ impl<const AXES: usize> Search<AXES> {
                 elsewhere = self.deviation.go_on(corner.main, curve, sides, reach, corner.gap.as_ref())?;
                 slack = max(path - elsewhere, SLACK * path);
             }
-            most = max(curve.distance(corner.main, &[0.0; AXES], 0.5), elsewhere) / path;
+            most = max(curve.distance(corner.main, &[0.0; AXES], 0.5, elsewhere), elsewhere) / path;
         }
         if tolerance.track > 0.0 {
             let reach = self.distances.map(|c| c * self.part);

@@ -13,8 +13,8 @@ use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
 use crate::math::float::{max, min, to_f32};
 use crate::path::poly::{Draft, Knot};
-use crate::path::{Element, End, Measure};
-use crate::quantity::Position;
+use crate::path::{Bounds, Element, End, Measure};
+use crate::quantity::{Distance, Position};
 
 /// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where
 /// the speed is to be constant.
@@ -29,7 +29,7 @@ pub const HEAVIEST: f32 = 4096.0;
 const MOST_PARTS: u32 = 16;
 
 /// Elements of which it is kept what was seen of them: as many as mostly are enough.
-const SEEN: usize = 8;
+const SEEN: usize = 16;
 
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;
@@ -59,6 +59,8 @@ pub struct CornerCurve<const AXES: usize> {
     given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
+    /// Where element `.0` begins, if that is inside a half: where the one looked at before it ends.
+    seam: (u32, Site<AXES>),
     /// Of the first elements: path length, and how far its speed is above what that says. 0: not known.
     seen: [[f32; 2]; SEEN],
 }
@@ -170,7 +172,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let (at, last) = (*from, *to);
         let given = interim.map(|_| Cuts::NEW);
         let path = (!measure.is_space()).then_some(path);
-        let (parts, done, any) = (1, 0, false);
+        let (parts, done, any, seam) = (1, 0, false, (0, b));
         let (measure, origin) = (*measure, *origin);
         Some(Self {
             measure,
@@ -184,6 +186,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
             done,
             given,
             any,
+            seam,
             seen: [[0.0; 2]; SEEN],
         })
     }
@@ -260,7 +263,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
             Some(path) => path * (u1 - u0),
             None => curve.length(&self.measure.main, u0, u1),
         };
-        ([0.0, 1.0].map(|t| self.site(i, t)), length)
+        let (of, seam) = &self.seam;
+        let begins = i > 0 && *of == i && self.is_first(i) == self.is_first(i - 1);
+        ([if begins { *seam } else { self.site(i, 0.0) }, self.site(i, 1.0)], length)
     }
 
     /// The point of element `i` at the share `t` of it.
@@ -290,6 +295,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
     fn is_fine(&mut self, i: u32, even: f32, slack: f32) -> bool {
         let ([a, b], length) = self.part(i);
         let element = Quintic::new(&a, &b, length);
+        self.seam = (i + 1, b);
         if element.weight() >= HEAVIEST {
             return false;
         }
@@ -306,6 +312,17 @@ impl<const AXES: usize> CornerCurve<AXES> {
         self.any
             || self.path.is_some()
             || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
+    }
+
+    /// Path length of element `i`, and how far its speed is above what that says.
+    fn known(&self, i: u32) -> [f32; 2] {
+        match self.seen.get(i as usize) {
+            Some(seen) if seen[0] > 0.0 => *seen,
+            _ => {
+                let ([a, b], length) = self.part(i);
+                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
+            }
+        }
     }
 
     /// Whether the next element belongs to the first half.
@@ -332,20 +349,16 @@ impl<const AXES: usize> CornerCurve<AXES> {
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// Element `i` but for the last bit of its ends, and whether it belongs to the block before. `None`
-    /// behind the last one, or where it cannot be made.
-    pub fn rehearse(&self, i: u32) -> Option<(bool, Element<AXES>)> {
+    /// Length and bounds of element `i` but for the last bit of its ends, and whether it belongs to the block
+    /// before. `None` behind the last one, or where it cannot be made.
+    pub fn rehearse(&self, i: u32) -> Option<(bool, Distance, Bounds<AXES>)> {
         if i >= self.count() {
             return None;
         }
-        let ([a, b], length) = self.part(i);
-        let [above, _] = self.unevenness(&Quintic::new(&a, &b, length), length);
-        let [from, to] = [a, b].map(|site| knot_of(&site, &self.origin));
-        let (mut element, mut draft) = Draft::new(&from, &to, length, fastest(above))?;
-        while !draft.is_done() {
-            draft.go_on(&mut element)?;
-        }
-        Some((self.is_first(i), element))
+        let [length, above] = self.known(i);
+        let [from, to] = [0.0, 1.0].map(|t| knot_of(&self.site(i, t), &self.origin));
+        let (length, bounds) = Bounds::between(&from, &to, length, fastest(above))?;
+        Some((self.is_first(i), length, bounds))
     }
 
     /// The next element, with its axes to be made.
@@ -354,13 +367,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
             return None;
         }
         let i = self.done;
-        let [length, above] = match self.seen.get(i as usize) {
-            Some(seen) if seen[0] > 0.0 => *seen,
-            _ => {
-                let ([a, b], length) = self.part(i);
-                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
-            }
-        };
+        let [length, above] = self.known(i);
         self.done += 1;
         let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
         let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;

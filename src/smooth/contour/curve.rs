@@ -270,17 +270,22 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
-    /// Square of the speed over the main axes.
-    fn square(&self, main: &Main, u: f32) -> f32 {
+    /// Squares of the speed over the main axes at some places.
+    #[inline(always)]
+    fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
-        let mut sum = 0.0;
+        let mut sums = [0.0; N];
+        // Axis by axis: what all places have in common is taken once.
         for k in main.iter().flatten() {
             let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
-            let rest = 3.0 * get(p3) + u * (4.0 * get(p4) + u * 5.0 * get(p5));
-            let speed = get(p1) + u * (2.0 * get(p2) + u * rest);
-            sum += speed * speed;
+            let [c1, c2, c3, c4] = [get(p1), 2.0 * get(p2), 3.0 * get(p3), 4.0 * get(p4)];
+            let c5 = get(p5);
+            for (sum, u) in sums.iter_mut().zip(places) {
+                let speed = c1 + u * (c2 + u * (c3 + u * (c4 + u * 5.0 * c5)));
+                *sum += speed * speed;
+            }
         }
-        sum
+        sums
     }
 
     /// Second derivative.
@@ -335,41 +340,66 @@ impl<const AXES: usize> Quintic<AXES> {
     /// Arc length from `u0` to `u1`: Gauss's rule of eight points.
     pub fn length(&self, main: &Main, u0: f32, u1: f32) -> f32 {
         let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
-        let mut sum = 0.0;
-        for (x, weight) in GAUSS {
-            for x in [-x, x] {
-                sum += weight * sqrt_f32(self.square(main, middle + half * x));
-            }
-        }
-        half * sum
+        let places = GAUSS.map(|(x, _)| middle + half * x);
+        let squares = self.squares(main, &places);
+        half * squares
+            .iter()
+            .zip(GAUSS)
+            .fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
     /// How far the speed along the curve is above and below `speed` at most, relative, at places between the
     /// ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut most, mut least] = [0.0, f32::MAX];
-        for u in PLACES {
-            let square = self.square(main, u);
+        for square in self.squares(main, &PLACES) {
             most = max(most, square);
             least = min(least, square);
         }
         [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
-    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
-    pub fn nearest(&self, main: &Main, point: &[f32; AXES], mut u: f32) -> f32 {
+    /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
+    /// half of the change of that.
+    #[inline(always)]
+    fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
+        let [p0, p1, p2, p3, p4, p5] = &self.power;
+        let [mut square, mut along, mut slope, mut bend] = [0.0; 4];
+        for k in main.iter().flatten() {
+            let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
+            let [c1, c2, c3, c4, c5] = [get(p1), get(p2), get(p3), get(p4), get(p5)];
+            let away = get(p0) + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))) - get(point);
+            let first = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)));
+            let second = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5));
+            square += away * away;
+            along += away * first;
+            slope += first * first;
+            bend += away * second;
+        }
+        [square, along, slope + bend]
+    }
+
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`. `None` where a place is
+    /// seen whose distance has at most the square `most`.
+    fn search(&self, main: &Main, point: &[f32; AXES], mut u: f32, most: f32) -> Option<f32> {
         for _ in 0..NEAREST_STEPS {
-            let [q, q1, q2] = self.at(u);
-            let away = plus(&q, -1.0, point);
-            let slope = dot(main, &q1, &q1) + dot(main, &away, &q2);
-            let next = if slope > 0.0 { min(max(u - dot(main, &away, &q1) / slope, 0.0), 1.0) } else { u };
+            let [square, along, slope] = self.seen(main, point, u);
+            if square <= most {
+                return None;
+            }
+            let next = if slope > 0.0 { min(max(u - along / slope, 0.0), 1.0) } else { u };
             let is_near = max(next - u, u - next) <= NEAR;
             u = next;
             if is_near {
                 break;
             }
         }
-        u
+        Some(u)
+    }
+
+    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
+    pub fn nearest(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+        self.search(main, point, u, -1.0).unwrap_or(u)
     }
 
     /// Whether a point is no further from the curve than that, beginning to search at `u`.
@@ -378,14 +408,19 @@ impl<const AXES: usize> Quintic<AXES> {
         let (away, along) = (plus(&self.point(u), -1.0, point), self.first(u));
         let foot = u - dot(main, &away, &along) / max(dot(main, &along, &along), f32::MIN_POSITIVE);
         let there = self.point(min(max(foot, 0.0), 1.0));
-        size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u) <= most
+        size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u, most) <= most
     }
 
-    /// Distance of a point from the curve, beginning to search at `u`.
-    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
-        size(main, &plus(&self.point(self.nearest(main, point, u)), -1.0, point))
+    /// Distance of a point from the curve, beginning to search at `u`; where it is surely no more than `most`, it
+    /// may be any that is not.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> f32 {
+        let nearest = self.search(main, point, u, SURELY * most * most);
+        nearest.map_or(0.0, |u| size(main, &plus(&self.point(u), -1.0, point)))
     }
 }
+
+/// For rounding.
+const SURELY: f32 = 0.999;
 
 /// The search for the largest distance between a curve and the contour it replaces, from places along both,
 /// either way: a few places per call.
@@ -431,11 +466,11 @@ impl Deviation {
             return None;
         }
         if !self.inward.is_found() {
-            self.inward.climb(INWARD, |place, _| {
+            self.inward.climb(INWARD, |place, top| {
                 let (side, s) = block(place);
                 let point = side.at(s).offset;
                 let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
-                curve.distance(main, &point, 0.5 + 0.5 * place)
+                curve.distance(main, &point, 0.5 + 0.5 * place, top)
             });
             return None;
         }
@@ -443,12 +478,13 @@ impl Deviation {
         let Some(gap) = gap else { return Some(most) };
         // Its ends too: the curve may be furthest from them.
         let over = |part: f32| gap.map(|x| part * x);
-        self.across.climb(INWARD, |place, _| curve.distance(main, &over(0.5 + 0.5 * place), 0.5));
+        self.across.climb(INWARD, |place, top| curve.distance(main, &over(0.5 + 0.5 * place), 0.5, top));
         if !self.across.is_found() {
             return None;
         }
-        let ends = max(curve.distance(main, &over(0.0), 0.5), curve.distance(main, &over(1.0), 0.5));
-        Some(max(max(most, self.across.top), ends))
+        let most = max(most, self.across.top);
+        let most = max(most, curve.distance(main, &over(0.0), 0.5, most));
+        Some(max(most, curve.distance(main, &over(1.0), 0.5, most)))
     }
 }
 
@@ -504,8 +540,8 @@ impl Peak {
 }
 
 /// Places per call: out from the curve there are two blocks to look for.
-const OUTWARD: u8 = 2;
-const INWARD: u8 = 6;
+const OUTWARD: u8 = 4;
+const INWARD: u8 = 12;
 
 /// How often the step is halved.
 const REFINEMENTS: u8 = 4;
@@ -523,11 +559,15 @@ const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 /// Places between the ends where speed is looked at.
 const PLACES: [f32; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
-/// Gauss's rule of eight points: places and weights of one half.
-const GAUSS: [(f32, f32); 4] = [
+/// Gauss's rule of eight points: places and weights.
+const GAUSS: [(f32, f32); 8] = [
+    (-0.183_434_64, 0.362_683_78),
     (0.183_434_64, 0.362_683_78),
+    (-0.525_532_4, 0.313_706_65),
     (0.525_532_4, 0.313_706_65),
+    (-0.796_666_5, 0.222_381_03),
     (0.796_666_5, 0.222_381_03),
+    (-0.960_289_84, 0.101_228_54),
     (0.960_289_84, 0.101_228_54),
 ];
 

@@ -56,7 +56,7 @@ impl<const AXES: usize> Halves<AXES> {
         };
         let made = Draft::begin(element, ends, self.length, self.fastest)?;
         self.done += 1;
-        Some(if self.third.is_some() { made.known() } else { made })
+        Some(if self.third.is_some() { made.cubic() } else { made })
     }
 
     /// Where acceleration passes, the derivatives are known better than from the points of a short piece.

@@ -292,7 +292,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// What is left of the block, to be emitted.
     pub fn smoothed(&self) -> Smoothed<'_, AXES> {
         let ProgrammedBlock { element, data, .. } = &self.block;
-        Smoothed { element, data, curving: None, due: data.number }
+        Smoothed { element, end: None, data, curving: None, due: data.number }
     }
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
@@ -315,7 +315,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
     pub fn bridge(&self, measure: &Measure) -> Option<Made<AXES>> {
         let Skipped { to, data, .. } = self.skipped?;
         let element = line(&self.block.to, &to, measure).ok().flatten()?;
-        Some(Made { element, data, curving: None, due: data.number })
+        Some(Made { element, end: None, data, curving: None, due: data.number })
     }
 
     /// The end that the rest of the block from a point on it has there.

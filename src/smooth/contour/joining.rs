@@ -35,6 +35,9 @@ const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
 
+/// Elements that are fitted in one call.
+const ELEMENTS: usize = 2;
+
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
 
@@ -109,6 +112,39 @@ enum JoinStep<const AXES: usize> {
     Bending(Shallow),
     /// There is no curve.
     Sharp,
+}
+
+/// What is quickest in a corner.
+enum Quickest {
+    /// To stand still.
+    Standing,
+    /// A curve over time.
+    Timed(Overlap),
+    /// A curve over arc length, with the part of the distances and how far its elements may be beside it, mm.
+    Even((f32, f32)),
+}
+
+impl<const AXES: usize> JoinStep<AXES> {
+    /// What is quickest comes next. In place: as a whole a step would be copied.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        [held, next]: [&HeldBlock<AXES>; 2],
+        rule: &Parameters,
+        room: &Room,
+        quickest: Quickest,
+    ) {
+        *self = Self::Sharp;
+        match quickest {
+            Quickest::Standing => {}
+            Quickest::Timed(way) => *self = Self::Overlapping(way),
+            Quickest::Even(found) => {
+                if let Some((cut, slack)) = room.cut(held, next, rule, found) {
+                    *self = Self::Cutting { cut, slack, smaller: 0 };
+                }
+            }
+        }
+    }
 }
 
 /// A corner between two blocks.
@@ -222,9 +258,7 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
-            if let Some(cutting) = room.cut(held, next, rule, None) {
-                *stage = cutting;
-            }
+            stage.take([held, next], rule, &room, Quickest::Even((1.0, f32::MAX)));
             return;
         }
         // Blocks left out have no corner to stand still in, and a constant speed is none.
@@ -238,9 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
             let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
             let rivals = (&approach, &candidate, may_stop);
-            if let Some(following) = Self::compare([held, next], rule, &room, rivals, found) {
-                *stage = following;
-            }
+            stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
             return;
         }
         // With a curve over time to choose instead: the same search.
@@ -268,12 +300,10 @@ impl<const AXES: usize> Joining<AXES> {
     /// which it is passed, if there is something to compare.
     #[inline(never)]
     fn compare(
-        [held, next]: [&HeldBlock<AXES>; 2],
-        rule: &Parameters,
         room: &Room,
         (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
         [found, even]: [Option<(f32, f32)>; 2],
-    ) -> Option<JoinStep<AXES>> {
+    ) -> Quickest {
         let part = found.map_or(0.0, |(part, _)| part);
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
         let even = even.unwrap_or(f32::MAX);
@@ -282,11 +312,11 @@ impl<const AXES: usize> Joining<AXES> {
         let quickest = min(even, over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
         if may_stop && approach.stops_within(quickest * KNOWN + 1.0) {
-            return None;
+            return Quickest::Standing;
         }
         match candidate.as_ref().filter(|_| over_time == Some(quickest)) {
-            Some(Candidate { way, .. }) => Some(JoinStep::Overlapping(*way)),
-            None => found.and_then(|found| room.cut(held, next, rule, Some(found))),
+            Some(Candidate { way, .. }) => Quickest::Timed(*way),
+            None => found.map_or(Quickest::Standing, Quickest::Even),
         }
     }
 
@@ -363,8 +393,8 @@ impl<const AXES: usize> Joining<AXES> {
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
                 let rivals = (&*approach, &*candidate, *may_stop);
-                let following = Self::compare([held, next], rule, room, rivals, [found, even]);
-                *stage = following.unwrap_or(JoinStep::Sharp);
+                let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
+                stage.take([held, next], rule, &room, quickest);
             }
             _ => {}
         }
@@ -412,7 +442,15 @@ impl<const AXES: usize> Joining<AXES> {
         else {
             return;
         };
-        match course.fit(if const_vel { CONSTANT } else { EVEN }, slack) {
+        let even = if const_vel { CONSTANT } else { EVEN };
+        let mut fit = Fit::Working;
+        for _ in 0..ELEMENTS {
+            fit = course.fit(even, slack);
+            if fit != Fit::Working {
+                break;
+            }
+        }
+        match fit {
             Fit::Working => {}
             Fit::Failed => *stage = cut.smaller(slack, smaller),
             Fit::Ready if const_vel => {
@@ -435,18 +473,16 @@ impl<const AXES: usize> Joining<AXES> {
         else {
             return;
         };
-        let Some((is_before, element)) = course.rehearse(*i) else {
+        let Some((is_before, length, mut bounds)) = course.rehearse(*i) else {
             *stage = JoinStep::Joining { cut: *cut, steady: Some(*steady) };
             return;
         };
         let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
         let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE), near: Near::NONE };
-        if let Some(bounds) = &element.bounds {
-            let bounds = crate::path::Bounds { passage: Passage::Constant, ..*bounds };
-            let (limits, ..) = setting.dynamics.polynomial(&element, &bounds, feed, curving);
-            steady.v = min(steady.v, limits.v);
-            steady.length += to_f32(element.shape.length.to_bits()) * LSB_44;
-        }
+        bounds.passage = Passage::Constant;
+        let (limits, ..) = setting.dynamics.polynomial(length, &bounds, feed, curving);
+        steady.v = min(steady.v, limits.v);
+        steady.length += to_f32(length.to_bits()) * LSB_44;
         *i += 1;
     }
 
@@ -581,9 +617,8 @@ impl Room {
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
         rule: &Parameters,
-        found: Option<(f32, f32)>,
-    ) -> Option<JoinStep<AXES>> {
-        let (part, slack) = found.unwrap_or((1.0, f32::MAX));
+        (part, slack): (f32, f32),
+    ) -> Option<(Cut, f32)> {
         let distances = self.distances.map(|c| c * part);
         // POS without distances swings out from the corner itself.
         let most = max(distances[0], distances[1]);
@@ -605,7 +640,7 @@ impl Room {
         if left - before <= held.length >> SLIVER {
             before = left;
         }
-        Some(JoinStep::Cutting { cut: Cut { before, behind }, slack, smaller: 0 })
+        Some((Cut { before, behind }, slack))
     }
 }
 

@@ -64,6 +64,8 @@ use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Made<const AXES: usize> {
     element: Element<AXES>,
+    /// See [`Smoothed::end`].
+    end: Option<[Position; AXES]>,
     data: Data,
     curving: Option<Curving>,
     /// See [`Smoothed::due`].
@@ -80,12 +82,12 @@ impl<const AXES: usize> Made<AXES> {
             number: 0,
             stop: false,
         };
-        Self { element: Element::BLANK, data, curving: None, due: 0 }
+        Self { element: Element::BLANK, end: None, data, curving: None, due: 0 }
     };
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
-        let Self { element, data, curving, due } = self;
-        Smoothed { element, data, curving: *curving, due: *due }
+        let Self { element, end, data, curving, due } = self;
+        Smoothed { element, end: end.as_ref(), data, curving: *curving, due: *due }
     }
 }
 
@@ -106,7 +108,8 @@ impl<const AXES: usize> Turning<AXES> {
     /// The next element, which is not made yet. `None` if there is none.
     fn begin(&mut self, made: &mut Made<AXES>) -> Option<()> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        self.draft = Some(self.course.next_element(&mut made.element)?);
+        let draft = self.draft.insert(self.course.next_element(&mut made.element)?);
+        made.end = Some(*draft.to());
         if let Some(bounds) = made.element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
             bounds.passage = self.passage;
         }
@@ -132,6 +135,7 @@ impl<const AXES: usize> Turning<AXES> {
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
         made.element = line(from, self.course.finish(), measure).ok()??;
         (made.data, made.curving, made.due) = (Data { stop: false, ..data }, None, due);
+        made.end = None;
         Some(())
     }
 
@@ -461,7 +465,7 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.is_before {
             let ProgrammedBlock { element, data, .. } = &held.block;
             (self.before.element, self.before.data) = (*element, *data);
-            (self.before.curving, self.before.due) = (None, data.number);
+            (self.before.end, self.before.curving, self.before.due) = (None, None, data.number);
         }
         if self.course.is_none() {
             self.bridge = held.bridge(&self.measure);
@@ -573,10 +577,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
             let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
-            if joining.go_on([held, next], &setting, &mut self.course) {
-                self.joined();
+            if !joining.go_on([held, next], &setting, &mut self.course) {
+                return true;
             }
-            return true;
+            self.joined();
+            return !self.is_before;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
         // The block before the corner, or an element that is made.
@@ -587,10 +592,12 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.is_before = turning.begin(&mut self.before).is_some();
         }
         if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+            let goes_on = turning.draft.is_some();
             if turning.is_done() {
                 self.course = None;
             }
-            return true;
+            // What is made goes out in the same call.
+            return goes_on;
         }
         self.go_straight();
         true

@@ -221,9 +221,15 @@ fn part(a: i64, b: i64) -> i64 {
     (mul_hi_u(a.unsigned_abs() << up, reciprocal) as i64).min(ONE)
 }
 
-/// a·b / 2^`SHIFT`: a call, since there are many of them.
-#[inline(never)]
+/// a·b / 2^`SHIFT`. One of the motions is often at rest, or leaves an axis alone.
+#[inline(always)]
 fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
+    if a == 0 || b == 0 { 0 } else { product::<SHIFT>(a, b) }
+}
+
+/// The same: a call, since there are many of them.
+#[inline(never)]
+fn product<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     mul_shift(a, b, SHIFT)
 }
 
@@ -381,6 +387,10 @@ impl<const AXES: usize> Timed<AXES> {
         let [before, behind] = &self.tangents;
         let ends = end.tangent.iter_mut().zip(&mut end.curvature);
         for (((x, (tangent, curvature)), t1), t2) in position.iter_mut().zip(ends).zip(before).zip(behind) {
+            if *t1 | *t2 == 0 {
+                // At rest.
+                continue;
+            }
             // LSB 2^-42 mm
             let offset = scaled::<42>(*t2, p2) - scaled::<42>(*t1, p1);
             *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
@@ -439,7 +449,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.third = self.third_at(self.at + path / 2);
         self.at += path;
         let to = if left == 0 { self.to } else { self.knot(self.at) };
-        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.known();
+        let made = Draft::begin(element, [&self.from, &to], length, 1.0 + 1e-6)?.cubic();
         self.from = to;
         Some(made)
     }

@@ -601,16 +601,16 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some(made) = &mut self.made {
-            let Some(draft) = &mut made.draft else { return false };
+            let Some(draft) = made.draft.as_mut().filter(|draft| !draft.is_done()) else { return false };
             if draft.go_on(&mut made.element).is_none() {
                 // It has no format.
                 let (from, to, data) = (*draft.from(), *draft.to(), (made.data, made.due));
                 self.made = None;
                 self.go_straight(&from, &to, data);
-            } else if draft.is_done() {
-                made.draft = None;
+                return true;
             }
-            return true;
+            // What is made goes out in the same call.
+            return !draft.is_done();
         }
         if self.course.piece.is_some() {
             self.cut();
@@ -626,8 +626,11 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
-        let Some(Made { element, data, curving, due, draft: None }) = &self.made else { return false };
-        into(&Smoothed { element, data, curving: *curving, due: *due });
+        let Some(Made { element, data, curving, due, draft }) = &self.made else { return false };
+        if draft.as_ref().is_some_and(|draft| !draft.is_done()) {
+            return false;
+        }
+        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving: *curving, due: *due });
         self.made = None;
         true
     }

@@ -552,14 +552,13 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some(made) = &mut self.made {
-            let Some(draft) = &mut made.draft else { return false };
-            let done = draft.go_on(&mut made.element).is_some();
-            if !done {
-                let draft = *draft;
-                self.replace(&draft);
-            } else if draft.is_done() {
-                made.draft = None;
+            let Some(draft) = made.draft.as_mut().filter(|draft| !draft.is_done()) else { return false };
+            if draft.go_on(&mut made.element).is_some() {
+                // What is made goes out in the same call.
+                return !draft.is_done();
             }
+            let draft = *draft;
+            self.replace(&draft);
             return true;
         }
         if self.window.len() > 0
@@ -583,11 +582,13 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
-        let Some(made) = self.made.as_ref().filter(|made| made.draft.is_none()) else { return false };
-        let Made { element, data, due, curve: near, .. } = made;
+        let Some(Made { element, data, due, curve: near, draft }) = &self.made else { return false };
+        if draft.as_ref().is_some_and(|draft| !draft.is_done()) {
+            return false;
+        }
         let jerk = self.parameters.check_jerk();
         let curving = near.map(|near| Curving { jerk, constant: None, near });
-        into(&Smoothed { element, data, curving, due: *due });
+        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving, due: *due });
         self.made = None;
         true
     }
