@@ -190,7 +190,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let feed = feed.unwrap_or(f32::MAX);
         let bought = piece.flows && !rapid && override_range.parts()[1] >= BOUGHT;
         let next = Next { piece, length, full, rapid, feed, bought, share, after_brief };
-        let Transition { cap, highest, shared, passing, mut anchor } = self.join(&next, &mut limits, dynamics);
+        let Transition { cap, highest, shared, passing, mut anchor } =
+            self.join(&next, &mut limits, dynamics);
         let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
         self.counts.through += usize::from(!anchor);
