@@ -140,6 +140,17 @@ fn random_chains_stalled() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// Knees that P-AXIS-00013 leaves most of the acceleration to, and a deceleration that passes them: together no
+/// more than the largest acceleration.
+#[test]
+fn a_way_through_knees_leaves_them_their_acceleration() {
+    for seed in [100_033, 100_686, 200_394] {
+        if let Outcome::Fault(fault) = soak(seed) {
+            panic!("seed {seed}: {fault}");
+        }
+    }
+}
+
 /// Not once, but often: the speed from which there is a way is found again behind each standstill.
 #[test]
 fn a_chain_stalled_often_comes_to_its_end() {

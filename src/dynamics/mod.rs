@@ -43,6 +43,7 @@ pub use override_range::OverrideRange;
 pub use permitted::Share;
 pub use polynomial::{Curving, Near, Steady};
 pub use stopping::{Braking, Passed};
+pub use transition::Passing;
 use vector::PathLimits;
 pub use vector::TooLow;
 pub use weights::Weights;

@@ -135,6 +135,8 @@ pub struct Passed {
     pub stage: usize,
     /// A transition is near, which has its part of acceleration and jerk.
     pub corners: bool,
+    /// The part of a deceleration that passes the transitions near it.
+    pub passing: f32,
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
@@ -191,7 +193,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if braking.a[0] == f32::MAX {
             braking.a[0] = still;
         }
-        braking.give_way(min(most, still), passed);
+        braking.give_way(min(most, passed.passing * still), passed);
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             braking.leave(max(*first, TINY), jerk(axis, *second, *third), passed, self.peak_jerk());
         }

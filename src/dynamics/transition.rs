@@ -1,6 +1,6 @@
 //! Speed of a transition from one element to the next.
 use super::axis::TransitionLimits;
-use super::{Dynamics, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
+use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::math::float::{magnitude, max, min, size_f32};
 use crate::math::root::sqrt_f32;
@@ -150,6 +150,83 @@ impl<const AXES: usize> Dynamics<AXES> {
             let set = if rapid { &axis.rapid } else { &axis.feed };
             a * size_f32(t1.wrapping_sub(*t0).unsigned_abs()) * LSB_40 <= TURN_PART * set.joint.budget
         })
+    }
+
+    /// The part of the deceleration `a` along the path that may pass a knee at the speed `v`: of every axis, the
+    /// step of speed and that deceleration stay inside its largest acceleration together, on either side of it.
+    /// Blocks of `shorter` mm that take less than a tick show several knees at once.
+    ///
+    /// Where the path bends, a standstill from a lower speed than the planned one has more deceleration than `a`,
+    /// of which a knee has its part and no more.
+    #[inline(never)]
+    pub fn passing_knee(
+        &self,
+        from: &End<AXES>,
+        to: &End<AXES>,
+        rapid: bool,
+        shorter: f32,
+        (v, a): (f32, f32),
+    ) -> Passing {
+        let mut part = 1.0;
+        let a = a * (1.0 / (1.0 - KNEE_PART * SLIGHT));
+        let knees = if v > shorter { v + v * v / max(shorter, LSB_40) } else { v };
+        for (k, axis) in self.axes.iter().enumerate() {
+            let [t0, t1] = [from.tangent[k], to.tangent[k]];
+            if t0 == t1 {
+                continue;
+            }
+            let set = axis.set(rapid);
+            let step = knees * size_f32(t1.wrapping_sub(t0).unsigned_abs()) * LSB_40;
+            let bend = max(magnitude(from.curvature[k]), magnitude(to.curvature[k]));
+            // A slight one has its part of what the limits beside it have left.
+            if step <= SMOOTH * set.joint.budget || (bend <= 0.0 && step <= KNEE_PART * SLIGHT * axis.a_max) {
+                continue;
+            }
+            if bend > 0.0 && step > KNEE_PART * axis.a_max {
+                return Passing::NONE;
+            }
+            let left = axis.a_max - step - min(v * v * bend, NORMAL_PART * axis.a_max);
+            let most = a * size_f32(max_size(t0, t1)) * LSB_40;
+            part = if left < part * most { left / most } else { part };
+        }
+        Passing::of(part)
+    }
+}
+
+fn max_size(a: i64, b: i64) -> u64 {
+    a.unsigned_abs().max(b.unsigned_abs())
+}
+
+/// What part of a deceleration may pass the transition from one element to the next: one of four, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passing(u8);
+
+impl Passing {
+    /// All of it.
+    pub const ALL: Self = Self(0);
+    /// None: it ends before.
+    pub const NONE: Self = Self(4);
+    /// The parts, and that of none.
+    const PARTS: [f32; 4] = [1.0, 15.0 / 16.0, 3.0 / 4.0, 1.0 / 2.0];
+
+    /// At most so much.
+    fn of(part: f32) -> Self {
+        Self::PARTS.iter().fold(Self::ALL, |Self(k), of| if *of <= part { Self(k) } else { Self(k + 1) })
+    }
+
+    /// That of a number that [`Self::number`] has given.
+    pub const fn numbered(number: u8) -> Self {
+        Self(number)
+    }
+
+    /// 0 to 3, of all to the least; none has the last one.
+    pub const fn number(self) -> u8 {
+        if self.0 < 3 { self.0 } else { 3 }
+    }
+
+    /// The part.
+    pub fn part(self) -> f32 {
+        Self::PARTS.get(usize::from(self.0)).copied().unwrap_or(0.0)
     }
 }
 

@@ -5,7 +5,7 @@ use super::pace::Slowest;
 use super::ring::{Ring, Tail};
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
-use crate::dynamics::{Dynamics, Permitted, Share};
+use crate::dynamics::{Dynamics, Passing, Permitted, Share};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::SlopeType;
 use crate::path::{End, Piece};
@@ -104,15 +104,16 @@ struct Transition {
     highest: f32,
     /// It takes a part of the limits on both sides.
     shared: bool,
-    /// A deceleration may pass it.
-    smooth: bool,
+    /// So much of a deceleration may pass it.
+    passing: Passing,
     /// Acceleration is zero there.
     anchor: bool,
 }
 
 impl Transition {
     /// The motion stands still.
-    const STANDSTILL: Self = Self { cap: 0.0, highest: 0.0, shared: false, smooth: false, anchor: true };
+    const STANDSTILL: Self =
+        Self { cap: 0.0, highest: 0.0, shared: false, passing: Passing::NONE, anchor: true };
 }
 
 impl<const AXES: usize> Next<'_, AXES> {
@@ -205,7 +206,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let feed = feed.unwrap_or(f32::MAX);
         let bought = piece.flows && !rapid && override_range.parts()[1] >= BOUGHT;
         let next = Next { piece, length, full, rapid, feed, bought, share, after_brief };
-        let Transition { cap, highest, shared, smooth, mut anchor } = self.join(&next, &mut limits, dynamics);
+        let Transition { cap, highest, shared, passing, mut anchor } =
+            self.join(&next, &mut limits, dynamics);
         let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
         self.counts.through += usize::from(!anchor);
@@ -234,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (last.trades, last.flows, last.through) = (trades, flows, through);
         let mut marks = Marks::default();
         marks.set(Marks::ANCHOR, anchor);
-        marks.set(Marks::SMOOTH, smooth);
+        marks.set(Marks::SMOOTH, passing != Passing::NONE);
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.counts.long += usize::from(long);
@@ -249,7 +251,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: UNPLANNED,
             v_old: UNPLANNED,
             override_range,
-            joint: AnchorMarks::new(!anchor && hsc, flows && hsc, [rapid, shared, bought]),
+            joint: AnchorMarks::new(!anchor && hsc, flows && hsc, [rapid, shared, bought]).passed(passing),
             marks,
             continued: false,
             trades,
@@ -314,8 +316,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
         };
+        let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        let passing = if !smooth {
+            Passing::NONE
+        } else if rests && v.is_some() {
+            // Both sides are planned with all of it: their acceleration is zero there.
+            let shorter = min(last.length, next.length);
+            dynamics.passing_knee(&last.exit, piece.entry, rapid, shorter, (highest, a))
+        } else {
+            Passing::ALL
+        };
+        let smooth = passing != Passing::NONE;
         // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
         // than either side has with none at its ends.
         let passes = || {
@@ -336,6 +349,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let fed_alike = || next.feed <= bought_at && (!next.bought || fastest_feed <= next.feed);
         let anchor = !(through && smooth && alike() && fits() && fed_alike());
         cap = min(cap, min(before.limits.v, limits.v));
-        Transition { cap, highest, shared, smooth, anchor }
+        Transition { cap, highest, shared, passing, anchor }
     }
 }

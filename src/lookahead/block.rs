@@ -1,6 +1,6 @@
 //! A block in the ring: its limits, the speeds planned where it begins, and what that transition is.
 use super::ease::Ease;
-use crate::dynamics::OverrideRange;
+use crate::dynamics::{OverrideRange, Passing};
 use crate::quantity::Speed;
 use crate::slope::limits::Limits;
 
@@ -39,7 +39,7 @@ pub struct Block {
 /// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*:
 /// it is the piece of a slow block in a faster span, where the speed at the anchor beside it keeps its limit
 /// ([`super::valley`]). Beside that, whether the block is rapid motion, and whether the path turns at its start,
-/// so that a transition has its part of the limits there.
+/// so that a transition has its part of the limits there, and the part of a deceleration that passes its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -50,6 +50,7 @@ impl AnchorMarks {
     const RAPID: u8 = 8;
     const KNEE: u8 = 16;
     const BOUGHT: u8 = 32;
+    const PASSING: u8 = 64;
 
     /// Not lent. `flows`: it is between two parts of one curve of many elements.
     /// `bought`: acceleration inside it is bought with speed, below that of its feed.
@@ -57,6 +58,16 @@ impl AnchorMarks {
         let [open, flows] = [(open, Self::OPEN), (flows, Self::FLOWS)];
         let marks = [open, flows, (rapid, Self::RAPID), (knee, Self::KNEE), (bought, Self::BOUGHT)];
         Self(marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all }))
+    }
+
+    /// That part of a deceleration passes its start.
+    pub(super) const fn passed(self, passing: Passing) -> Self {
+        Self(self.0 | (passing.number() * Self::PASSING))
+    }
+
+    /// The part of a deceleration that passes its start, where it is smooth.
+    pub(super) const fn passing(self) -> Passing {
+        Passing::numbered(self.0 / Self::PASSING)
     }
 
     /// What is so of this or the other one.
@@ -127,7 +138,7 @@ impl Marks {
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;
-    /// A deceleration of any size the limits permit may pass its start: the path turns little there.
+    /// A deceleration may pass its start: the path turns little there ([`AnchorMarks::passing`]).
     pub(super) const SMOOTH: u8 = 32;
     /// It waits for acknowledgements: the motion stands still before it.
     pub(super) const GATE: u8 = 64;

@@ -3,7 +3,7 @@ use super::block::{Block, Marks};
 use super::ease::Ease;
 use super::law;
 use super::ring::Ring;
-use crate::dynamics::OverrideRange;
+use crate::dynamics::{OverrideRange, Passing};
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
@@ -69,9 +69,16 @@ pub struct Turns(u8);
 impl Turns {
     const SMOOTH: u8 = 1;
     const KNEES: u8 = 2;
+    const PASSING: u8 = 4;
 
-    const fn new(smooth: bool, knees: bool) -> Self {
-        Self((smooth as u8 * Self::SMOOTH) | (knees as u8 * Self::KNEES))
+    const fn new(smooth: bool, knees: bool, passing: Passing) -> Self {
+        let marks = (smooth as u8 * Self::SMOOTH) | (knees as u8 * Self::KNEES);
+        Self(marks | (passing.number() * Self::PASSING))
+    }
+
+    /// The part of a deceleration that passes its start, where one does.
+    pub fn passing(self) -> f32 {
+        Passing::numbered(self.0 / Self::PASSING).part()
     }
 
     /// Whether a deceleration may pass its start.
@@ -120,7 +127,7 @@ impl ReleasedSpan {
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: Checked { now: false, released: false },
-        turns: Turns::new(false, false),
+        turns: Turns::new(false, false, Passing::ALL),
         trades: Trades { all: false, some: false },
         // All bits zero, so that static memory needs no image in flash.
         rapid: Some(false),
@@ -300,7 +307,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked.now = first.is(Marks::CHECKED) || blocks == 1;
-        release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee());
+        release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee(), first.joint.passing());
         let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
         (release.trades, release.rapid) = (Trades { all: first.trades, some: any.is_bought() }, rapid);
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);

@@ -2,9 +2,9 @@
 //! standstill behind it is complete.
 //!
 //! New pieces go in behind a gate, which the interrupt does not pass, and the way to a standstill behind them
-//! goes to the reserve, beside the one in force. That may take several calls. Only then the reserve changes
-//! and the cut is published: at each tick there is a way to a standstill, whenever the planner is kept from
-//! its work. If the interrupt is beyond the instant of the change by then, all is as before and the next try
+//! goes to the reserve, beside the one in force. That may take several calls. Only then the cut is published
+//! and the reserve changes with it: at each tick there is a way to a standstill, whenever the planner is kept
+//! from its work. If the interrupt is beyond the instant of the change by then, all is as before and the next try
 //! is further ahead.
 //!
 //! Where the standstill before the new pieces has a tick in reserve, that is their gate: a planner that gets
@@ -14,7 +14,7 @@ use super::descent::Descent;
 use super::hold::{Mode, REACTION};
 use super::reserve::Way;
 use super::{Distance, Frontier, PIECES, Planning, Speed, Work};
-use crate::queue::{Change, TooLate};
+use crate::queue::{Change, NotNow, renew};
 
 /// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
 const WAYS: u32 = 8;
@@ -150,38 +150,40 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The new pieces, if there are any, and the way behind them count. `false`: it was too late, and all is
-    /// as before.
+    /// The new pieces, if there are any, and the way behind them count. `false`: it was too late, or the interrupt
+    /// has left, and all is as before.
     pub(super) fn hand_over(&mut self, way: Option<Way>) -> bool {
-        if !self.queue.clock.release() {
+        if self.queue.clock.has_left() {
             self.undo();
             return false;
         }
-        if let Some(pending) = self.reserve.pending.take() {
-            let cut = if pending.change.has_gate() {
-                match pending.change.commit(pending.at, &mut self.queue.phases, self.queue.clock) {
-                    Ok(cut) => Some(cut),
-                    Err(TooLate) => {
-                        if let Some(kept) = &self.reserve.kept {
-                            self.queue.clock.keep(kept.at, self.queue.reserve.first());
-                        }
-                        self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
-                        self.put_back(&pending.before);
-                        return false;
-                    }
+        let (keeper, clock) = (&mut self.queue.reserve, self.queue.clock);
+        if let Some(Pending { change, at, before }) = self.reserve.pending.take() {
+            let instant = way.map(|way| way.at);
+            match change.hand_over(at, instant, &mut self.queue.phases, keeper, clock) {
+                Ok(cut) => {
+                    let aside = self.reserve.aside.as_mut();
+                    let mode = aside.map_or(&mut self.orders.mode, |aside| &mut aside.mode);
+                    mode.cut = cut.or(mode.cut);
                 }
-            } else {
-                None
-            };
-            let mode = self.reserve.aside.as_mut().map_or(&mut self.orders.mode, |aside| &mut aside.mode);
-            mode.cut = cut.or(mode.cut);
-            self.reserve.changed = pending.before.span.map(|(k, _)| k);
+                Err(not_now) => {
+                    if not_now == NotNow::TooLate {
+                        self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
+                    }
+                    self.put_back(&before);
+                    return false;
+                }
+            }
+            self.reserve.changed = before.span.map(|(k, _)| k);
             self.orders.lead = REACTION;
-        }
-        if let Some(way) = way {
-            self.queue.clock.keep(way.at, self.queue.reserve.commit());
         } else {
-            self.queue.reserve.clear();
+            let is_free = match way {
+                Some(way) => renew(way.at, keeper, clock),
+                None => keeper.drop_kept(clock),
+            };
+            if !is_free {
+                return false;
+            }
         }
         (self.reserve.kept, self.reserve.failed) = (way, None);
         true

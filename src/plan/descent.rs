@@ -88,6 +88,8 @@ pub(super) struct Stretch {
     v_least: f32,
     is_uneven: bool,
     pub smooth: bool,
+    /// The part of a deceleration that passes its start.
+    pub passing: f32,
     /// Acceleration inside it is bought with speed.
     trades: bool,
     /// The path turns at its start, or inside it where it is of several blocks.
@@ -115,6 +117,7 @@ impl Stretch {
             v_least: min(span.slow.least, span.limits.v),
             is_uneven: span.is_uneven(),
             smooth: span.turns.is_smooth(),
+            passing: span.turns.passing(),
             trades: span.trades.all,
             knees: span.turns.has_knees(),
             is_many: span.blocks > 1,
@@ -128,7 +131,12 @@ impl Stretch {
     /// Whether the deceleration at hand may go on in it. That of STEP becomes another one at any tick.
     fn permits(&self, motion: &Instant) -> bool {
         let decel = speed_f32(motion.accel.wrapping_neg());
-        matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.limits.a_down
+        matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.entered().a_down
+    }
+
+    /// Its limits, for a slowing down that comes through its start.
+    pub fn entered(&self) -> Limits {
+        Limits { a_down: self.limits.a_down * self.passing, ..self.limits }
     }
 
     /// Where acceleration is bought with speed: the highest speed without, and the acceleration at standstill.
@@ -208,7 +216,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let at = cursor;
             let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
             last = Some(at);
-            limits.go_on_braking(&next.limits);
+            limits.go_on_braking(&next.entered());
             (end, spans) = (next.end, spans + 1);
             fits = Brake::fits(motion, end, &limits, CLOSE);
         }
@@ -314,7 +322,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut limits = last.limits;
         for k in 1..spans {
             last = self.ahead(&mut cursor, span, k + 1 == spans)?;
-            limits.go_on_braking(&last.limits);
+            limits.go_on_braking(&last.entered());
         }
         Some((limits, last.end, last.v_out))
     }

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
-use crate::queue::{Change, Cut, PHASES, TooLate};
+use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
 /// Ticks from a command to the change: what the planner may take for the new law.
@@ -247,9 +247,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let change = Change::begin(&mut self.queue.phases);
         self.frontier.end = at;
         self.put_rest(Distance::from_bits(motion.distance), 1);
-        match change.commit(at, &mut self.queue.phases, self.queue.clock) {
-            Ok(cut) => self.orders.mode.cut = Some(cut),
-            Err(TooLate) => self.frontier.end = before,
+        match change.hand_over(at, None, &mut self.queue.phases, &mut self.queue.reserve, self.queue.clock) {
+            Ok(cut) => {
+                self.orders.mode.cut = cut;
+                // It was behind what is gone.
+                (self.reserve.kept, self.reserve.failed) = (None, None);
+            }
+            Err(_) => self.frontier.end = before,
         }
     }
 

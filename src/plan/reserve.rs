@@ -442,10 +442,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if
     /// the interrupt has gone on with it.
     pub(super) fn drop_reserve(&mut self) -> bool {
-        if !self.queue.clock.release() {
+        if self.queue.clock.has_left() || !self.queue.reserve.drop_kept(self.queue.clock) {
             return false;
         }
-        self.queue.reserve.clear();
         self.reserve.kept = None;
         self.reserve.failed = None;
         true

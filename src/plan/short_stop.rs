@@ -230,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             match self.ahead(&mut cursor, span, false) {
                 Some(next) if next.smooth && next.v_in > Speed::ZERO => {
                     if way == f32::MAX && limits.slows_alike(&next.limits) {
-                        limits.go_on_braking(&next.limits);
+                        limits.go_on_braking(&next.entered());
                         way = needs(&limits, next.end);
                     }
                     end = next.end;
@@ -262,6 +262,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut stretch = self.ahead(&mut cursor, span, false)?;
         let mut v_in = f32::MAX;
         let mut corners = stretch.knees && (starts || stretch.is_many);
+        let mut passing = if starts && stretch.smooth { stretch.passing } else { 1.0 };
         for (part, Part { v, change, ramps, gains, until }) in parts.iter().enumerate() {
             let stage = usize::from(part >= STAGE);
             while until.wrapping_sub(at) > 0 {
@@ -288,17 +289,31 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     start = if is_second { second } else { behind };
                 }
                 let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);
+                let mut still = passing;
                 if goes_on {
                     stretch = self.ahead(&mut cursor, span, false)?;
                     v_in = speed_f32(stretch.v_in.to_bits());
                     corners = stretch.knees;
                     // It shows before it, too.
                     knee |= corners;
+                    passing = stretch.passing;
+                    still = min(still, passing);
                 }
                 let by_ramps = self.intake.uniform.by_ramps;
                 let (change, ramps, begun) = (*change, *ramps, [begin.v, begun]);
                 let gains = if *gains { begin.gains } else { 0.0 };
-                let passed = Passed { v, rapid, by_ramps, begun, change, ramps, gains, stage, corners: knee };
+                let passed = Passed {
+                    v,
+                    rapid,
+                    by_ramps,
+                    begun,
+                    change,
+                    ramps,
+                    gains,
+                    stage,
+                    corners: knee,
+                    passing: still,
+                };
                 self.dynamics.stopping(&bounds, &passed, &mut braking)?;
                 at = end;
             }

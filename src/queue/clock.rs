@@ -14,15 +14,18 @@
 //! | `now` | the interrupt, last thing in a tick that took time of a piece | the instant of the next one |
 //! | `idle` | the interrupt, last thing in any other tick | how many of those there were |
 //! | `rested` | the interrupt, in the same | `begun` in the last of them, one more where set points moved |
-//! | `left` | the interrupt | how often it has left the queue for the reserve |
+//! | `left` | the interrupt | how often it has left the queue for a reserve, and for which of two |
 //! | `at`, `to` | the planner | the cut: its instant, and the piece that follows then |
-//! | `end`, `first` | the planner | the reserve: its instant and its first piece |
+//! | `ends`, `firsts`, `cuts` | the planner | two reserves: the instant, the first piece, the last cut before it |
 //! | `let_go` | the planner | `left`, when the interrupt may go back to the queue |
 //!
 //! A tick is at hand while `begun` is ahead of `now` and `idle` together. A planner on the interrupt's own
 //! core never finds it so; on another core it waits for that tick to end ([`Clock::settle`]) before it
 //! decides anything: a few hundred instructions. The interrupt never waits. (Words that are loaded and stored
 //! cannot decide which of two sides came first without one of them waiting.)
+//!
+//! There is room for two reserves, so that there is one at any time while the next one takes its place. Each
+//! holds behind one cut only: for an interrupt that has not taken it, or has taken a later one, there is none.
 //!
 //! What the planner has written before [`Clock::settle`] is seen by every tick that ends behind it: `begun`
 //! is stored before the tick looks at the planner's words, both sides put a sequentially consistent fence
@@ -35,14 +38,34 @@ pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
+/// One of two reserves.
+#[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
+pub enum Kept {
+    /// The first.
+    One = 0,
+    /// The second.
+    Other = 1,
+}
+
+impl Kept {
+    const fn of<T>(self, both: &[T; 2]) -> &T {
+        let [one, other] = both;
+        match self {
+            Self::One => one,
+            Self::Other => other,
+        }
+    }
+}
+
 /// Shared by planner, interrupt and operator.
 pub struct Clock<M: Memory = Ram> {
     begun: M::Word,
     now: M::Word,
     at: M::Word,
     to: M::Word,
-    end: M::Word,
-    first: M::Word,
+    ends: [M::Word; 2],
+    firsts: [M::Word; 2],
+    cuts: [M::Word; 2],
     idle: M::Word,
     rested: M::Word,
     left: M::Word,
@@ -57,8 +80,9 @@ impl<M: Memory> Clock<M> {
             now: M::Word::ZERO,
             at: M::Word::ZERO,
             to: M::Word::ZERO,
-            end: M::Word::ZERO,
-            first: M::Word::ZERO,
+            ends: [M::Word::ZERO; 2],
+            firsts: [M::Word::ZERO; 2],
+            cuts: [M::Word::ZERO; 2],
             idle: M::Word::ZERO,
             rested: M::Word::ZERO,
             left: M::Word::ZERO,
@@ -70,7 +94,7 @@ impl<M: Memory> Clock<M> {
     pub fn reset(&mut self) {
         *self = Self::blank();
         self.withdraw();
-        self.withdraw_reserve();
+        self.withdraw_reserves();
     }
 }
 
@@ -125,17 +149,29 @@ impl<M: Memory> Clock<M> {
         Some(self.to.load(Ordering::Relaxed))
     }
 
-    /// Whether what was planned ends at `instant`, and the motion is to stop.
+    /// Whether what was planned may end at `instant`, and the motion is to stop.
     #[inline(always)]
     pub fn is_end(&self, instant: u32) -> bool {
-        self.end.load(Ordering::Relaxed) == instant
+        let [one, other] = &self.ends;
+        one.load(Ordering::Relaxed) == instant || other.load(Ordering::Relaxed) == instant
     }
 
-    /// Leaves the queue for the reserve: its first piece.
-    pub fn leave(&self) -> u32 {
-        M::fence(Ordering::Acquire);
-        self.left.store(self.left.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
-        self.first.load(Ordering::Relaxed)
+    /// Leaves the queue for the reserve of an instant behind the last cut taken: its first piece. `None`: that
+    /// there is holds behind another cut.
+    pub fn leave(&self, instant: u32, cut: u32) -> Option<u32> {
+        for (slot, (end, of)) in (0..).zip(self.ends.iter().zip(&self.cuts)) {
+            if end.load(Ordering::Relaxed) != instant {
+                continue;
+            }
+            M::fence(Ordering::Acquire);
+            if of.load(Ordering::Relaxed) == cut {
+                let left = self.left.load(Ordering::Relaxed) | 1;
+                self.left.store(left.wrapping_add(1) | slot, Ordering::Release);
+                let [one, other] = &self.firsts;
+                return Some(if slot == 0 { one } else { other }.load(Ordering::Relaxed));
+            }
+        }
+        None
     }
 
     /// Whether it may go back to the queue.
@@ -180,21 +216,25 @@ impl<M: Memory> Clock<M> {
         self.at.store(NEVER, Ordering::Relaxed);
     }
 
-    /// The reserve that begins with the piece `first` holds at `instant`, while there is none.
-    pub fn keep(&self, instant: u32, first: u32) {
-        self.first.store(first, Ordering::Relaxed);
-        self.end.store(instant, Ordering::Release);
+    /// Beside `other` a reserve holds at `instant` that begins with the piece `first`, behind the cut to the piece
+    /// `cut`.
+    pub fn keep(&self, other: Option<Kept>, instant: u32, first: u32, cut: u32) -> Kept {
+        let kept = if other == Some(Kept::One) { Kept::Other } else { Kept::One };
+        kept.of(&self.firsts).store(first, Ordering::Relaxed);
+        kept.of(&self.cuts).store(cut, Ordering::Relaxed);
+        kept.of(&self.ends).store(instant, Ordering::Release);
+        kept
     }
 
-    /// Takes the reserve back; `false`: the interrupt has gone on with it before.
-    pub fn release(&self) -> bool {
-        self.withdraw_reserve();
+    /// Takes a reserve back; `false`: the interrupt has gone on with it before.
+    pub fn release(&self, kept: Kept) -> bool {
+        kept.of(&self.ends).store(NEVER, Ordering::Release);
         self.settle();
-        !self.has_left()
+        !self.has_left() || self.left.load(Ordering::Relaxed) & 1 != kept as u32
     }
 
-    fn withdraw_reserve(&self) {
-        self.end.store(NEVER, Ordering::Release);
+    fn withdraw_reserves(&self) {
+        self.ends.iter().for_each(|end| end.store(NEVER, Ordering::Release));
     }
 
     /// Whether the interrupt stops, or stands, without the planner.
@@ -210,7 +250,7 @@ impl<M: Memory> Clock<M> {
     /// The interrupt, at the end of the reserve, goes on with what is in the queue, and looks at the reserve
     /// no more.
     pub fn let_go(&self) {
-        self.withdraw_reserve();
+        self.withdraw_reserves();
         self.let_go.store(self.left.load(Ordering::Acquire), Ordering::Release);
         self.settle();
     }

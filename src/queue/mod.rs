@@ -20,7 +20,7 @@ pub use overlay::{OVERLAY_PHASES, Overlay, OverlayReceiver, OverlaySender, fine,
 pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
 pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
 pub use status::{Display, Snapshot, Words};
-pub use time::{Change, Cut, Pieces, Timeline, TooLate};
+pub use time::{Change, Cut, NotNow, Pieces, Timeline, TooLate, renew};
 
 use crate::control::Control;
 use crate::math::wide::mul_u32;

@@ -4,10 +4,11 @@
 //! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of
 //! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The
 //! interrupt reads only the way in force, and only once it has left the queue for it; from then on until it is
-//! let go nothing is written.
+//! let go nothing is written. While one way takes the place of the other both are left alone.
 #![allow(unsafe_code)]
-use super::Phase;
+use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};
+use super::{Clock, Phase};
 
 /// Pieces of both ways together, a power of two.
 pub const STOP_PIECES: usize = 256;
@@ -33,6 +34,10 @@ pub struct Keeper<'a, M: Memory = Ram> {
     /// The same of the one that is being written.
     start: u32,
     written: u32,
+    /// Where the clock has the one in force.
+    kept: Option<Kept>,
+    /// The piece of the last cut that the interrupt has taken or will take.
+    cut: u32,
 }
 
 /// Goes along the way in force.
@@ -50,7 +55,8 @@ impl<M: Memory> Reserve<M> {
 
     /// Both ends.
     pub fn split(&mut self) -> (Keeper<'_, M>, Taker<'_, M>) {
-        (Keeper { reserve: self, first: 0, count: 0, start: 0, written: 0 }, Taker { reserve: self, next: 0 })
+        let keeper = Keeper { reserve: self, first: 0, count: 0, start: 0, written: 0, kept: None, cut: 0 };
+        (keeper, Taker { reserve: self, next: 0 })
     }
 
     fn piece(&self, number: u32) -> &M::Place<Phase> {
@@ -62,6 +68,13 @@ impl<M: Memory> Reserve<M> {
 impl<M: Replay> Clone for Keeper<'_, M> {
     fn clone(&self) -> Self {
         Self { ..*self }
+    }
+}
+
+impl<M: Replay> Keeper<'_, M> {
+    /// All that it remembers.
+    pub const fn key(&self) -> ([u32; 5], Option<Kept>) {
+        ([self.first, self.count, self.start, self.written, self.cut], self.kept)
     }
 }
 
@@ -90,11 +103,24 @@ impl<M: Memory> Keeper<'_, M> {
         true
     }
 
-    /// The new way takes the place of the one in force; its first piece. None is in force for the interrupt
-    /// meanwhile.
-    pub const fn commit(&mut self) -> u32 {
-        (self.first, self.count, self.written) = (self.start, self.written, 0);
-        self.first
+    /// The new way holds at `instant` beside the one in force, behind the cut to the piece `cut`, or behind the last
+    /// one.
+    pub(super) fn hold(&self, instant: u32, cut: Option<u32>, clock: &Clock<M>) -> Kept {
+        clock.keep(self.kept, instant, self.start, cut.unwrap_or(self.cut))
+    }
+
+    /// The way in force is taken back, if there is one; `false`: the interrupt has gone on with it before.
+    pub(super) fn release(&self, clock: &Clock<M>) -> bool {
+        self.kept.is_none_or(|kept| clock.release(kept))
+    }
+
+    /// The new way is the one in force, or none is. Not before the old one was taken back.
+    pub(super) const fn commit(&mut self, kept: Option<Kept>, cut: Option<u32>) {
+        (self.first, self.count) = (self.start, if kept.is_some() { self.written } else { 0 });
+        (self.kept, self.written) = (kept, 0);
+        if let Some(cut) = cut {
+            self.cut = cut;
+        }
     }
 
     /// Pieces of the way that is being written.
@@ -102,14 +128,18 @@ impl<M: Memory> Keeper<'_, M> {
         self.written
     }
 
-    /// The first piece of the way in force.
-    pub const fn first(&self) -> u32 {
-        self.first
+    /// Takes the way in force back, and none is; `false`: the interrupt has gone on with it before.
+    pub fn drop_kept(&mut self, clock: &Clock<M>) -> bool {
+        let is_free = self.release(clock);
+        if is_free {
+            self.clear();
+        }
+        is_free
     }
 
-    /// None is in force.
+    /// None is in force, and the clock has none.
     pub const fn clear(&mut self) {
-        self.count = 0;
+        (self.count, self.kept) = (0, None);
     }
 }
 

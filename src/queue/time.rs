@@ -20,11 +20,12 @@
 //! end at speed, the interrupt goes on with a way to a standstill, unless the planner has moved the reserve
 //! on before. So a planner that gets no time needs to do nothing for the motion to slow down. The pieces of
 //! that way have a place of their own ([`super::reserve`]). Once there, the interrupt stays with them until
-//! the planner lets it go on.
+//! the planner lets it go on. A cut and the reserve behind it change together ([`Change::hand_over`]): whenever
+//! the planner is kept from its work in between, there is a way, and the right one.
 //!
 //! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};
-use super::{Clock, Consumer, PHASES, Phase, Producer, Slot, Taker};
+use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 
 /// The planner's end of the ring.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
@@ -46,6 +47,28 @@ pub struct Cut(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLate;
 
+/// New pieces do not count; all is as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotNow {
+    /// The interrupt has passed the instant of the cut on the pieces it had.
+    TooLate,
+    /// It has gone on with the way in reserve.
+    Left,
+}
+
+/// The way being written, which holds at the instant `at`, takes the place of the one in force: at each tick there
+/// is one of them. `false`: the interrupt has gone on with that before, and it stays.
+pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -> bool {
+    let kept = keeper.hold(at, None, clock);
+    let is_free = keeper.release(clock);
+    if is_free {
+        keeper.commit(Some(kept), None);
+    } else {
+        clock.release(kept);
+    }
+    is_free
+}
+
 impl Change {
     /// Puts the gate in; what is put in from here on counts from the cut. There is room.
     pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
@@ -64,7 +87,8 @@ impl Change {
         self.has_gate
     }
 
-    /// The cut at `at`, the instant at which the new pieces begin. There is no other cut.
+    /// The cut at `at`, the instant at which the new pieces begin. There is no other cut. Not where the reserve
+    /// matters: [`Self::hand_over`].
     ///
     /// # Errors
     /// [`TooLate`]: gate and new pieces are taken back.
@@ -74,14 +98,59 @@ impl Change {
         pieces: &mut Producer<'_, Phase, N, M>,
         clock: &Clock<M>,
     ) -> Result<Cut, TooLate> {
-        clock.publish(at, self.first.wrapping_add(1));
-        let is_ahead = !super::clock::is_before(at, clock.now());
-        if is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0 {
+        if self.publish(at, pieces, clock) {
             return Ok(Cut(at));
         }
         clock.withdraw();
         self.abandon(pieces, clock);
         Err(TooLate)
+    }
+
+    /// Whether the cut at `at` is in time.
+    fn publish<M: Memory, const N: usize>(
+        &self,
+        at: u32,
+        pieces: &Producer<'_, Phase, N, M>,
+        clock: &Clock<M>,
+    ) -> bool {
+        clock.publish(at, self.first.wrapping_add(1));
+        let is_ahead = !super::clock::is_before(at, clock.now());
+        is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0
+    }
+
+    /// The new pieces count from the instant `at` on, and with them the way being written, which holds at the
+    /// instant `way`; no way where they end at rest. At each tick one of both ways is in force: the new one holds
+    /// behind the cut and only there, and the old one goes when the cut is known to be in time.
+    ///
+    /// # Errors
+    /// The cut is too late, or the interrupt has gone on with the old way. Gate and new pieces are taken back; all
+    /// is as before.
+    pub fn hand_over<M: Memory, const N: usize>(
+        self,
+        at: u32,
+        way: Option<u32>,
+        pieces: &mut Producer<'_, Phase, N, M>,
+        keeper: &mut Keeper<'_, M>,
+        clock: &Clock<M>,
+    ) -> Result<Option<Cut>, NotNow> {
+        let cut = self.has_gate.then_some(self.first.wrapping_add(1));
+        let kept = way.map(|instant| keeper.hold(instant, cut, clock));
+        let not_now = if self.has_gate && !self.publish(at, pieces, clock) {
+            NotNow::TooLate
+        } else if !keeper.release(clock) {
+            NotNow::Left
+        } else {
+            keeper.commit(kept, cut);
+            return Ok(cut.map(|_| Cut(at)));
+        };
+        if self.has_gate {
+            clock.withdraw();
+        }
+        if let Some(kept) = kept {
+            clock.release(kept);
+        }
+        self.abandon(pieces, clock);
+        Err(not_now)
     }
 
     /// Takes gate and new pieces back.
@@ -105,27 +174,29 @@ pub struct Timeline<'a, M: Memory = Ram> {
     done: u16,
     /// It stops, or stands, without the planner.
     stops: bool,
+    /// The piece of the last cut taken.
+    cut: u32,
 }
 
 impl<M: Replay> Clone for Timeline<'_, M> {
     fn clone(&self) -> Self {
-        let Self { phase, pieces, reserve, done, stops } = self;
+        let Self { phase, pieces, reserve, done, stops, cut } = self;
         let (pieces, reserve) = (pieces.clone(), reserve.clone());
-        Self { phase: *phase, pieces, reserve, done: *done, stops: *stops }
+        Self { phase: *phase, pieces, reserve, done: *done, stops: *stops, cut: *cut }
     }
 }
 
 impl<M: Replay> Timeline<'_, M> {
     /// All that it remembers from one tick to the next.
-    pub const fn key(&self) -> (Phase, u16, bool, u32) {
-        (self.phase, self.done, self.stops, self.reserve.next())
+    pub const fn key(&self) -> (Phase, u16, bool, [u32; 2]) {
+        (self.phase, self.done, self.stops, [self.reserve.next(), self.cut])
     }
 }
 
 impl<'a, M: Memory> Timeline<'a, M> {
     /// Nothing is at hand.
     pub const fn new(pieces: Consumer<'a, Phase, PHASES, M>, reserve: Taker<'a, M>) -> Self {
-        Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false }
+        Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false, cut: 0 }
     }
 
     /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece.
@@ -166,6 +237,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         if !self.stops {
             self.pieces.jump(number);
             self.done = u16::MAX;
+            self.cut = number;
         }
     }
 
@@ -174,9 +246,15 @@ impl<'a, M: Memory> Timeline<'a, M> {
     #[cold]
     #[inline(never)]
     fn stop(&mut self, clock: &Clock<M>, begins: bool) -> bool {
-        if begins {
-            self.reserve.begin(clock.leave());
+        if begins
+            && !self.stops
+            && let Some(first) = clock.leave(clock.own(), self.cut)
+        {
+            self.reserve.begin(first);
             self.stops = true;
+        }
+        if !self.stops {
+            return self.take();
         }
         if !clock.is_let_go() {
             return self.reserve.take_into(&mut self.phase);

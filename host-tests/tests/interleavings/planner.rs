@@ -1,18 +1,26 @@
 //! What the planner's side does in a scenario, by the functions that the planner itself uses.
 use crate::memory::{Model, WORLD, piece};
 use glidepath::queue::word::Memory;
-use glidepath::queue::{Change, Clock, Display, Keeper, Phase, Pieces, Slot, Snapshot, Words, clock};
+use glidepath::queue::{
+    Change, Clock, Display, Keeper, NotNow, Phase, Pieces, Slot, Snapshot, Words, clock, renew,
+};
 
 /// One thing that the planner does.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Takes back the reserve; another law so many ticks ahead, if the interrupt has not left.
+    /// Another law so many ticks ahead, and no reserve, if the interrupt has not left.
     Cut(u32),
+    /// Another law so many ticks ahead, so many ticks of it, and a way to a standstill behind them.
+    Change(u32, u32),
+    /// The same, one after the other: the reserve is taken back before it is known that the cut is in time.
+    Apart(u32, u32),
     /// Waits until the last cut has passed, and takes it back.
     Retire,
-    /// More of the law in the queue, and no reserve.
+    /// More of the law in the queue. It does not count before the way to a standstill is moved on.
     Extend(u32),
-    /// A way to a standstill at the end of the queue.
+    /// The same before both sides run.
+    Beyond(u32),
+    /// A way to a standstill at the end of the queue, in place of the one there is.
     Keep,
     /// Looks at the status, as an operator on a core of its own.
     Look,
@@ -29,8 +37,8 @@ pub struct Planner {
     pub laws: Vec<(u32, u32)>,
     pub end: u32,
     pub cut: Option<u32>,
-    /// The way in reserve: from one instant to the other.
-    pub way: Option<(u32, u32)>,
+    /// The way in reserve: from one instant to the other, and its law.
+    pub way: Option<(u32, u32, u32)>,
     /// The interrupt was found to have left.
     pub left: bool,
 }
@@ -59,18 +67,26 @@ impl Planner {
         let mut put = |piece| assert!(pieces.push(piece).is_ok());
         match step {
             Step::Cut(ahead) => {
-                self.release(clock);
+                let at = now() + ahead;
+                let ends = [at + 1, at + 1 + FAR];
+                self.cut(at, ends, false, shared);
+            }
+            Step::Change(ahead, ticks) => {
+                let at = now() + ahead;
+                self.cut(at, [at + 1, at + ticks], true, shared);
+            }
+            Step::Apart(ahead, ticks) => {
+                let at = now() + ahead;
+                let old = self.way;
+                self.left |= !self.keeper.drop_kept(clock);
                 if self.left {
                     return;
                 }
-                let at = now() + ahead;
-                let change = Change::begin(pieces);
-                for piece in [piece(self.law(), at, 1), piece(self.law(), at + 1, FAR)] {
-                    assert!(pieces.push(piece).is_ok());
-                }
-                if change.commit(at * clock::TICK, pieces, clock).is_ok() {
-                    self.laws.push((at, self.law()));
-                    (self.cut, self.end) = (Some(at), at + 1 + FAR);
+                self.way = None;
+                if self.cut(at, [at + 1, at + ticks], false, shared) {
+                    self.keep(self.end, shared);
+                } else if let Some((at, ..)) = old {
+                    self.keep(at, shared);
                 }
             }
             Step::Retire => {
@@ -79,24 +95,17 @@ impl Planner {
                     clock.withdraw();
                 }
             }
-            Step::Extend(ticks) => {
+            Step::Extend(ticks) | Step::Beyond(ticks) => {
                 if self.left {
                     return;
                 }
                 put(piece(self.law() - 1, self.end, ticks));
                 self.end += ticks;
-                self.release(clock);
             }
             Step::Keep => {
-                if self.left {
-                    return;
+                if !self.left {
+                    self.keep(self.end, shared);
                 }
-                self.keeper.begin();
-                for piece in [piece(STOP, self.end, 1), piece(STOP, self.end + 1, 1), Phase::BLANK] {
-                    assert!(self.keeper.push(piece));
-                }
-                clock.keep(self.end * clock::TICK, self.keeper.commit());
-                self.way = Some((self.end, self.end + 2));
             }
             Step::Look => {
                 let Snapshot { ticks, moved, set_points: [point], distance, step, n, block, .. } =
@@ -112,13 +121,13 @@ impl Planner {
                 }
             }
             Step::Late => {
-                if let (true, Some((at, end))) = (clock.has_left(), self.way) {
+                if let (true, Some((at, end, stop))) = (clock.has_left(), self.way) {
                     Model::wait(|| now() == end);
                     clock.withdraw();
                     let taken = pieces.taken();
                     pieces.withdraw(taken);
                     self.keeper.clear();
-                    self.laws.push((at, STOP));
+                    self.laws.push((at, stop));
                     self.laws.push((end, self.law()));
                     assert!(pieces.push(piece(self.law() - 1, end, FAR)).is_ok());
                     clock.let_go();
@@ -128,19 +137,63 @@ impl Planner {
         }
     }
 
-    fn release(&mut self, clock: &Clock<Model>) {
-        if self.way.is_some() {
-            self.left = !clock.release();
-            if !self.left {
-                self.keeper.clear();
-                self.way = None;
+    /// Another law from `at` on, to the ends of two pieces, with a way behind them or without. Whether it counts.
+    fn cut(&mut self, at: u32, ends: [u32; 2], keeps: bool, shared: &mut Shared) -> bool {
+        if self.left {
+            return false;
+        }
+        let change = Change::begin(&mut shared.pieces);
+        for [from, to] in [[at, ends[0]], ends] {
+            if to > from {
+                assert!(shared.pieces.push(piece(self.law(), from, to - from)).is_ok());
             }
+        }
+        if keeps {
+            self.write(ends[1]);
+        }
+        let [instant, way] = [at, ends[1]].map(|instant| instant * clock::TICK);
+        let way = keeps.then_some(way);
+        match change.hand_over(instant, way, &mut shared.pieces, &mut self.keeper, shared.clock) {
+            Ok(_) => {
+                self.way = keeps.then(|| (ends[1], ends[1] + 2, self.stop()));
+                self.laws.push((at, self.law()));
+                (self.cut, self.end) = (Some(at), ends[1]);
+                true
+            }
+            Err(not_now) => {
+                self.left = not_now == NotNow::Left;
+                false
+            }
+        }
+    }
+
+    /// The law of the next way.
+    fn stop(&self) -> u32 {
+        self.way.map_or(STOP, |(.., stop)| stop + 1)
+    }
+
+    /// The pieces of a way from an instant on.
+    fn write(&mut self, at: u32) {
+        let stop = self.stop();
+        self.keeper.begin();
+        for piece in [piece(stop, at, 1), piece(stop, at + 1, 1), Phase::BLANK] {
+            assert!(self.keeper.push(piece));
+        }
+    }
+
+    /// A way in place of the one there is.
+    fn keep(&mut self, at: u32, shared: &Shared) {
+        self.write(at);
+        if renew(at * clock::TICK, &mut self.keeper, shared.clock) {
+            self.way = Some((at, at + 2, self.stop()));
+        } else {
+            self.left = true;
         }
     }
 
     /// The law that has to hold at an instant.
     pub fn expected(&self, instant: u32) -> u32 {
-        let kept = self.way.filter(|(at, _)| *at <= instant).map(|_| STOP);
+        let kept = self.way.filter(|(at, ..)| *at <= instant).map(|(.., stop)| stop);
         let decided = self.laws.iter().rev().find(|(at, _)| *at <= instant).map(|(_, law)| *law);
         kept.or(decided).unwrap_or(0)
     }
