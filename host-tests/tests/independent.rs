@@ -59,8 +59,8 @@ fn synchronous_and_asynchronous() {
     assert!(ended && !swinging, "{ended} {swinging}");
 }
 
-/// P-CHAN-00297 = 1: an exact stop of the path is one of the independent axes too, of all of them, but not of an
-/// oscillation; = 2: so is `#WAIT INDP`, whatever axis it names. With filters the axes have settled.
+/// P-CHAN-00297 = 1: an exact stop of the path is one of the independent axes too, of all of them, but not
+/// of an oscillation; = 2: so is `#WAIT INDP`, whatever axis it names. With filters the axes have settled.
 #[test]
 fn exact_stop_p_chan_00297() {
     let mut machine = even::<3>(1000);

@@ -420,8 +420,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.await_independent(if self.beside.exact_stop == WAITS_FOR_ALL { u32::MAX } else { axes });
     }
 
-    /// Exact stop behind the motion taken in: filters settle, and with P-CHAN-00297 = 1 independent axes come to
-    /// the ends of their motions.
+    /// Exact stop behind the motion taken in: filters settle, and with P-CHAN-00297 = 1 independent axes
+    /// come to the ends of their motions.
     #[inline(never)]
     pub(super) fn stop_exactly(&mut self) {
         if self.beside.exact_stop == STOPS_WITH_PATH {

@@ -18,8 +18,8 @@ use crate::slope::ramp_shape::RampShape;
 const PASSING_JERK: f32 = 0.1;
 /// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.46/0.91.
 const PASSING: f32 = 0.5;
-/// So much more acceleration is clearly more.
-const WORTH: f32 = 1.25;
+/// So much more acceleration is clearly more. Without negative taps it is 0.97/0.91.
+const WORTH: f32 = 1.07;
 /// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
 const SHORT_SPEED: f32 = 0.707;
 /// Longest slope that is looked at, ticks of its ramp.
@@ -56,10 +56,11 @@ impl Axis {
             SlopeType::Sin2 => RampShape::SineSquare.peak_jerk(),
             SlopeType::Step | SlopeType::Hsc => return None,
         };
-        let [by_accel, by_jerk] = watch.bound?;
         let jerk = max(self.feed.jerk(peak)?, self.rapid.jerk(peak)?);
         // With the filter's gain they are lower already.
-        let deviation = (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
+        let of = |[by_accel, by_jerk]: [f32; 2]| (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
+        let [one, other] = watch.bound?.map(of);
+        let deviation = min(one, other);
         let share = if deviation > 1.0 { 1.0 / deviation } else { 1.0 };
         (share * self.a_max / watch.gain > WORTH * watch.accel?).then_some(share)
     }
