@@ -61,7 +61,7 @@ pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
 pub fn jerk_rounding<const AXES: usize>(machine: &MachineData<AXES>, axis: usize) -> f64 {
     let filter = &machine.axes[axis].filter;
     let averages = !matches!(filter.kind, FilterType::None | FilterType::Delay);
-    // Planned so much lower; but a delay by half a cycle is the mean of two set points, rounded as a filter is.
+    // Planned so much lower; but a delay by half a cycle is the mean of two set points, rounded too.
     if averages && filter.order > 0 && filter.share > 0 { 1.0 } else { 1.5 }
 }
 

@@ -22,8 +22,8 @@ const PASSING: f32 = 0.5;
 const WORTH: f32 = 1.07;
 /// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
 const SHORT_SPEED: f32 = 0.707;
-/// What a filter's rounding adds to the third difference of a set point, beside what the path's own adds to it,
-/// mm: 9 LSB of 2^-32.
+/// What a filter's rounding adds to the third difference of a set point, beside what the path's own adds
+/// to it, mm: 9 LSB of 2^-32.
 const ROUNDED: f32 = 9.0 / (1u64 << 32) as f32;
 /// Longest slope that is looked at, ticks of its ramp.
 const WINDOW_PART: f32 = 0.5;
