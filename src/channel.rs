@@ -346,8 +346,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             return Ok(Progress::Working);
         }
         self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
-        if motion.exact_stop && self.settling() > 0 {
-            self.planning.rest(self.settling());
+        if motion.exact_stop && (OVERLAYS > 0 || self.settling() > 0) {
+            self.stop_exactly();
         }
         if let Some(kind) = self.planning.remark() {
             return Ok(Progress::Warning(NcWarning { place: motion.place, kind }));
@@ -398,7 +398,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 self.join(u32::MAX);
             }
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
-            Command::WaitIndependent(_, axes) => self.await_independent(*axes),
+            Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
             Command::Contour(head, contour) => self.contour(head, contour)?,

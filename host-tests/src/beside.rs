@@ -1,6 +1,7 @@
 //! Runs a program with axes that move beside the path, and judges what the axes do: nothing here knows how the
 //! library plans it.
 use crate::calls::call;
+use crate::filtered::jerk_rounding;
 use crate::operate::{Act, TOO_LONG};
 use crate::properties::permitted;
 use glidepath::channel::{Channel, Handles, Progress};
@@ -183,7 +184,8 @@ impl Run {
             // difference of two remainders.
             let filtered = machine.axes.iter().any(|axis| axis.filter.kind != FilterType::None);
             let rounding = if filtered { 3.25 } else { 1.0 };
-            let most = [(most[0], rounding), (most[1], 2.0 * rounding), (most[2], 4.0 * rounding)];
+            let jerk = if filtered { jerk_rounding(machine, k) } else { 1.0 };
+            let most = [(most[0], rounding), (most[1], 2.0 * rounding), (most[2], 4.0 * jerk)];
             let mut differences = x.clone();
             for (order, (most, rounding)) in most.into_iter().enumerate() {
                 differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -57,6 +57,14 @@ pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
     }
 }
 
+/// What rounding may add to the jerk of an axis of a filtered channel, by what it may add to that of a path.
+pub fn jerk_rounding<const AXES: usize>(machine: &MachineData<AXES>, axis: usize) -> f64 {
+    let filter = &machine.axes[axis].filter;
+    let averages = !matches!(filter.kind, FilterType::None | FilterType::Delay);
+    // Planned so much lower; but a delay by half a cycle is the mean of two set points, rounded too.
+    if averages && filter.order > 0 && filter.share > 0 { 1.0 } else { 1.5 }
+}
+
 const LONGEST: usize = 3_000_000;
 
 /// Runs a text from the origin; `acts` are commands with the tick before which they are given.

@@ -45,6 +45,7 @@ fn machine(seed: u64) -> MachineData<3> {
     machine.channel.corr_v_trans_jerk = true;
     machine.channel.surface = true;
     machine.channel.joins_named = random.once_in(2);
+    machine.channel.exact_stop_indp = (seed / 7 % 3) as u8;
     machine.channel.m_synch = SynchTable::NONE.with(7, Synch::MvsSvs).with(8, Synch::MvsSns);
     machine.channel.h_synch = SynchTable::NONE.with(1, Synch::MnsSns);
     let filtered = seed.is_multiple_of(3);

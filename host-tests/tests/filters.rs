@@ -7,7 +7,7 @@ use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::set_point;
 use host_tests::check;
-use host_tests::filtered::{Filtered, permit_filters, run, run_from, with_filter};
+use host_tests::filtered::{self, Filtered, permit_filters, run, run_from, with_filter};
 use host_tests::operate::{Act, POLLS, random_acts};
 use host_tests::properties::axis_limits;
 use host_tests::seeds::seeds;
@@ -81,7 +81,7 @@ fn taps(kind: FilterType, order: usize, quality: f64, cut_off: f64, share: f64) 
 }
 
 /// What the filter makes of the path, mm, by the formulas.
-fn filtered(path: &[i64], taps: &[f64]) -> Vec<f64> {
+fn weighed(path: &[i64], taps: &[f64]) -> Vec<f64> {
     let at = |tick: usize, ago: usize| path[tick.saturating_sub(ago)] as f64 / ONE;
     (0..path.len()).map(|tick| taps.iter().enumerate().map(|(k, h)| h * at(tick, k)).sum()).collect()
 }
@@ -107,7 +107,7 @@ fn kernels_are_those_of_their_types() {
         let run = square(kind, order as u8, if options.is_empty() { "SHARE=100" } else { options });
         let taps = taps(kind, order, quality, cut_off, share);
         for axis in 0..2 {
-            let expected = filtered(&run.path.columns[axis], &taps);
+            let expected = weighed(&run.path.columns[axis], &taps);
             let off =
                 run.drives.columns[axis].iter().zip(&expected).map(|(y, x)| (*y as f64 / ONE - x).abs());
             let off = off.fold(0.0, f64::max);
@@ -143,35 +143,69 @@ fn of_types(orders: &[u8]) -> impl Iterator<Item = (FilterType, u8)> + '_ {
 #[test]
 fn ax_dev_is_kept_and_used_at_corners() {
     // G-01, D3-227, D3-234: every axis, at every tick, with each type.
-    for (kind, order) in of_types(&[8, 9, 16, 33, 40, 64, 101, 150, 200]) {
+    for (kind, order) in of_types(&[8, 9, 16, 33, 40, 48, 52, 64, 78, 80, 88, 96, 100, 101, 128, 150, 200]) {
         for machine in [machines::even::<3>(1000), stiff(1000)] {
             let machine = with_filter(machine, kind, order);
             let run = run(&format!("#FILTER ON [AX_DEV=0.001]\n{SQUARE}"), &machine, &[], 1000).unwrap();
             let name = format!("{kind:?} {order} {}", machine.axes[0].a_max);
             assert!(run.deviated.is_empty(), "{name}");
+            let is_stiff = machine.axes[0].a_trans_weight > 0;
+            // Where G has both signs, what a corner shows is less than what a motion could make of it: the
+            // test below. Where knees take speed, accelerations are limited by Σ|G| alone.
+            let least = match (kind, order, is_stiff) {
+                (FilterType::Sinc, 49..=78, false) => 0.0009,
+                (FilterType::Sinc, 79..=80, false) => 0.00088,
+                (FilterType::Sinc, 79..=88, false) => 0.00077,
+                (FilterType::Sinc, 79..=96, false) => 0.00055,
+                (FilterType::Sinc, 49..=52, true) => 0.00089,
+                (FilterType::Sinc, 49..=64, true) => 0.0008,
+                (FilterType::Sinc, 49..=100, true) => 0.0004,
+                (FilterType::Sinc, 97..=100, _) => 0.0004,
+                (FilterType::Sinc, 101.., _) => 0.00025,
+                _ => 0.0009,
+            };
             for axis in 0..2 {
                 let largest = run.largest(axis, order.into()) / ONE;
                 println!("{name} axis {axis}: {largest}");
                 assert!(largest <= 0.001, "{name} axis {axis}: {largest}");
-                // Where G has both signs, what a corner shows is less than what a motion could make of it:
-                // with the largest jerk in turns 98 % of the bound.
-                let least = match (kind, order) {
-                    (FilterType::Sinc, 101..) => 0.00025,
-                    (FilterType::Sinc, 41..) => 0.0008,
-                    _ => 0.0009,
-                };
                 assert!(largest >= least, "{name} axis {axis}: {largest}");
                 // The library says the same.
                 let said = run.deviation[axis] as f64 / ONE;
                 assert!((said - largest).abs() < 3e-7, "{said} {largest}");
             }
             // Σ|G| alone would leave such a sinc 48 mm/s² and less.
-            if kind == FilterType::Sinc && order > 100 && machine.axes[0].a_trans_weight == 0 {
+            if kind == FilterType::Sinc && order > 100 && !is_stiff {
                 let peaks = check::peaks(&run.path.columns[0], 1e-3);
                 println!("{name}: {} mm/s²", peaks.values[1]);
                 assert!(peaks.values[1] > 290.0, "{name}: {}", peaks.values[1]);
             }
         }
+    }
+}
+
+/// What a corner leaves of AX_DEV behind a sinc of a high order, another motion takes: blocks that speed up
+/// and slow down as its lobes do, without an operator. A corner that used 0.9 of it would need limits with
+/// which those blocks are beyond it.
+#[test]
+fn what_a_corner_leaves_of_ax_dev_short_blocks_take() {
+    let with = |order: u8, lines: &str| {
+        let machine = with_filter(machines::even::<3>(1000), FilterType::Sinc, order);
+        run(&format!("#FILTER ON [AX_DEV=0.001]\n{lines}"), &machine, &[], 1000)
+            .unwrap()
+            .largest(0, order.into())
+            / ONE
+    };
+    for (order, length, least) in
+        [(64, 0.26, 0.96), (80, 0.39, 0.96), (100, 0.67, 0.92), (128, 0.44, 0.74), (200, 0.52, 0.68)]
+    {
+        let mut lines = "#SLOPE [TYPE=TRAPEZ]\nG91 G01 X20 F1000\n".to_owned();
+        for _ in 0..40 {
+            lines += &format!("X{length} F12000\nX0.002 F1000\n");
+        }
+        let [blocks, corner] = [with(order, &(lines + "M30\n")), with(order, SQUARE)].map(|used| used * 1e3);
+        println!("{order}: {blocks} of AX_DEV, {corner} at a corner");
+        assert!((least..=1.0).contains(&blocks), "{order}: {blocks}");
+        assert!(order < 100 || corner < 0.5 * blocks, "{order}: {blocks} {corner}");
     }
 }
 
@@ -313,8 +347,9 @@ fn random_run(seed: u64) {
             for (order, limit) in [limit.v, limit.a, limit.jerk].into_iter().enumerate() {
                 // The path is rounded by half a unit at most, what its filter makes of that by a quarter more
                 // at most. A filtered set point gets the remainder of the one before: its own error is the
-                // difference of two, of one unit each.
-                let allowance = 3.25 * check::allowance(order as i32 + 1, run.drives.cycle);
+                // difference of two, of one unit each. Jerk is planned so much lower.
+                let part = if order < 2 { 3.25 } else { filtered::jerk_rounding(&machine, axis) };
+                let allowance = part * check::allowance(order as i32 + 1, run.drives.cycle);
                 let value = peaks.values[order];
                 assert!(
                     value <= limit * (1.0 + 1e-9) + allowance,
@@ -376,7 +411,7 @@ fn each_axis_has_its_own_filter() {
         let later = (40 - usize::from(order)) / 2;
         let mut taps = vec![0.0; later];
         taps.extend(self::taps(kind, order.into(), 1.0, 0.03, f64::from(share) / 100.0));
-        let expected = filtered(&run.path.columns[axis], &taps);
+        let expected = weighed(&run.path.columns[axis], &taps);
         let off = run.drives.columns[axis].iter().zip(&expected).map(|(y, x)| (*y as f64 / ONE - x).abs());
         let off = off.fold(0.0, f64::max);
         assert!(off <= 6e-3 * run.largest(axis, 40) / ONE + 1e-5, "axis {axis}: {off}");

@@ -59,6 +59,56 @@ fn synchronous_and_asynchronous() {
     assert!(ended && !swinging, "{ended} {swinging}");
 }
 
+/// P-CHAN-00297 = 1: an exact stop of the path is one of the independent axes too, of all of them, but not
+/// of an oscillation; = 2: so is `#WAIT INDP`, whatever axis it names. With filters the axes have settled.
+#[test]
+fn exact_stop_p_chan_00297() {
+    let mut machine = even::<3>(1000);
+    let of = |machine: &MachineData<3>, mode: u8| MachineData {
+        channel: ChannelData { exact_stop_indp: mode, ..machine.channel },
+        ..*machine
+    };
+    // The examples of the parameter, and what goes on behind them.
+    let begins = "Z[INDP_ASYN G01 G90 POS=40 FEED=3000]\n";
+    let path = |stop: &str| format!("{begins}G01 G90 X5 Z40 F3000 {stop}\nY10\nM30\n");
+    let two = format!("X[INDP_ASYN G01 G90 POS=5 FEED=3000]\n{begins}#WAIT INDP [X]\nG01 Y10 F3000\nM30\n");
+    for filtered in [false, true] {
+        if filtered {
+            for axis in &mut machine.axes {
+                permit_filters(axis, 1000);
+                axis.filter.kind = FilterType::Gauss;
+                (axis.filter.enable, axis.filter.order) = (true, 60);
+            }
+        }
+        // Whether the next block waits for Z, and how long it does.
+        let waits = |text: &str, mode: u8| {
+            let run = good(text, &of(&machine, mode));
+            assert_eq!(run.ends()[1..], [10.0, 40.0], "{text}");
+            first_move(&run, 1).checked_sub(last_move(&run, 2))
+        };
+        for (mode, stop, word) in [(0, false, false), (1, true, false), (2, false, true)] {
+            assert_eq!(waits(&path("G60"), mode).is_some(), stop, "mode {mode}, G60");
+            assert_eq!(waits(&path("G360"), mode).is_some(), stop, "mode {mode}, G360");
+            assert!(waits(&path(""), mode).is_none(), "mode {mode}, no exact stop");
+            assert_eq!(waits(&two, mode).is_some(), word, "mode {mode}, #WAIT INDP");
+        }
+        // An axis that the motion does not name is waited for as well, one that stands is not.
+        assert!(waits(&path("G60").replace("Z40 ", ""), 1).is_some());
+        let stands = "G01 G90 Z40 F3000\nX5 G60\nY10\nM30\n";
+        assert_eq!(good(stands, &of(&machine, 1)).axes, good(stands, &of(&machine, 0)).axes);
+        // No longer than its own motion takes, and its filter.
+        let waited = waits(&path("G60"), 1).expect("it waits");
+        assert!(waited < if filtered { 80 } else { 12 }, "{waited}");
+        // An oscillation goes on.
+        let swings =
+            "Z[OSC ON 1ST_POS=-3 2ND_POS=4 FREQ=2]\nG04 1\nG01 X5 F3000 G60\n#WAIT INDP ALL\nY10\nM30\n";
+        for mode in 0..3 {
+            let run = good(swings, &of(&machine, mode));
+            assert!(first_move(&run, 1) < last_move(&run, 2), "mode {mode}");
+        }
+    }
+}
+
 /// An arc moves both axes of its plane, named or not: their own motions end before it.
 #[test]
 fn an_arc_waits_for_the_axes_of_its_plane() {
@@ -307,12 +357,16 @@ fn check(seed: u64) -> Result<bool, String> {
     let slope = (seed % 4) as u8;
     machine.channel.slope_profile = slope;
     machine.channel.corr_v_trans_jerk = true;
+    machine.channel.exact_stop_indp = (seed / 16 % 3) as u8;
     for axis in &mut machine.axes {
         axis.a_trans_weight = 0;
         axis.vb_max_red = axis.vb_max / 3 + 1;
     }
     let mut random = Random::new(seed ^ 0x5eed);
     let (mut text, ends, told) = program(&mut random);
+    if seed / 48 % 2 == 1 {
+        text = format!("G360\n{text}");
+    }
     if let Some(tolerance) = tolerance {
         text = format!("#FILTER [AX_DEV={tolerance:.6}]\n{text}");
     }

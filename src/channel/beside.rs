@@ -16,7 +16,7 @@
 //! (P-AXIS-00214) acts on all.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
-use crate::machine::AxisKind;
+use crate::machine::{AxisKind, ChannelData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_wide;
 use crate::nc::{
@@ -77,6 +77,8 @@ pub(super) struct Beside<'a, const OVERLAYS: usize> {
     pub(super) pending: Option<Pending>,
     /// P-CHAN-00451.
     joins_named: bool,
+    /// P-CHAN-00297.
+    exact_stop: u8,
     /// The next piece of work is theirs.
     turn: bool,
 }
@@ -85,9 +87,10 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
     pub(super) const fn new(
         singles: &'a mut [Single; OVERLAYS],
         overlays: [OverlaySender<'a>; OVERLAYS],
-        joins_named: bool,
+        channel: &ChannelData,
     ) -> Self {
-        Self { singles, overlays, pending: None, joins_named, turn: false }
+        let (joins_named, exact_stop) = (channel.joins_named, channel.exact_stop_indp);
+        Self { singles, overlays, pending: None, joins_named, exact_stop, turn: false }
     }
 
     /// Nothing moves beside the path, or will.
@@ -412,8 +415,25 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Some(Held::new(head, function))
     }
 
+    /// #WAIT INDP: of these axes, or of all (P-CHAN-00297 = 2).
+    pub(super) fn wait_independent(&mut self, axes: u32) {
+        self.await_independent(if self.beside.exact_stop == WAITS_FOR_ALL { u32::MAX } else { axes });
+    }
+
+    /// Exact stop behind the motion taken in: filters settle, and with P-CHAN-00297 = 1 independent axes
+    /// come to the ends of their motions.
+    #[inline(never)]
+    pub(super) fn stop_exactly(&mut self) {
+        if self.beside.exact_stop == STOPS_WITH_PATH {
+            self.await_independent(u32::MAX);
+        }
+        if self.settling() > 0 {
+            self.planning.rest(self.settling());
+        }
+    }
+
     /// The program goes on when these axes, but those that oscillate, have come to the ends of their motions.
-    pub(super) fn await_independent(&mut self, axes: u32) {
+    fn await_independent(&mut self, axes: u32) {
         let awaited = self.beside.singles.iter().filter(|single| !single.is_swinging());
         let moving = awaited.filter_map(Single::axis).fold(0, |axes, axis| axes | bit(axis));
         self.join(axes & moving);
@@ -504,5 +524,11 @@ fn nearest(from: Position, position: Position) -> Position {
     let way = if way > TURN / 2 { way - TURN } else { way };
     Position::from_bits(from.to_bits() + way)
 }
+
+/// P-CHAN-00297: exact stop on the path is one of independent axes too.
+const STOPS_WITH_PATH: u8 = 1;
+
+/// P-CHAN-00297: `#WAIT INDP` waits for all independent axes.
+const WAITS_FOR_ALL: u8 = 2;
 
 const FULL: &str = "all overlays of the channel are at work; expected fewer axes that move alone at once, or more OVERLAYS of the channel";

@@ -135,11 +135,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
                 released: 0,
                 lost: false,
                 filters,
-                beside: Beside::new(
-                    singles.write([Single::NONE; OVERLAYS]),
-                    to_overlays,
-                    machine.channel.joins_named,
-                ),
+                beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays, &machine.channel),
             },
             interpolator,
             operator,

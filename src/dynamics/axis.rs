@@ -65,6 +65,8 @@ pub(super) struct Axis {
     pub(super) cap: f32,
     /// Part of its accelerations and jerks that AX_DEV leaves where all jerk is limited.
     pub(super) share: Option<f32>,
+    /// A filter behind it rounds its set points.
+    pub(super) is_filtered: bool,
 }
 
 impl TransitionLimits {
@@ -132,7 +134,16 @@ impl Axis {
             a_shared: 0.0,
             a_resting: 0.0,
         };
-        Self { feed: set, rapid: set, a_max: 0.0, v_reduced: 0.0, gain: 0.0, cap: 0.0, share: None }
+        Self {
+            feed: set,
+            rapid: set,
+            a_max: 0.0,
+            v_reduced: 0.0,
+            gain: 0.0,
+            cap: 0.0,
+            share: None,
+            is_filtered: false,
+        }
     };
 
     /// Feed or rapid.
@@ -152,7 +163,16 @@ impl Axis {
             Motion { v: data.vb_eilgang, a: a_rapid, tr: [data.tr_grenz; 4], stages: data.stages(true) };
         let v_reduced = if data.vb_max_red == 0 { f32::MAX } else { units.speed(data.vb_max_red) };
         let [feed, rapid] = [feed, rapid].map(|motion| Set::new(&motion, data, channel, slope));
-        Self { feed, rapid, a_max: units.accel(data.a_max), v_reduced, gain: 1.0, cap: f32::MAX, share: None }
+        Self {
+            feed,
+            rapid,
+            a_max: units.accel(data.a_max),
+            v_reduced,
+            gain: 1.0,
+            cap: f32::MAX,
+            share: None,
+            is_filtered: false,
+        }
     }
 }
 

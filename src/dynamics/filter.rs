@@ -18,10 +18,13 @@ use crate::slope::ramp_shape::RampShape;
 const PASSING_JERK: f32 = 0.1;
 /// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.46/0.91.
 const PASSING: f32 = 0.5;
-/// So much more acceleration is clearly more.
-const WORTH: f32 = 1.25;
+/// So much more acceleration is clearly more. Without negative taps it is 0.97/0.91.
+const WORTH: f32 = 1.07;
 /// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
 const SHORT_SPEED: f32 = 0.707;
+/// What a filter's rounding adds to the third difference of a set point, beside what the path's own adds
+/// to it, mm: 9 LSB of 2^-32.
+const ROUNDED: f32 = 9.0 / (1u64 << 32) as f32;
 /// Longest slope that is looked at, ticks of its ramp.
 const WINDOW_PART: f32 = 0.5;
 
@@ -56,10 +59,11 @@ impl Axis {
             SlopeType::Sin2 => RampShape::SineSquare.peak_jerk(),
             SlopeType::Step | SlopeType::Hsc => return None,
         };
-        let [by_accel, by_jerk] = watch.bound?;
         let jerk = max(self.feed.jerk(peak)?, self.rapid.jerk(peak)?);
         // With the filter's gain they are lower already.
-        let deviation = (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
+        let of = |[by_accel, by_jerk]: [f32; 2]| (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
+        let [one, other] = watch.bound?.map(of);
+        let deviation = min(one, other);
         let share = if deviation > 1.0 { 1.0 / deviation } else { 1.0 };
         (share * self.a_max / watch.gain > WORTH * watch.accel?).then_some(share)
     }
@@ -68,6 +72,9 @@ impl Axis {
     pub(super) fn filtered_as(mut self, other: &Self, alike: bool) -> Self {
         let part = 1.0 / other.gain;
         for set in [&mut self.feed, &mut self.rapid] {
+            if other.is_filtered {
+                set.leave_rounding();
+            }
             if other.gain > 1.0 {
                 set.scale(part);
             }
@@ -82,6 +89,15 @@ impl Axis {
 }
 
 impl Set {
+    /// Jerks have so much less that rounding in the filter keeps the limits; a jerk of a few LSB keeps half.
+    fn leave_rounding(&mut self) {
+        let TransitionLimits { budget, knee, bend, .. } = &mut self.joint;
+        let jerks = [&mut self.ramp_budget, &mut self.geometric_budget, budget, knee, bend];
+        for jerk in self.j.iter_mut().chain(jerks) {
+            *jerk = max(*jerk - ROUNDED, 0.5 * *jerk);
+        }
+    }
+
     /// Everything that grows with a motion, times `part`.
     fn scale(&mut self, part: f32) {
         for value in [&mut self.v, &mut self.a_up, &mut self.a_down, &mut self.change_over] {
@@ -148,7 +164,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         let a_max = limits.a_max * part;
         limits.share = limits.smooth_share(watch, slope);
         limits.v_reduced = if limits.v_reduced == f32::MAX { f32::MAX } else { limits.v_reduced * part };
+        limits.is_filtered = true;
         for set in [&mut limits.feed, &mut limits.rapid] {
+            set.leave_rounding();
             if watch.gain > 1.0 {
                 set.scale(part);
             }

@@ -19,7 +19,8 @@
 //! even. Each sample takes 8 bytes, a tap 1 on either side, as both of a symmetric pair are one: 10 bytes.
 //!
 //! A set point is rounded with what rounding left of the one before: sums are kept, and it is off by less than
-//! an LSB (2^-32 mm). Its third difference is off by less than 8, besides what the filter makes of the path's.
+//! an LSB (2^-32 mm). Its third difference is off by less than 8, besides what the filter makes of that of the
+//! path: the planner leaves that much of the jerk.
 mod bank;
 mod design;
 mod kernel;

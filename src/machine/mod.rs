@@ -368,6 +368,9 @@ pub struct ChannelData {
     /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: a motion that names an axis with a motion of its own
     /// waits for the end of that, 0 if it moves the axis, 1 always.
     pub joins_named: bool,
+    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which exact stop independent axes have. 0 `#WAIT INDP` waits
+    /// for the axes that it names, 1 so does exact stop (G60, G360) for all of them, 2 `#WAIT INDP` for all.
+    pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
 }
@@ -397,6 +400,7 @@ impl ChannelData {
             ptp: false,
             surface: false,
             joins_named: false,
+            exact_stop_indp: 0,
             default_index: 0,
         }
     }

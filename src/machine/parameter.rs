@@ -207,6 +207,17 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         )
     },
     Parameter {
+        set: |t, milli| t.exact_stop_indp = (milli / 1000) as u8,
+        get: |t| t.exact_stop_indp as i64 * 1000,
+        ..plain(
+            "P-CHAN-00297",
+            "mode_exact_stop_indp_axis",
+            "0 none, 1 exact stop waits for independent axes, 2 #WAIT INDP waits for all of them",
+            0,
+            2000,
+        )
+    },
+    Parameter {
         set: |t, milli| t.override_weight_prog_feed = (milli / 1000) as u8,
         get: |t| t.override_weight_prog_feed as i64 * 1000,
         ..plain("P-CHAN-00066", "override_weight_prog_feed", "", 0, 2000)

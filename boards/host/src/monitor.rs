@@ -17,26 +17,43 @@ const COVERED: u64 = 3;
 /// Per order: the limit per second, and the largest difference in LSB of a position.
 type Bounds = [(f64, i128); 3];
 
-/// An axis: what it may do on the path, what beside it, and since when it is where.
-#[derive(Clone, Copy, Debug)]
+/// An axis: what it may do on the path, what in each of its motions beside it, and since when it is where.
+#[derive(Clone, Debug)]
 struct Compared {
     path: Bounds,
-    beside: Option<Bounds>,
+    beside: Vec<Bounds>,
+    /// Its motions beside the path that have begun, and whether the last one goes on.
+    begun: usize,
     is_beside: bool,
+    /// What it might do before that.
+    before: Bounds,
     /// The first row there.
     since: u64,
 }
 
 impl Compared {
+    /// What it may do now.
+    fn now(&self) -> Bounds {
+        let motion = self.begun.checked_sub(1).filter(|_| self.is_beside);
+        motion.and_then(|motion| self.beside.get(motion)).copied().unwrap_or(self.path)
+    }
+
     /// What the differences up to a row may be; around a change, the larger one.
     fn bounds(&self, tick: u64) -> Bounds {
-        let Some(beside) = self.beside.filter(|_| self.since > 0 || self.is_beside) else { return self.path };
-        match (tick < self.since + COVERED, self.is_beside) {
-            (true, _) => {
-                std::array::from_fn(|k| if beside[k].1 > self.path[k].1 { beside[k] } else { self.path[k] })
-            }
-            (false, true) => beside,
-            (false, false) => self.path,
+        let now = self.now();
+        if tick >= self.since + COVERED {
+            return now;
+        }
+        std::array::from_fn(|k| if self.before[k].1 > now[k].1 { self.before[k] } else { now[k] })
+    }
+
+    /// From the row with this number on it moves beside the path, or does not.
+    fn change(&mut self, tick: u64, is_beside: bool) {
+        if is_beside != self.is_beside {
+            self.before = self.bounds(tick);
+            self.is_beside = is_beside;
+            self.begun += usize::from(is_beside);
+            self.since = tick;
         }
     }
 }
@@ -105,11 +122,10 @@ impl Monitor {
                 (limit, if bound < 1e30 { bound as i128 + rounding } else { i128::MAX })
             })
         };
-        let axes = (0..machine.axes.len()).map(|k| Compared {
-            path: bounds(program.allowed(k, machine)),
-            beside: program.limits_beside.get(k).copied().flatten().map(bounds),
-            is_beside: false,
-            since: 0,
+        let axes = (0..machine.axes.len()).map(|k| {
+            let path = bounds(program.allowed(k, machine));
+            let beside = program.limits_beside.get(k).into_iter().flatten().copied().map(bounds).collect();
+            Compared { path, beside, begun: 0, is_beside: false, before: path, since: 0 }
         });
         Self {
             axes: axes.collect(),
@@ -128,13 +144,11 @@ impl Monitor {
         self.sums.fill(0);
     }
 
-    /// From the row with this number on these axes move beside the path, bit i for axis i.
+    /// From the row with this number on these axes move beside the path, bit i for axis i. Between two
+    /// motions of an axis, which may come in one row, it is to be asked as well.
     pub fn beside(&mut self, tick: u64, moving: u32) {
         for (k, axis) in self.axes.iter_mut().enumerate() {
-            let is_beside = moving >> k & 1 == 1;
-            if is_beside != axis.is_beside {
-                (axis.is_beside, axis.since) = (is_beside, tick);
-            }
+            axis.change(tick, moving >> k & 1 == 1);
         }
     }
 
@@ -261,7 +275,8 @@ mod tests {
         let machine = Machine::built_in();
         let mut program = Program::empty(&machine);
         let path = program.allowed(0, &machine);
-        program.limits_beside[0] = Some(Limits { jerk: 2.0 * path.jerk, ..path });
+        program.limits_beside[0] =
+            vec![Limits { jerk: 2.0 * path.jerk, ..path }, Limits { jerk: f64::INFINITY, ..path }, path];
         let mut monitor = Monitor::new(&machine, &program);
         let mut seen = |tick, moving, mm| {
             monitor.beside(tick, moving);
@@ -272,5 +287,23 @@ mod tests {
         assert_eq!((seen(1, 0, 3e-4), seen(2, 1, 3e-4), seen(6, 1, 3e-4), seen(7, 1, 5e-4)), (1, 0, 0, 1));
         // A difference covers rows from before.
         assert_eq!((seen(8, 0, 3e-4), seen(10, 0, 3e-4), seen(11, 0, 3e-4)), (0, 0, 1));
+        // The second motion is one of STEP; it permits nothing to the third one.
+        assert_eq!((seen(20, 1, 1.0), seen(30, 1, 1.0), seen(40, 0, 3e-4)), (0, 0, 0));
+        assert_eq!((seen(50, 1, 3e-4), seen(53, 1, 1e-4)), (1, 0));
+        // Two motions in one row.
+        program_row(&machine);
+    }
+
+    /// An axis whose one motion ends in the row in which the next one begins.
+    fn program_row(machine: &Machine) {
+        let mut program = Program::empty(machine);
+        let path = program.allowed(0, machine);
+        program.limits_beside[0] = vec![Limits { jerk: f64::INFINITY, ..path }, path];
+        let mut monitor = Monitor::new(machine, &program);
+        for (tick, moving) in [(1, 1), (9, 0), (9, 1)] {
+            monitor.beside(tick, moving);
+        }
+        monitor.look(0, 12, 10, &[0, 0, lsb(1.0)]);
+        assert_eq!(monitor.excess.len(), 1);
     }
 }

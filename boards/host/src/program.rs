@@ -113,8 +113,8 @@ pub struct Program {
     pub warnings: Vec<Diagnostic>,
     /// What each axis may do with the largest weights under which the program moves.
     pub limits: Vec<Limits>,
-    /// What those axes may do that move beside the path, while they do.
-    pub limits_beside: Vec<Option<Limits>>,
+    /// What each axis may do in each of its motions beside the path, in their order.
+    pub limits_beside: Vec<Vec<Limits>>,
     /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
     /// Motions of axes beside the path, in the order of the program.
@@ -310,7 +310,7 @@ impl Program {
             motions: 0,
             warnings: Vec::new(),
             limits: Vec::new(),
-            limits_beside: vec![None; machine.axes.len()],
+            limits_beside: vec![Vec::new(); machine.axes.len()],
             free_curves: false,
             beside: Vec::new(),
         }
@@ -339,8 +339,7 @@ impl Program {
     fn allow_beside(&mut self, told: &Told, axes: &[AxisData], machine: &Machine) {
         let slope = told.slope.unwrap_or(machine.slope());
         if let (Some(axis), Some(allowed)) = (axes.get(told.axis), self.limits_beside.get_mut(told.axis)) {
-            let now = limits(&told.weigh(axis).planned(&machine.channel), slope);
-            *allowed = Some(allowed.map_or(now, |allowed| allowed.or(now)));
+            allowed.push(limits(&told.weigh(axis).planned(&machine.channel), slope));
         }
     }
 
@@ -351,8 +350,8 @@ impl Program {
 
     /// What the axis with this index may do, on the path or beside it.
     pub fn allowed_anywhere(&self, axis: usize, machine: &Machine) -> Limits {
-        let (path, beside) = (self.allowed(axis, machine), self.limits_beside.get(axis).copied().flatten());
-        beside.map_or(path, |beside| path.or(beside))
+        let beside = self.limits_beside.get(axis).into_iter().flatten();
+        beside.fold(self.allowed(axis, machine), |allowed, beside| allowed.or(*beside))
     }
 
     /// What the axis with this index may do on the path.

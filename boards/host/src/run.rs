@@ -207,6 +207,7 @@ fn drive<const AXES: usize>(
         while !done && !stalled {
             let progress = planner.poll().map_err(|error| Stop::Refused(Box::new(error)))?;
             recorder.curves(&planner);
+            recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
                 Progress::Working => {}
                 // The decode pass has collected the others.

@@ -608,7 +608,7 @@ mod tests {
     #[test]
     fn every_parameter_is_read() {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
-        let text = "[channel]\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
+        let text = "[channel]\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\nmode_exact_stop_indp_axis = 2\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
@@ -661,6 +661,7 @@ mod tests {
             ptp: true,
             surface: false,
             joins_named: true,
+            exact_stop_indp: 2,
             default_index: 6,
         };
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
