@@ -337,7 +337,8 @@ pub enum NcWarningKind {
     FilterWithoutOrder,
     /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
     NoTangent,
-    /// A turn that #HSC \[SURFACE\] does not round though MAX_ANGLE permits it: more than 102 degrees.
+    /// A turn that #HSC \[SURFACE\] does not round though MAX_ANGLE permits it: straight back, or by more than
+    /// 102 degrees beside an arc.
     SurfaceSharp,
     /// #HSC \[SURFACE\] found no curve inside its tolerance, at a block before the one that is named.
     SurfaceLost,
@@ -407,7 +408,7 @@ impl fmt::Display for NcWarning {
                 "no motion block since the type of the spline was chosen: it begins with an automatic direction"
             }
             NcWarningKind::SurfaceSharp => {
-                "a turn of more than 102 degrees: #HSC [SURFACE] does not round it, the motion stands still there"
+                "a turn straight back, or of more than 102 degrees beside an arc: #HSC [SURFACE] does not round it, the motion stands still there"
             }
             NcWarningKind::SurfaceLost => {
                 "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: the motion stands still in its corners"

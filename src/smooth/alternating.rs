@@ -6,7 +6,7 @@
 //! block of contour mode, of which a corner takes half at most. Both go straight where they meet.
 use super::contour::{Contouring, Settings};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};
-use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
 use crate::dynamics::Dynamics;
 use crate::nc::{Contour, ContourMethod, NcWarningKind, Place};
 use crate::path::{Element, Measure, line};
@@ -25,7 +25,7 @@ enum Turn<const AXES: usize> {
 }
 
 /// A block that waits, and what stands before it.
-type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
+pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
 /// The stage.
 #[derive(Clone, Copy, Debug)]
@@ -134,8 +134,7 @@ impl<const AXES: usize> Alternating<AXES> {
             }
         }
         if let Some(rest) = rest {
-            (line.from, line.to) = (line.to, rest.to);
-            (line.element, line.data.stop) = (rest.element, rest.stop);
+            rest.follow(line);
             *parting = Parting::None;
         } else {
             self.last = None;
@@ -312,18 +311,23 @@ pub fn settings(rules: &Rules, own: &Settings) -> Settings {
 }
 
 /// What is left of a line.
-struct Rest<const AXES: usize> {
+pub struct Rest<const AXES: usize> {
     element: Element<AXES>,
     to: [Position; AXES],
     stop: bool,
 }
 
-/// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
-fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
-    let mut middle = block.from;
-    for (x, to) in middle.iter_mut().zip(&block.to) {
-        *x = Position::from_bits(x.to_bits() + (to.to_bits().saturating_sub(x.to_bits()) >> 1));
+impl<const AXES: usize> Rest<AXES> {
+    /// A block that ends in the middle of its line becomes the other half.
+    pub const fn follow(&self, block: &mut ProgrammedBlock<AXES>) {
+        (block.from, block.to) = (block.to, self.to);
+        (block.element, block.data.stop) = (self.element, self.stop);
     }
+}
+
+/// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
+pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
+    let middle = middle(&block.from, &block.to);
     let element = line(&middle, &block.to, measure).ok()??;
     let rest = Rest { element, to: block.to, stop: block.data.stop };
     block.element = line(&block.from, &middle, measure).ok()??;

@@ -4,6 +4,7 @@
 //! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
 mod alternating;
 pub mod contour;
+mod edged;
 pub mod spline;
 pub mod surface;
 
@@ -16,8 +17,8 @@ use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 use alternating::Alternating;
 use contour::{Contouring, Preset};
+use edged::Edged;
 use spline::{DirectParameters, HscParameters, Mode, Rules, Splining, Start};
-use surface::Surface;
 
 /// How a block was programmed, to make its rest anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +79,15 @@ pub struct Smoothed<'a, const AXES: usize> {
     pub curving: Option<Curving>,
     /// Functions with no more motion blocks before them come before it.
     pub due: u32,
+}
+
+/// Half way from one point to another.
+fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [Position; AXES] {
+    let mut middle = *from;
+    for (x, to) in middle.iter_mut().zip(to) {
+        *x = Position::from_bits(x.to_bits() + (to.to_bits().saturating_sub(x.to_bits()) >> 1));
+    }
+    middle
 }
 
 /// What stands between a block and the one before.
@@ -150,7 +160,7 @@ enum Kind<const AXES: usize> {
     /// #HSC \[BSPLINE\] with P-CHAN-00239.
     Alternating(Alternating<AXES>),
     /// #HSC \[SURFACE\].
-    Surface(Surface<AXES>),
+    Surface(Edged<AXES>),
 }
 
 /// A kind that is to be at work as soon as nothing is held back.
@@ -487,7 +497,7 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     #[inline(never)]
     fn begin_surface(&mut self) {
-        self.kind = Kind::Surface(Surface::new(self.measure, &self.surface));
+        self.kind = Kind::Surface(Edged::new(self.measure, &self.surface));
     }
 }
 

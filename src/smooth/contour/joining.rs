@@ -305,6 +305,7 @@ impl<const AXES: usize> Joining<AXES> {
         [found, even]: [Option<(f32, f32)>; 2],
     ) -> Quickest {
         let part = found.map_or(0.0, |(part, _)| part);
+        let even = even.filter(|_| !rule.edges || candidate.is_none());
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
         let even = even.unwrap_or(f32::MAX);
         let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);

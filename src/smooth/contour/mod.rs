@@ -191,6 +191,12 @@ impl Settings {
         self.parameters.preset.check_jerk
     }
 
+    /// On, with DEV at every corner, and no block left out.
+    pub fn at_edges(check_jerk: u8) -> Self {
+        let parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
+        Self { parameters: Parameters { max_angle: 1.0, edges: true, ..parameters }, on: true, once: false }
+    }
+
     /// On, as at program start but for this command.
     pub fn on_with(&self, contour: &Contour) -> Self {
         let mut parameters = Parameters::new(self.parameters.preset);
@@ -224,6 +230,8 @@ pub struct Contouring<const AXES: usize> {
     third: Option<HeldBlock<AXES>>,
     /// What the last line is made of.
     chords: Chords<AXES>,
+    /// The next block is half a line that ends or begins where nothing turns.
+    half: bool,
     /// The corner between the block held back and the one that waits, while it is worked on.
     joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
@@ -329,6 +337,7 @@ impl<const AXES: usize> Contouring<AXES> {
             waiting: None,
             third: None,
             chords: Chords::NONE,
+            half: false,
             joining: None,
             remark: None,
         }
@@ -344,6 +353,12 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn settings(&self) -> Settings {
         let Self { parameters, on, once, .. } = *self;
         Settings { parameters, on, once }
+    }
+
+    /// The tolerances of the corner behind the next block, which is half a line that ends or begins where
+    /// nothing turns, or a whole block.
+    pub(super) const fn tolerate(&mut self, [path_dev, track_dev]: [f32; 2], half: bool) {
+        (self.parameters.path_dev, self.parameters.track_dev, self.half) = (path_dev, track_dev, half);
     }
 
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
@@ -538,7 +553,13 @@ impl<const AXES: usize> Contouring<AXES> {
     /// A block waits.
     #[inline(never)]
     fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
-        self.free().insert(HeldBlock::new(block)).rule = rule;
+        let half = core::mem::take(&mut self.half);
+        let held = self.free().insert(HeldBlock::new(block));
+        held.rule = rule;
+        if half {
+            // Nearly all of it is for the one corner.
+            held.length += held.length / 8 * 7;
+        }
     }
 }
 

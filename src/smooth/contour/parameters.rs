@@ -29,6 +29,8 @@ pub struct Parameters {
     pub track_dev: f32,
     /// RELEVANT_PATH.
     pub relevant_path: f32,
+    /// Corners of #HSC \[SURFACE\]: no block is left out, and a curve over time goes before one over arc length.
+    pub edges: bool,
     /// RELEVANT_TRACK.
     pub relevant_track: f32,
     /// Largest part of a block that one corner takes: from REMAIN_PART.
@@ -90,6 +92,7 @@ impl Parameters {
             path_dev: 1.0,
             track_dev: 0.0,
             relevant_path: 0.0,
+            edges: false,
             relevant_track: 0.0,
             share: 0.5,
             check_jerk: preset.check_jerk,
@@ -272,11 +275,12 @@ impl Parameters {
     /// no more than a tolerance allows for, nor than a part of corner distances that are asked for.
     pub(super) fn relevant(&self) -> [f32; 2] {
         let Tolerance { path, track } = self.tolerance();
+        let least = if self.edges { 0.0 } else { LEAST_RELEVANT };
         let most = match path {
-            Some(path) => min(max(self.relevant_path, LEAST_RELEVANT), path),
+            Some(path) => min(max(self.relevant_path, least), path),
             None => {
                 let [pre, post] = self.distances([f32::MAX; 2]);
-                max(self.relevant_path, min(LEAST_RELEVANT, LEFT_OUT * min(pre, post)))
+                max(self.relevant_path, min(least, LEFT_OUT * min(pre, post)))
             }
         };
         [most, if track > 0.0 { min(self.relevant_track, track) } else { self.relevant_track }]

@@ -1,7 +1,7 @@
 //! Blocks as chords: a line is one, an arc many. On chords that are long beside the kernels more vertices come
 //! in between, on the smooth curve that the chords stand for.
 use super::parameters::{Parameters, Tolerance};
-use super::window::{Programmed, Vertex, Window, smoothness};
+use super::window::{Programmed, Space, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock};
@@ -21,6 +21,8 @@ pub struct Chord<const AXES: usize> {
     pub programmed: Programmed,
     /// A part of an arc.
     pub arc: bool,
+    /// It is half a line, and goes on where the row begins or ends.
+    pub half: bool,
     /// What lines that it stands for are beside it.
     pub stray: Tolerance,
 }
@@ -37,6 +39,8 @@ pub struct Source<const AXES: usize> {
     pub exact: bool,
     /// Functions stand before it.
     pub parted: bool,
+    /// It is half a line, in the middle of which the row begins.
+    pub half: bool,
     /// All of it has gone on.
     pub is_over: bool,
 }
@@ -56,6 +60,8 @@ const SLIGHT: f32 = 0.001;
 const BULGE: f32 = 0.96;
 /// One that wants more than so much of it gets less: what is left is for the kernels.
 const FAR: f32 = 1.05;
+/// Where a curve is farthest from its chord: between turns to one side, and to both.
+const FARTHEST: [f32; 3] = [0.5, 0.211_325, 0.788_675];
 const LESS: f32 = 0.6;
 
 impl<const AXES: usize> Source<AXES> {
@@ -70,7 +76,7 @@ impl<const AXES: usize> Source<AXES> {
         }
         let next = Distance::ZERO;
         let (block, from, step) = (*block, block.from, Distance::from_bits(step));
-        Self { block, next, step, from, exact, parted, is_over: false }
+        Self { block, next, step, from, exact, parted, half: false, is_over: false }
     }
 
     /// The next chord; without going on.
@@ -82,8 +88,8 @@ impl<const AXES: usize> Source<AXES> {
         if end < self.block.element.shape.length.to_bits() {
             to = self.block.element.shape.point(end, &self.block.from);
         }
-        let mut chord = Chord::new(&self.from, &to, programmed, window)?;
-        chord.arc = self.block.form != Form::Line;
+        let mut chord = Chord::new(&self.from, &to, programmed, window.space)?;
+        (chord.arc, chord.half) = (self.block.form != Form::Line, self.half);
         Some(chord)
     }
 
@@ -102,28 +108,28 @@ impl<const AXES: usize> Chord<AXES> {
         from: &[Position; AXES],
         to: &[Position; AXES],
         programmed: Programmed,
-        window: &Window<AXES>,
+        space: Space,
     ) -> Option<Self> {
         let mut direction = [0.0; AXES];
         for (d, (from, to)) in direction.iter_mut().zip(from.iter().zip(to)) {
             *d = to_f32(to.to_bits().wrapping_sub(from.to_bits())) * LSB_32;
         }
-        let length = window.length(&direction);
+        let length = space.length(&direction);
         if length <= 0.0 {
             return None;
         }
         let per = 1.0 / length;
         let direction = direction.map(|d| d * per);
         let stray = Tolerance { path: 0.0, track: 0.0 };
-        Some(Self { from: *from, to: *to, direction, length, programmed, arc: false, stray })
+        Some(Self { from: *from, to: *to, direction, length, programmed, arc: false, half: false, stray })
     }
 
     /// One chord in place of this line and the next one, if what is between is inside `most` of it.
     pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
-        if self.arc || next.arc || window.length(&self.turn(next)) > GENTLE {
+        if self.arc || next.arc || self.half || next.half || window.length(&self.turn(next)) > GENTLE {
             return None;
         }
-        let mut both = Self::new(&self.from, &next.to, next.programmed, window)?;
+        let mut both = Self::new(&self.from, &next.to, next.programmed, window.space)?;
         let mut off = self.direction;
         for (off, both) in off.iter_mut().zip(&both.direction) {
             *off = (*off - both) * self.length;
@@ -219,11 +225,14 @@ impl<const AXES: usize> Window<AXES> {
         if let Some(behind) = behind {
             of(1, chord, behind, 1.0);
         }
-        let middle = bulge.at(0.5, chord.length);
-        let mut part = kept(self.length(&middle), tolerance.path);
-        if tolerance.track > 0.0 {
-            for (_, x) in middle.iter().enumerate().filter(|(k, _)| !self.is_main(*k)) {
-                part = min(part, kept(max(*x, -*x), tolerance.track));
+        let mut part = 1.0;
+        for place in FARTHEST {
+            let off = bulge.at(place, chord.length);
+            part = min(part, kept(self.length(&off), tolerance.path));
+            if tolerance.track > 0.0 {
+                for (_, x) in off.iter().enumerate().filter(|(k, _)| !self.is_main(*k)) {
+                    part = min(part, kept(max(*x, -*x), tolerance.track));
+                }
             }
         }
         for slopes in &mut bulge.slopes {
@@ -253,7 +262,12 @@ impl<const AXES: usize> Window<AXES> {
         let mut bulge = Bulge::NONE;
         let mut count = 0;
         let mut long = false;
-        if chord.length > step {
+        let fixed = if chord.half { Vertex::<AXES>::FIXED } else { 0 };
+        if chord.half {
+            count = (chord.length / step) as usize + 1;
+            long = count > BETWEEN;
+            count = if long { 8 } else { count };
+        } else if chord.length > step {
             long = chord.length > LONG * widest;
             if long {
                 count = 8;
@@ -281,7 +295,7 @@ impl<const AXES: usize> Window<AXES> {
                 *at = Position::from_bits(at.to_bits().wrapping_add(d));
             }
             let offset = bulge.at(w, chord.length);
-            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, arc));
+            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, arc | fixed));
         }
         let marks = between.marks | Vertex::<AXES>::PROGRAMMED | arc;
         self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks));

@@ -9,21 +9,25 @@
 //! the tolerance. Where the proof fails the kernels become narrower; at last the motion goes straight to the next
 //! vertex, where it stands still.
 //!
-//! A row ends exactly in a vertex: at an exact stop, a dwell, a function that is waited for, a turn beyond MAX_ANGLE,
-//! before and behind an arc that stays one, a block without main axes, and with AUTO_OFF_G00 a rapid one. Another
-//! feed, and a function that is not waited for, begins with an element, and ends nothing.
+//! A row ends in the middle of a line before an edge, which is for contour mode (`edges.rs`, `smooth/edged.rs`). And
+//! exactly in a vertex: at an exact stop, a dwell, a function that is waited for, a turn beyond MAX_ANGLE, before
+//! and behind an arc that stays one, a block without main axes, and with AUTO_OFF_G00 a rapid one. Another feed,
+//! and a function that is not waited for, begins with an element, and ends nothing.
 //!
 //! Text that comes late ends a row too, when the motion would stand still for it: the path depends on that alone.
 mod cell;
 mod chords;
+mod edges;
 mod knot;
 mod parameters;
 mod window;
 
+pub(super) use edges::Edges;
 pub use parameters::Parameters;
 
 use self::cell::{Beside, Hull, Straight};
 use self::chords::{Between, Chord, Source};
+use self::edges::SHARPEST;
 use self::knot::{Aim, Spot};
 use self::window::{Programmed, Vertex, Window};
 use crate::dynamics::{Curving, Dynamics, Near};
@@ -33,7 +37,7 @@ use crate::nc::{NcWarningKind, Place};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, Measure, Passage, line};
 use crate::quantity::Position;
-use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
 
 /// An element on its way out.
 #[derive(Clone, Copy, Debug)]
@@ -99,10 +103,6 @@ pub struct Surface<const AXES: usize> {
 const HALVED: u8 = 2;
 const NARROWED: u8 = 14;
 const NARROWER: f32 = 0.7;
-
-/// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
-/// Beyond it the path would be much shorter than its polygon.
-const SHARPEST: f32 = 1.554_29;
 
 /// A turn (twice the sine of half the angle) that the motion slows down for and passes at one speed: 41 degrees.
 const SHARP: f32 = 0.7;
@@ -224,6 +224,43 @@ impl<const AXES: usize> Surface<AXES> {
         turn > SHARPEST && (is_arc || !self.parameters.is_beyond(turn))
     }
 
+    /// What is left of the last line, in the middle of which the row ends, if the next block makes an edge with
+    /// it: half of it, or all of it where the row has nothing else. And whether it is half. Only where a block may
+    /// be taken.
+    pub(super) fn leave(&mut self, block: &ProgrammedBlock<AXES>) -> Option<(ProgrammedBlock<AXES>, bool)> {
+        let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
+        let edges = Edges { parameters: &self.parameters, space: self.window.space };
+        if !edges.parts(pending, block) {
+            return None;
+        }
+        let alone = self.window.len() == 0;
+        let from = if alone { pending.from } else { middle(&pending.from, &pending.to) };
+        let element = line(&from, &pending.to, &self.measure).ok()??;
+        let Programmed { feed, n, number } = pending.programmed;
+        let data = Data { feed, n, place: self.place, number, stop: false };
+        let rest = ProgrammedBlock { element, from, to: pending.to, form: Form::Line, data };
+        if alone {
+            self.pending = None;
+        } else {
+            (pending.to, pending.length, pending.half) = (from, 0.5 * pending.length, true);
+            self.ending = Some(false);
+        }
+        Some((rest, !alone))
+    }
+
+    /// Takes the second half of a line, in the middle of which the row begins.
+    pub(super) fn take_half(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>) {
+        self.take(block, dynamics, Parting::None);
+        if let Some(source) = &mut self.source {
+            source.half = true;
+        }
+    }
+
+    /// Whether an element is on its way out.
+    pub(super) const fn hands_out(&self) -> bool {
+        self.made.is_some()
+    }
+
     /// The block at hand may have gone on as a whole.
     fn finish_source(&mut self) -> bool {
         if let Some(source) = self.source.filter(|source| source.is_over) {
@@ -303,7 +340,7 @@ impl<const AXES: usize> Surface<AXES> {
         let spot = self.window.advance(&front.spot, aim.way);
         let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
             let mut straight = Straight::new(&front.knot.position, &knot.position);
-            let main = self.window.main;
+            let main = self.window.space.0;
             if !self.is_inside(&front.spot, &spot, |chord| straight.keeps(chord, main)) {
                 return None;
             }
@@ -373,7 +410,7 @@ impl<const AXES: usize> Surface<AXES> {
         if !(fastest < FASTEST && length > 0.0) {
             return None;
         }
-        let (origin, main) = (&front.knot.position, self.window.main);
+        let (origin, main) = (&front.knot.position, self.window.space.0);
         if !self.is_inside(&front.spot, spot, |chord| hull.keeps(origin, chord, main)) {
             return None;
         }

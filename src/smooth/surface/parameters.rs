@@ -51,6 +51,9 @@ const SAGITTA: f32 = 1.0 / 20.0;
 /// What lines that become one may be beside each other, as a part of the tolerance. The rest is for the curve.
 const MERGED: f32 = 0.5;
 
+/// A turn of just the largest angle is none beyond it.
+const ROUNDED: f32 = 1.0 + 1.0 / 65_536.0;
+
 /// An arc of so many tolerances or less is of their order.
 const SMALL_RADIUS: f32 = 4.0;
 
@@ -139,7 +142,7 @@ impl Parameters {
     /// Whether a turn between two lines is too large: `chord` is the length of the step of direction, twice
     /// the sine of half the angle.
     pub fn is_beyond(&self, chord: f32) -> bool {
-        chord > 2.0 * self.max_angle
+        chord > 2.0 * ROUNDED * self.max_angle
     }
 
     /// The tolerance of a transition; `rapid`: G00 on both sides.

@@ -63,6 +63,8 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STRONG: u8 = 16;
     /// A long line meets a curve here: its curvature steps.
     pub const STEPS: u8 = 32;
+    /// Its point of the control polygon is not moved out: the row begins or ends along the line.
+    pub const FIXED: u8 = 64;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -92,12 +94,39 @@ const STRONG: f32 = 0.2;
 /// Rounding of a direction.
 const STRAIGHT: f32 = 1.0 / 1_048_576.0;
 
+/// The main axes, bit k for axis k.
+#[derive(Clone, Copy, Debug)]
+pub struct Space(pub u32);
+
+impl Space {
+    pub fn new(measure: &Measure) -> Self {
+        Self(measure.main.into_iter().flatten().filter(|k| *k < 32).fold(0, |bits, k| bits | 1 << k))
+    }
+
+    /// Length of a vector in space.
+    #[inline(always)]
+    pub fn length<const AXES: usize>(self, d: &[f32; AXES]) -> f32 {
+        let mut sum = 0.0;
+        for (k, x) in d.iter().enumerate() {
+            if self.is_main(k) {
+                sum += x * x;
+            }
+        }
+        sqrt_f32(sum)
+    }
+
+    /// Whether an axis is a main one.
+    #[inline(always)]
+    pub const fn is_main(self, axis: usize) -> bool {
+        self.0 >> (axis & 31) & 1 == 1
+    }
+}
+
 /// The row of vertices at hand, from where the path is made to the newest one.
 #[derive(Debug)]
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
-    /// Main axes, bit k for axis k.
-    pub main: u32,
+    pub space: Space,
     /// Vertices with their width; with their point of the control polygon.
     pub wide: usize,
     pub moved: usize,
@@ -154,10 +183,9 @@ const LSB_20: f32 = 1.0 / (1u32 << 20) as f32;
 
 impl<const AXES: usize> Window<AXES> {
     pub fn new(measure: &Measure) -> Self {
-        let main = measure.main.into_iter().flatten().filter(|k| *k < 32).fold(0, |bits, k| bits | 1 << k);
         Self {
             vertices: Deque::new(),
-            main,
+            space: Space::new(measure),
             wide: 0,
             moved: 0,
             checked: 0,
@@ -172,19 +200,13 @@ impl<const AXES: usize> Window<AXES> {
     /// Length of a vector in space.
     #[inline(always)]
     pub fn length(&self, d: &[f32; AXES]) -> f32 {
-        let mut sum = 0.0;
-        for (k, x) in d.iter().enumerate() {
-            if self.main >> (k & 31) & 1 == 1 {
-                sum += x * x;
-            }
-        }
-        sqrt_f32(sum)
+        self.space.length(d)
     }
 
     /// Whether an axis is a main one.
     #[inline(always)]
     pub const fn is_main(&self, axis: usize) -> bool {
-        self.main >> (axis & 31) & 1 == 1
+        self.space.is_main(axis)
     }
 
     /// Whether a deviation is inside a tolerance.
@@ -444,6 +466,9 @@ impl<const AXES: usize> Window<AXES> {
         }
         let raw = self.deviation(k);
         if let Some(vertex) = self.vertices.get_mut(k) {
+            if vertex.is(Vertex::<AXES>::FIXED) {
+                vertex.gain = 0.0;
+            }
             for (offset, raw) in vertex.offset.iter_mut().zip(&raw) {
                 *offset -= vertex.gain * raw;
             }

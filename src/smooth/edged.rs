@@ -1,0 +1,270 @@
+//! #HSC \[SURFACE\] and contour mode by turns: where two lines make an edge (`surface/edges.rs`), their corner is
+//! one of DEV with the tolerances of Surface.
+//!
+//! A line with an edge at one end is halved: one half is the last or the first chord of a row of Surface, the
+//! other one a block of contour mode, of which the corner may take nearly all. Both go straight where they meet.
+use super::alternating::{Waiting, halve};
+use super::contour::{Contouring, Settings};
+use super::surface::{Edges, Parameters, Surface};
+use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
+use crate::dynamics::Dynamics;
+use crate::nc::{NcWarningKind, Place};
+use crate::path::Measure;
+
+/// The one at work.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
+enum Turn<const AXES: usize> {
+    /// Surface.
+    Surface(Surface<AXES>),
+    /// Contour mode.
+    Corner(Contouring<AXES>),
+}
+
+/// The stage.
+#[derive(Debug)]
+pub struct Edged<const AXES: usize> {
+    measure: Measure,
+    parameters: Parameters,
+    turn: Turn<AXES>,
+    /// The last line before an edge, or the half of it there; behind an edge the last line.
+    last: Option<Waiting<AXES>>,
+    /// It is half a line.
+    half: bool,
+    /// The block behind it, until what is before it is done.
+    next: Option<Waiting<AXES>>,
+    /// Nothing follows for now; `true` demands a standstill.
+    ending: Option<bool>,
+    /// What is to be said about a corner.
+    remark: Option<NcWarningKind>,
+}
+
+impl<const AXES: usize> Edged<AXES> {
+    /// On, with these parameters.
+    #[inline(always)]
+    pub fn new(measure: Measure, parameters: &Parameters) -> Self {
+        Self {
+            measure,
+            parameters: *parameters,
+            turn: Turn::Surface(Surface::new(measure, parameters)),
+            last: None,
+            half: false,
+            next: None,
+            ending: None,
+            remark: None,
+        }
+    }
+
+    fn edges(&self) -> Edges<'_> {
+        Edges::new(&self.parameters, &self.measure)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin_surface(&mut self) {
+        if let Turn::Corner(corner) = &mut self.turn {
+            self.remark = self.remark.or(corner.remark());
+        }
+        self.turn = Turn::Surface(Surface::new(self.measure, &self.parameters));
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin_corner(&mut self) {
+        if let Turn::Surface(surface) = &mut self.turn {
+            self.remark = self.remark.or(surface.remark());
+        }
+        let settings = Settings::at_edges(self.parameters.check_jerk());
+        self.turn = Turn::Corner(Contouring::with(self.measure, &settings));
+    }
+
+    /// The line that waits goes into contour mode, as half a line or as a whole one. `rapid`: the block behind
+    /// it is a rapid one.
+    #[inline(never)]
+    fn round(&mut self, rapid: bool, half: bool, dynamics: &Dynamics<AXES>) {
+        let Some((line, parting)) = &self.last else { return };
+        let tolerance = self.edges().tolerance(rapid && line.data.feed.is_none());
+        if let Turn::Corner(corner) = &mut self.turn {
+            corner.tolerate([tolerance.path, tolerance.track], half);
+            corner.take(line, dynamics, *parting);
+        }
+    }
+
+    /// A block comes in behind the line that waits, which is one of contour mode.
+    #[inline(never)]
+    fn follow(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) {
+        let rapid = block.data.feed.is_none();
+        let Some((line, _)) = &mut self.last else {
+            self.next = Some((*block, parting));
+            return;
+        };
+        let edges = Edges::new(&self.parameters, &self.measure);
+        if parting != Parting::Awaited && edges.between(line, block) {
+            self.round(rapid, false, dynamics);
+            self.last = Some((*block, parting));
+            return;
+        }
+        // The edges end here.
+        let rest = if line.data.stop { None } else { halve(line, &self.measure) };
+        self.round(false, rest.is_some(), dynamics);
+        if let Turn::Corner(corner) = &mut self.turn {
+            corner.cancel();
+        }
+        self.last = self.last.take().and_then(|(mut line, _)| {
+            rest?.follow(&mut line);
+            Some((line, Parting::None))
+        });
+        self.next = Some((*block, parting));
+    }
+
+    /// What is left when the one at work has nothing to do. Whether there is something.
+    fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        let busy = match &self.turn {
+            Turn::Surface(surface) => surface.hands_out(),
+            Turn::Corner(corner) => corner.hands_out(),
+        };
+        if busy || self.next.is_none() && self.ending.is_none() {
+            return false;
+        }
+        self.change(dynamics)
+    }
+
+    /// The one at work takes what waits, or the other one begins.
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        let Some((next, parting)) = &self.next else {
+            let Some(stop) = self.ending.take() else { return false };
+            self.round(false, false, dynamics);
+            self.last = None;
+            match &mut self.turn {
+                Turn::Surface(surface) => surface.flush(stop),
+                Turn::Corner(corner) => corner.flush(stop),
+            }
+            return true;
+        };
+        match &mut self.turn {
+            Turn::Surface(surface) if self.last.is_none() => {
+                surface.take(next, dynamics, *parting);
+                self.next = None;
+            }
+            Turn::Surface(surface) => {
+                if surface.holds() {
+                    return false;
+                }
+                let rapid = next.data.feed.is_none();
+                self.begin_corner();
+                self.round(rapid, self.half, dynamics);
+                self.last = self.next.take();
+            }
+            Turn::Corner(corner) => {
+                if corner.holds() {
+                    return false;
+                }
+                self.begin_surface();
+                if let (Turn::Surface(surface), Some((line, _))) = (&mut self.turn, &self.last) {
+                    surface.take_half(line, dynamics);
+                }
+                self.last = None;
+            }
+        }
+        true
+    }
+}
+
+impl<const AXES: usize> Smoother<AXES> for Edged<AXES> {
+    #[inline(never)]
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
+        let Turn::Surface(surface) = &mut self.turn else { return self.follow(block, parting, dynamics) };
+        let rest = if parting == Parting::Awaited { None } else { surface.leave(block) };
+        match rest {
+            None => surface.take(block, dynamics, parting),
+            Some((rest, half)) => {
+                (self.last, self.half) = (Some((rest, Parting::None)), half);
+                self.next = Some((*block, parting));
+            }
+        }
+    }
+
+    fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
+        let works = match &mut self.turn {
+            Turn::Surface(surface) => surface.work(dynamics),
+            Turn::Corner(corner) => corner.work(dynamics),
+        };
+        works || self.go_on(dynamics)
+    }
+
+    fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        match &mut self.turn {
+            Turn::Surface(surface) => surface.emit(into),
+            Turn::Corner(corner) => corner.emit(into),
+        }
+    }
+
+    fn flush(&mut self, stop: bool) {
+        if let (Turn::Surface(surface), None) = (&mut self.turn, &self.next) {
+            surface.flush(stop);
+        } else if self.holds() {
+            self.ending = Some(stop || self.ending == Some(true));
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.flush(false);
+    }
+
+    fn clear(&mut self) {
+        (self.last, self.next, self.ending) = (None, None, None);
+        match &mut self.turn {
+            Turn::Surface(surface) => surface.clear(),
+            Turn::Corner(_) => self.begin_surface(),
+        }
+    }
+
+    fn restart(&mut self) {
+        self.clear();
+    }
+
+    fn place(&self) -> Option<Place> {
+        match &self.turn {
+            Turn::Surface(surface) => surface.place(),
+            Turn::Corner(corner) => corner.place(),
+        }
+    }
+
+    fn remark(&mut self) -> Option<NcWarningKind> {
+        self.remark.take().or_else(|| match &mut self.turn {
+            Turn::Surface(surface) => surface.remark(),
+            Turn::Corner(corner) => corner.remark(),
+        })
+    }
+
+    fn is_idle(&self) -> bool {
+        false
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.holds()
+    }
+
+    fn rounds(&self) -> bool {
+        false
+    }
+
+    fn holds(&self) -> bool {
+        let at_work = match &self.turn {
+            Turn::Surface(surface) => surface.holds(),
+            Turn::Corner(corner) => !corner.is_empty(),
+        };
+        at_work || self.last.is_some() || self.next.is_some()
+    }
+
+    fn gives_way(&mut self) -> bool {
+        if let (Turn::Surface(surface), None) = (&mut self.turn, &self.next) {
+            return surface.gives_way();
+        }
+        let waits = self.holds() && self.ending.is_none();
+        self.flush(false);
+        waits
+    }
+}
