@@ -151,7 +151,6 @@ pub trait Smoother<const AXES: usize> {
 
 /// The kinds, in one memory.
 #[derive(Debug)]
-#[expect(clippy::large_enum_variant, reason = "one kind is at work at a time, in static memory")]
 enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
     Contour(Contouring<AXES>),

@@ -117,6 +117,8 @@ pub struct Program {
     pub limits_beside: Vec<Vec<Limits>>,
     /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
+    /// Blocks up to so much path may be left out at a corner: 32 µm, or the largest RELEVANT_PATH, mm.
+    pub relevant: f64,
     /// Motions of axes beside the path, in the order of the program.
     pub beside: Vec<Told>,
 }
@@ -217,6 +219,8 @@ fn decode_axes<const AXES: usize>(
             }
             Step::Command(Command::Contour(head, contour)) => {
                 smoothing.contour(&contour);
+                let relevant = contour.relevant_path.map_or(0.0, |path| path.to_num());
+                program.relevant = program.relevant.max(relevant);
                 // In a block that moves, the corner before it stays rounded.
                 if !smoothing.is_on() && !head.in_motion {
                     program.ends_smoothing();
@@ -312,6 +316,7 @@ impl Program {
             limits: Vec::new(),
             limits_beside: vec![Vec::new(); machine.axes.len()],
             free_curves: false,
+            relevant: 0.032,
             beside: Vec::new(),
         }
     }

@@ -177,6 +177,17 @@ fn the_corner_before_g260_has_its_own_tolerance() {
     assert!(number(&told["value"]) <= 0.02 + 1e-6 && told["n"] == 40, "{told}");
 }
 
+/// A block is left out at the corner: the command before it counts, though the one behind has a tolerance.
+#[test]
+fn a_corner_over_a_block_left_out_has_the_tolerance_of_its_command() {
+    let text = "#CONTOUR MODE [DIST PRE_DIST=4 POST_DIST=4]\nN10 G261 G01 X30 F3000\n\
+                #CONTOUR MODE ON [DEV PATH_DEV=0.02]\nN20 Y0.02\nN30 Y30\nN40 X0\nM30\n";
+    let run = run("left-out", &written("left-out", text), None);
+    let told = &run.summary["deviation"];
+    // What is told is the corner that has one.
+    assert!(number(&told["value"]) <= 0.02 + 1e-6 && told["n"] == 40, "{told}");
+}
+
 /// An axis that moves beside the path is not compared, and that is said.
 #[test]
 fn an_axis_beside_the_path_is_left_out() {

@@ -140,6 +140,8 @@ pub struct Deviation {
     /// Axes that move beside the path: what they do there is not compared.
     beside: Vec<usize>,
     blocks: Vec<Block>,
+    /// Blocks up to so much path may be left out.
+    relevant: f64,
     /// Of the end of each block: its distance from the driven path, where that is, and how far along.
     ends: Vec<(f64, Point, f64)>,
     /// Ends before that one are done.
@@ -331,6 +333,7 @@ impl Deviation {
             distance: 0.0,
             smooths: blocks.iter().any(|block| block.smoothed),
             blocks,
+            relevant: program.relevant,
             main,
             beside,
         }
@@ -453,10 +456,15 @@ impl Deviation {
     }
 
     /// Whether the path is smoothed there, and what is permitted: of the corners at both ends, the larger;
-    /// nothing where one of them is not monitored.
+    /// nothing where one of them is not monitored. A corner with blocks left out is that of the block before
+    /// them.
     fn around(&self, block: usize) -> (bool, Tolerance) {
         let last = (block + 1).min(self.blocks.len() - 1);
-        let near = self.blocks.get(block.saturating_sub(1)..=last).unwrap_or(&[]);
+        let mut first = block.saturating_sub(1);
+        while first > 0 && block - first < FAR && self.blocks[first].length <= self.relevant {
+            first -= 1;
+        }
+        let near = self.blocks.get(first..=last).unwrap_or(&[]);
         let near: Vec<&Block> = near.iter().filter(|block| block.smoothed).collect();
         let most = |of: fn(&Block) -> Option<f64>| {
             near.iter().map(|block| of(block)).reduce(|one, other| Some(one?.max(other?))).flatten()
