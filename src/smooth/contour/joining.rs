@@ -272,7 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
             let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
             let rivals = (&approach, &candidate, may_stop);
-            stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
+            stage.take([held, next], rule, &room, Self::compare(rule, &room, rivals, found));
             return;
         }
         // With a curve over time to choose instead: the same search.
@@ -300,6 +300,7 @@ impl<const AXES: usize> Joining<AXES> {
     /// which it is passed, if there is something to compare.
     #[inline(never)]
     fn compare(
+        rule: &Parameters,
         room: &Room,
         (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
         [found, even]: [Option<(f32, f32)>; 2],
@@ -394,7 +395,7 @@ impl<const AXES: usize> Joining<AXES> {
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
                 let rivals = (&*approach, &*candidate, *may_stop);
-                let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
+                let (room, quickest) = (*room, Self::compare(rule, room, rivals, [found, even]));
                 stage.take([held, next], rule, &room, quickest);
             }
             _ => {}
