@@ -15,7 +15,7 @@ const TOWER: [(&str, &str); 20] = [
     ("queue", "math quantity technology path control"),
     ("fir", "math quantity machine nc queue"),
     ("slope", "math quantity queue"),
-    ("dynamics", "math machine nc path fir slope"),
+    ("dynamics", "math quantity machine nc path fir slope"),
     ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),
     ("lookahead", "math quantity nc path control queue slope dynamics"),

@@ -204,7 +204,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             first = self.ahead(&mut cursor, span, false)?;
         }
         let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
-        // Where the last of them begins, as long as they are those.
         let mut last = Some(start);
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
@@ -236,15 +235,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // To the end of so many spans: fewer of them if the law is too fast before.
         loop {
-            // Of as many as were looked at, only the speed at their end is not known yet.
-            let v_out = match last.take() {
-                Some(mut last) => self.ahead(&mut last, span, true)?.v_out,
-                None => {
-                    let v_out;
-                    (limits, end, v_out) = self.together(start, span, spans)?;
-                    v_out
-                }
-            };
+            // Of as many as were looked at, of which the last begins there, only the speed at their end is not known.
+            let v_out;
+            if let Some(mut last) = last.take() {
+                v_out = self.ahead(&mut last, span, true)?.v_out;
+            } else {
+                (limits, end, v_out) = self.together(start, span, spans)?;
+            }
             let braking = (&limits, limits.a_down);
             let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
             if spans == 1 {
