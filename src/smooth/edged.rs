@@ -104,17 +104,26 @@ impl<const AXES: usize> Edged<AXES> {
             self.last = Some((*block, parting));
             return;
         }
-        // The edges end here.
+        self.end(dynamics);
+        self.next = Some((*block, parting));
+    }
+
+    /// No edge is behind the line that waits: half of it is one of contour mode, the other half waits.
+    #[inline(never)]
+    fn end(&mut self, dynamics: &Dynamics<AXES>) {
+        let Some((line, _)) = &mut self.last else { return };
         let rest = if line.data.stop { None } else { halve(line, &self.measure) };
         self.round(false, rest.is_some(), dynamics);
         if let Turn::Corner(corner) = &mut self.turn {
             corner.cancel();
         }
-        self.last = self.last.take().and_then(|(mut line, _)| {
-            rest?.follow(&mut line);
-            Some((line, Parting::None))
-        });
-        self.next = Some((*block, parting));
+        match (rest, &mut self.last) {
+            (Some(rest), Some((line, parting))) => {
+                rest.follow(line);
+                *parting = Parting::None;
+            }
+            _ => self.last = None,
+        }
     }
 
     /// What is left when the one at work has nothing to do. Whether there is something.
