@@ -3,6 +3,7 @@ use crate::cases::{Program, set_point};
 use crate::check::{self, Course, Limits, Peaks};
 use crate::reference::geometry::{Contour, Element, Shape};
 use crate::reference::merge::path_tolerance;
+use crate::tolerance;
 use crate::trace::{Run, Trace, run};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Speed;
@@ -117,10 +118,6 @@ pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Con
     limits.collect()
 }
 
-/// What a piece of time may be off a path distance by, mm: its coefficients have 2^-58 mm, and it lasts at
-/// most 128 ticks with jerk (`src/slope/emit.rs`). A sixteenth of the rounding of a set point, which counts it.
-const DISTANCE: f64 = 1.0 / (1u64 << 37) as f64;
-
 /// How much further an axis goes on a line than the path, whose feed axes leave it out (P-CHAN-00011); 0: no
 /// further.
 fn gain(element: &Element, axis: usize) -> f64 {
@@ -130,7 +127,7 @@ fn gain(element: &Element, axis: usize) -> f64 {
 }
 
 /// What errors of path distances add to the differences of an axis that goes further than the path: a
-/// difference of order n has 2^n of them.
+/// difference of order n has 2^n of them. The second one has its room inside the acceleration.
 fn widen<const AXES: usize>(
     limits: &mut Limits,
     machine: &MachineData<AXES>,
@@ -138,9 +135,8 @@ fn widen<const AXES: usize>(
     axis: usize,
 ) {
     let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
-    let error = elements.iter().map(|element| gain(element, axis)).fold(0.0, f64::max) * DISTANCE;
+    let error = elements.iter().map(|element| gain(element, axis)).fold(0.0, f64::max) * tolerance::DISTANCE;
     limits.v += 2.0 * error / cycle;
-    limits.a += 4.0 * error / cycle.powi(2);
     limits.jerk += 8.0 * error / cycle.powi(3);
 }
 

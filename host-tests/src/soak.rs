@@ -13,7 +13,7 @@ use crate::operate::{
 use crate::properties::{axis_limits, permitted_at};
 use crate::reference::geometry::{Contour, Element};
 use crate::reference::merge::path_tolerance;
-use crate::tolerance::CUT;
+use crate::tolerance::{CUT, DISTANCE};
 use glidepath::machine::{
     AccelerationUnit, AxisData, MODE_LINEAR, MODE_MASTER, MachineData, Synch, SynchTable,
 };
@@ -70,8 +70,6 @@ const TICKS: [f64; 2] = [0.3, 300.0];
 const LONG: f64 = 20_000.0;
 /// Shortest blocks, mm: most of them, and the resolution of the text.
 const SHORTEST: [f64; 2] = [1e-4, 1e-6];
-/// Resolution of the path distance at a tick, mm.
-const PATH: f64 = 1.0 / (1u64 << 37) as f64;
 /// Functions of the programs.
 const FUNCTIONS: [&str; 6] = ["M3", "M24", "M25", "M26", "M27", "H7"];
 
@@ -421,7 +419,7 @@ impl<const AXES: usize> Setup<AXES> {
     }
 
     /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is
-    /// good to [`PATH`] (`src/slope/emit.rs`); an axis that travels further than the path shows as many times
+    /// good to [`DISTANCE`]; an axis that travels further than the path shows as many times
     /// that. In contour mode the start of each curve adds [`CUT`].
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
@@ -433,7 +431,7 @@ impl<const AXES: usize> Setup<AXES> {
         let cut = if self.contour.is_empty() { 0.0 } else { 0.5 * CUT };
         // A curve through the points is steeper than its chords in places.
         let steeper = if self.contour.contains("CONTOUR") || self.contour.is_empty() { 1.0 } else { 8.0 };
-        let most = travels.map(|times| (steeper * times).max(1.0) * PATH + cut);
+        let most = travels.map(|times| (steeper * times).max(1.0) * DISTANCE + cut);
         most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) })
             .collect()
     }

@@ -10,6 +10,7 @@
 //! | [`TIE`] | 10^-6 | two times that decide how a corner is passed: sums of about ten roundings of 2^-24 each |
 //! | [`SPEED_MARGIN`] | 2^-19 | the library plans with this part less speed and acceleration: ten roundings of 2^-24, sixteen that a plan may use up, six of its check |
 //! | [`JERK_MARGIN`] | 2^-13 | the library plans with this part less jerk: the same, and third differences of rounded path distances |
+//! | [`DISTANCE`] | 2^-37 mm | what a path distance of a tick is off by (`src/slope/emit.rs`), a sixteenth of the rounding of a set point. Along the path the library leaves 4 of it per tick² to that, where it is more than [`SPEED_MARGIN`]. Of jerk it leaves nothing, and an axis that moves n times as far as the path may show 8·n of it per tick³: a ramp of hundreds of ticks has less jerk than that, so leaving it would leave none |
 //! | [`CUT`] | 1/2 LSB | in contour mode a block ends where a curve begins, between two steps of a position; the curve begins on the nearest one. Position jumps by that much there, on each axis, beside the rounding of set points |
 //! | [`MIRROR`] | 1 LSB | a set point is rounded once, ties upward; mirrored, ties fall the other way |
 
@@ -38,6 +39,10 @@ pub const SPEED_MARGIN: f64 = 1.0 / 524_288.0;
 
 /// Part of the jerk that the library leaves unused.
 pub const JERK_MARGIN: f64 = 1.0 / 8192.0;
+
+/// What a path distance of a tick is off by, mm: its coefficients have 2^-58 mm, and a piece of time lasts at most 128
+/// ticks with jerk (`src/slope/emit.rs`). A sixteenth of the rounding of a set point.
+pub const DISTANCE: f64 = 1.0 / 137_438_953_472.0;
 
 /// What rounding the start of a curve may move an axis by, mm. With such a start in each tick a difference of
 /// order n shows 2^(n-1) times that at most: the sum of every second one of its weights.

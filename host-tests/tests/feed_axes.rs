@@ -6,10 +6,11 @@ use glidepath::plan::MotionError;
 use glidepath::quantity::Position;
 use host_tests::cases::machines::{self, feeding};
 use host_tests::cases::random::{Mix, program};
-use host_tests::operate::{POLLS, judge, operate, random_setup, with_overrides};
+use host_tests::operate::{Act, POLLS, judge, operate, operate_text, random_setup, with_overrides};
 use host_tests::properties::verify;
 use host_tests::refusal::refusal;
 use host_tests::rounded::{Run, run_from};
+use host_tests::trace::Trace;
 
 fn go(text: &str, machine: &MachineData<3>) -> Run {
     run_from(text, [Position::ZERO; 3], machine)
@@ -177,4 +178,74 @@ fn a_knee_is_that_of_the_axes_that_turn() {
         assert!((x[at - 1] / v - 1.0).abs() < 0.02 && (x[at] / v - 1.0).abs() < 0.02, "slope {slope}");
         assert!((y[at] / permitted - 1.0).abs() < 0.02, "slope {slope}: {}", y[at]);
     }
+}
+
+/// The last axis has little acceleration, with a short cycle.
+fn fast_axis() -> MachineData<4> {
+    machines::machine(100, |k, axis| {
+        (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
+        let a = if k == 3 { 50 } else { 2000 };
+        machines::accelerations(axis, a, a);
+        (axis.a_stufe, axis.a_grenz_stufe) = ([a; 2], [a; 2]);
+        machines::ramps(axis, 50_000);
+    })
+}
+
+/// The largest acceleration of that axis, and what it may have: four times half of 2^-32 degrees, to which a set
+/// point is rounded, are added.
+fn most_and_allowed(trace: &Trace) -> [f64; 2] {
+    let a: Vec<f64> = (0..trace.len()).map(|i| trace.mm(i)[3]).collect();
+    let most = a.windows(3).map(|a| (a[2] - 2.0 * a[1] + a[0]).abs() / 1e-8).fold(0.0, f64::max);
+    [most, 50.0 + 2.0 / (1u64 << 32) as f64 / 1e-8]
+}
+
+/// An axis that travels 1,800 times as far as the feed axes, 1024 times as far as its path counts, and has little
+/// acceleration: what a path distance is rounded by shows in it so many times.
+#[test]
+fn the_rounding_of_the_path_stays_inside_the_acceleration_of_a_fast_axis() {
+    let mut failed = Vec::new();
+    for slope in 0..4 {
+        let mut machine = fast_axis();
+        machine.channel.slope_profile = slope;
+        for k in 0..8 {
+            let x = 0.01 + 0.001 * f64::from(k);
+            let text = format!("N10 G01 X{x} A{} F6000\nN20 X0 A0\nM30\n", 1800.0 * x);
+            let run = run_from(&text, [Position::ZERO; 4], &feeding(machine, &[0, 1, 2]));
+            let [most, allowed] = most_and_allowed(&run.trace);
+            println!("slope {slope}, X{x}: {most} of {allowed}");
+            if most > allowed {
+                failed.push((slope, x, most));
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{failed:?}");
+}
+
+/// A feed hold finds room for it too: its way to a standstill has limits of its own.
+#[test]
+fn the_rounding_of_the_path_stays_inside_the_acceleration_of_a_hold() {
+    let mut failed = Vec::new();
+    for slope in 0..4 {
+        let mut machine = fast_axis();
+        machine.channel.slope_profile = slope;
+        // Short ramps: their jerk is enough for a way to a standstill of its own.
+        for axis in &mut machine.axes {
+            axis.tr_min = 1000;
+            machines::ramps(axis, 1000);
+        }
+        // The last of them slow down already.
+        for k in 0..24 {
+            let text = "N10 G01 X0.05 A90 F6000\nM30\n";
+            let acts = [(2000 + 613 * k, Act::Hold), (2000 + 613 * k + 6000, Act::Resume)];
+            let run =
+                operate_text::<4, 120>(text, [Position::ZERO; 4], &feeding(machine, &[0, 1, 2]), &acts, 1000);
+            let trace = run.expect("runs").trace;
+            let [most, allowed] = most_and_allowed(&trace);
+            println!("slope {slope}, hold {k}: {most} of {allowed}, {} ticks", trace.len());
+            if most > allowed {
+                failed.push((slope, k, most));
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{failed:?}");
 }

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
+//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, which an axis shows that moves further |
 //!
 //! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it:
 //! where a contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that
@@ -50,6 +51,10 @@ pub use weights::Weights;
 
 /// Factor on speeds and accelerations.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
+/// Of the acceleration along the path, mm/tick²: a path distance is good to 2^-37 mm, which shows four times in a
+/// second difference. Below the threshold that is more than what [`MARGIN`] leaves for rounding.
+const ROUGH: f32 = 4.0 / (1u64 << 37) as f32;
+const ROUGH_BELOW: f32 = 1.0 / 65_536.0;
 /// Factor on jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of the largest acceleration that may act across the path.
@@ -267,6 +272,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             limits.bend(curvature, normal, a_max, budget, circle.share);
         }
         self.path.lower(&mut limits, rapid, circle.is_some());
+        limits.leave_rough(&mut share_left);
         let override_range = limits.take_feed(feed, v_reduced, self.level);
         (limits, share_left, override_range)
     }

@@ -2,6 +2,7 @@
 //! them.
 use super::axis::Set;
 use super::override_range::OverrideRange;
+use super::{ROUGH, ROUGH_BELOW};
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
@@ -42,6 +43,11 @@ impl Share {
     pub(crate) fn resting(self) -> Self {
         Self { a: self.a_resting, ..self }
     }
+}
+
+/// What is left of an acceleration along the path with room for the rounding of path distances; half of it at least.
+pub(super) fn less_rough(a: f32) -> f32 {
+    if a < ROUGH_BELOW { max(a - ROUGH, 0.5 * a) } else { a }
 }
 
 impl Joins {
@@ -86,6 +92,29 @@ impl Limits {
             SlopeLaw::Stepped { .. } => {}
         }
         self.lower_accelerations(share.a);
+    }
+
+    /// Where little acceleration is left along the path, as an axis moves much further than the path does, it leaves
+    /// room for the rounding of path distances. A transition shows that too, so its share leaves as much.
+    #[inline(always)]
+    pub(crate) fn leave_rough(&mut self, share: &mut Share) {
+        if min(self.a_up, self.a_down) < ROUGH_BELOW {
+            self.lower_by_rough(share);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn lower_by_rough(&mut self, share: &mut Share) {
+        // What is less is halved, too; none stays none.
+        let least = max(self.least(), ROUGH);
+        let part = less_rough(least) / least;
+        self.scale_accelerations(part);
+        if let SlopeLaw::Stepped { still, .. } = &mut self.law {
+            *still *= part;
+        }
+        share.a *= part;
+        share.a_resting *= part;
     }
 
     /// Whether that leaves them as they are.

@@ -3,7 +3,7 @@
 //! An element is planned for its highest speed, and for the place where it bends most. A motion that comes to a
 //! standstill passes a part of it, slower and slower: there the axes permit more.
 use super::axis::{Axis, Set};
-use super::permitted::TRANSITION_PART;
+use super::permitted::{TRANSITION_PART, less_rough};
 use super::{Dynamics, KNEE_PART, MARGIN};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
@@ -190,6 +190,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let left = max(part * axis.a_max - second * v * v, 0.0) / max(*first, TINY);
             most = min(most, min(left, budget / max(c, TINY)));
         }
+        let [still, most] = [still, most].map(less_rough);
         if braking.a[0] == f32::MAX {
             braking.a[0] = still;
         }
@@ -240,7 +241,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 a = min(a, max(part * axis.a_max - second * v * v, 0.0) / first);
             }
         }
-        a * MARGIN
+        less_rough(a) * MARGIN
     }
 }
 

@@ -170,14 +170,15 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut part = 1.0;
         let a = a * (1.0 / (1.0 - KNEE_PART * SLIGHT));
         let knees = if v > shorter { v + v * v / max(shorter, LSB_40) } else { v };
-        for (k, axis) in self.axes.iter().enumerate() {
-            let [t0, t1] = [from.tangent[k], to.tangent[k]];
+        let tangents = from.tangent.iter().zip(&to.tangent);
+        let curvatures = from.curvature.iter().zip(&to.curvature);
+        for ((axis, (&t0, &t1)), (c0, c1)) in self.axes.iter().zip(tangents).zip(curvatures) {
             if t0 == t1 {
                 continue;
             }
             let set = axis.set(rapid);
             let step = knees * size_f32(t1.wrapping_sub(t0).unsigned_abs()) * LSB_40;
-            let bend = max(magnitude(from.curvature[k]), magnitude(to.curvature[k]));
+            let bend = max(magnitude(*c0), magnitude(*c1));
             // A slight one has its part of what the limits beside it have left.
             if step <= SMOOTH * set.joint.budget || (bend <= 0.0 && step <= KNEE_PART * SLIGHT * axis.a_max) {
                 continue;

@@ -314,6 +314,15 @@ impl Limits {
         }
     }
 
+    /// The least of them.
+    pub(crate) fn least(&self) -> f32 {
+        let a = min(self.a_up, self.a_down);
+        match self.law {
+            SlopeLaw::JerkLimited { .. } => a,
+            SlopeLaw::Stepped { a_up, a_down, .. } => min(a, min(a_up, a_down)),
+        }
+    }
+
     /// The slope that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {

@@ -11,7 +11,10 @@
 //!   largest acceleration;
 //! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter
 //!   of the largest acceleration, which lines beside it and all arcs leave to it;
-//! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`].
+//! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`];
+//! - a path distance is good to [`tolerance::DISTANCE`] δ, and each of the four that count in a second difference may be
+//!   off by it (1, 2 and 1 times): along the path 4·δ of acceleration are left to that. Of an axis that moves n times as
+//!   far as the path that is 4·n·δ, so it keeps its own limit with any n.
 use super::geometry::{Element, Shape};
 use super::profile::{Ramps, Slope};
 use crate::tolerance;
@@ -118,6 +121,22 @@ impl BlockLimits {
             a_down: self.a_down.min(other.a_down),
             j: std::array::from_fn(|k| self.j[k].min(other.j[k])),
             ..*self
+        }
+    }
+
+    /// Leaves [`tolerance::DISTANCE`] its second difference, where that is more than [`tolerance::SPEED_MARGIN`] of the
+    /// acceleration along the path; of the least acceleration half at most, of the others the same part.
+    fn leave_distance(&mut self) {
+        let a = self.a_up.min(self.a_down);
+        let rough = 4.0 * tolerance::DISTANCE;
+        if a * tolerance::SPEED_MARGIN >= rough {
+            return;
+        }
+        let least = if self.slope == 0 { a.min(self.upper[1]).min(self.upper[2]) } else { a };
+        let part = (1.0 - rough / least).max(0.5);
+        let [_, upper_up, upper_down] = &mut self.upper;
+        for value in [&mut self.a_up, &mut self.a_down, &mut self.a_beside, upper_up, upper_down] {
+            *value *= part;
         }
     }
 
@@ -318,6 +337,7 @@ impl Machine {
                 limits.lower(a);
             }
         }
+        limits.leave_distance();
         limits
     }
 
