@@ -132,6 +132,32 @@ impl<const AXES: usize> Next<'_, AXES> {
         if both < fastest { Some(min(both, v.unwrap_or(both))) } else { v }
     }
 
+    /// Which part of a deceleration passes the transition from the last block. `v`: as in [`Self::passed`], at
+    /// the speed `fastest`; `highest`: speed at which it is passed at most; `a`: largest acceleration beside it.
+    #[inline(always)]
+    fn passing(
+        &self,
+        last: &Last<AXES>,
+        v: Option<f32>,
+        [fastest, highest, a]: [f32; 3],
+        dynamics: &Dynamics<AXES>,
+    ) -> Passing {
+        let (slope, entry, rapid) = (dynamics.slope(), self.piece.entry, self.rapid && last.rapid);
+        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
+        // thousand times that.
+        let turns_little =
+            || (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, entry, rapid, a);
+        if last.slope != slope || !(slope == SlopeType::Step || turns_little()) {
+            return Passing::NONE;
+        }
+        if matches!(slope, SlopeType::Trapez | SlopeType::Sin2) && v.is_some() {
+            // Both sides are planned with all of it: their acceleration is zero there.
+            let shorter = min(last.length, self.length);
+            return dynamics.passing_knee(&last.exit, entry, rapid, shorter, (highest, a));
+        }
+        Passing::ALL
+    }
+
     /// Whether both are parts of a curve over time, for one speed.
     #[inline(always)]
     fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
@@ -310,23 +336,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shared = true;
         }
         let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
-        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
-        // thousand times that.
         let a = limits.fastest(&before.limits);
-        let turns_little = || {
-            (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
-        };
-        let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
-        let smooth =
-            way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        let passing = if !smooth {
-            Passing::NONE
-        } else if rests && v.is_some() {
-            // Both sides are planned with all of it: their acceleration is zero there.
-            let shorter = min(last.length, next.length);
-            dynamics.passing_knee(&last.exit, piece.entry, rapid, shorter, (highest, a))
-        } else {
-            Passing::ALL
+        let passing = match way {
+            Way::Through => next.passing(last, v, [fastest, highest, a], dynamics),
+            _ => Passing::NONE,
         };
         let smooth = passing != Passing::NONE;
         // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more

@@ -36,6 +36,9 @@ pub struct Corner<'a, const AXES: usize> {
     pub gap: Option<[f32; AXES]>,
 }
 
+/// Cosine of 102 degrees.
+const SHARP: f32 = -0.207_912;
+
 /// Tolerances of a corner, mm and degrees; a tracking tolerance of 0 is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
@@ -68,6 +71,12 @@ impl<const AXES: usize> Corner<'_, AXES> {
     pub fn turns(&self) -> bool {
         let ends = self.before.tangent().iter().zip(self.behind.tangent());
         ends.fold(0.0, |most, (a, b)| max(most, max(a - b, b - a))) >= TANGENTIAL
+    }
+
+    /// Whether it turns by more than 102 degrees, over the main axes.
+    pub fn is_sharp(&self) -> bool {
+        let [before, behind] = self.spaces_per_path();
+        dot(self.main, self.before.tangent(), self.behind.tangent()) < SHARP * before * behind
     }
 
     /// Way in space per path distance: before it, behind it.

@@ -263,7 +263,7 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
-        let compares = candidate.is_some() || may_stop;
+        let compares = Self::compares(rule, &corner, &candidate, may_stop);
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
             let symmetric = Symmetric::new(&corner);
@@ -272,7 +272,7 @@ impl<const AXES: usize> Joining<AXES> {
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
             let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
             let rivals = (&approach, &candidate, may_stop);
-            stage.take([held, next], rule, &room, Self::compare(rule, &room, rivals, found));
+            stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
             return;
         }
         // With a curve over time to choose instead: the same search.
@@ -295,18 +295,27 @@ impl<const AXES: usize> Joining<AXES> {
         tolerance
     }
 
+    /// Whether a curve over arc length is compared with anything. In the sharp corners of Surface it is not, where
+    /// there is one over time: it may be slower than a standstill there.
+    fn compares(
+        rule: &Parameters,
+        corner: &Corner<'_, AXES>,
+        candidate: &Option<Candidate>,
+        may_stop: bool,
+    ) -> bool {
+        if candidate.is_some() { !rule.edges || !corner.is_sharp() } else { may_stop }
+    }
+
     /// What is quickest: a curve over arc length with the part of the distances that was found, one over
     /// time, or a standstill. `even`: path length of the first one, and the speed over its parameter with
     /// which it is passed, if there is something to compare.
     #[inline(never)]
     fn compare(
-        rule: &Parameters,
         room: &Room,
         (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
         [found, even]: [Option<(f32, f32)>; 2],
     ) -> Quickest {
         let part = found.map_or(0.0, |(part, _)| part);
-        let even = even.filter(|_| !rule.edges || candidate.is_none());
         let even = even.map(|even| approach.even(even, room.distances.map(|c| c * part)));
         let even = even.unwrap_or(f32::MAX);
         let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);
@@ -382,7 +391,7 @@ impl<const AXES: usize> Joining<AXES> {
                 let corner = corner(held, next, setting.measure);
                 let Some(found) = reach.go_on(&corner) else { return };
                 let Rivals { approach, candidate, may_stop } = rivals;
-                let compares = candidate.is_some() || *may_stop;
+                let compares = Self::compares(rule, &corner, candidate, *may_stop);
                 let even = found.filter(|_| compares).map(|(part, _)| {
                     let made;
                     let curve = match reach.curve(part) {
@@ -395,7 +404,7 @@ impl<const AXES: usize> Joining<AXES> {
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
                 });
                 let rivals = (&*approach, &*candidate, *may_stop);
-                let (room, quickest) = (*room, Self::compare(rule, room, rivals, [found, even]));
+                let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
                 stage.take([held, next], rule, &room, quickest);
             }
             _ => {}
