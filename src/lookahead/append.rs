@@ -132,32 +132,6 @@ impl<const AXES: usize> Next<'_, AXES> {
         if both < fastest { Some(min(both, v.unwrap_or(both))) } else { v }
     }
 
-    /// Which part of a deceleration passes the transition from the last block. `v`: as in [`Self::passed`], at
-    /// the speed `fastest`; `highest`: speed at which it is passed at most; `a`: largest acceleration beside it.
-    #[inline(always)]
-    fn passing(
-        &self,
-        last: &Last<AXES>,
-        v: Option<f32>,
-        [fastest, highest, a]: [f32; 3],
-        dynamics: &Dynamics<AXES>,
-    ) -> Passing {
-        let (slope, entry, rapid) = (dynamics.slope(), self.piece.entry, self.rapid && last.rapid);
-        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
-        // thousand times that.
-        let turns_little =
-            || (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, entry, rapid, a);
-        if last.slope != slope || !(slope == SlopeType::Step || turns_little()) {
-            return Passing::NONE;
-        }
-        if matches!(slope, SlopeType::Trapez | SlopeType::Sin2) && v.is_some() {
-            // Both sides are planned with all of it: their acceleration is zero there.
-            let shorter = min(last.length, self.length);
-            return dynamics.passing_knee(&last.exit, entry, rapid, shorter, (highest, a));
-        }
-        Passing::ALL
-    }
-
     /// Whether both are parts of a curve over time, for one speed.
     #[inline(always)]
     fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
@@ -193,6 +167,29 @@ impl<const AXES: usize> Next<'_, AXES> {
 }
 
 impl<const AXES: usize> Tail<AXES> {
+    /// Whether the next block goes on with the span of the last one. `sides`: limits before and behind; `cap`: speed
+    /// at the transition.
+    #[inline(always)]
+    fn takes_in(&self, last: &Last<AXES>, next: &Next<'_, AXES>, sides: [&Limits; 2], cap: f32) -> bool {
+        let ([before, limits], piece) = (sides, next.piece);
+        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
+        // than either side has with none at its ends.
+        let passes = || {
+            let run = to_f32(self.span) * (1.0 / (1u64 << 44) as f32);
+            alone(before, run, cap) <= limits.a_up && alone(limits, next.length, cap) <= before.a_up
+        };
+        // Where acceleration is bought with speed, no law of its span may have a higher feed.
+        let [bought_at, fastest_feed] = self.feeds;
+        last.trades == piece.trades
+            && (!piece.timed || next.is_one_curve(last, before, limits))
+            && last.bent == piece.bent
+            && (!piece.bent || limits.are(before))
+            && (!(last.through || piece.through) || passes())
+            && self.span + piece.shape.length.to_bits() < LONGEST_SPAN
+            && next.feed <= bought_at
+            && (!next.bought || fastest_feed <= next.feed)
+    }
+
     /// A block with that feed (mm/min) comes in, behind an anchor or not.
     #[inline(always)]
     fn pass(&mut self, anchor: bool, feed: f32, bought: bool) {
@@ -336,31 +333,26 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shared = true;
         }
         let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
+        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
+        // thousand times that.
         let a = limits.fastest(&before.limits);
-        let passing = match way {
-            Way::Through => next.passing(last, v, [fastest, highest, a], dynamics),
-            _ => Passing::NONE,
+        let turns_little = || {
+            (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
+        };
+        let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
+        let smooth =
+            way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        let passing = if !smooth {
+            Passing::NONE
+        } else if rests && v.is_some() {
+            // Both sides are planned with all of it: their acceleration is zero there.
+            let shorter = min(last.length, next.length);
+            dynamics.passing_knee(&last.exit, piece.entry, rapid, shorter, (highest, a))
+        } else {
+            Passing::ALL
         };
         let smooth = passing != Passing::NONE;
-        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
-        // than either side has with none at its ends.
-        let passes = || {
-            let run = to_f32(self.tail.span) * (1.0 / (1u64 << 44) as f32);
-            alone(&before.limits, run, cap) <= limits.a_up
-                && alone(limits, next.length, cap) <= before.limits.a_up
-        };
-        let alike = || {
-            last.trades == piece.trades
-                && (!piece.timed || next.is_one_curve(last, &before.limits, limits))
-                && last.bent == piece.bent
-                && (!piece.bent || limits.are(&before.limits))
-                && (!(last.through || piece.through) || passes())
-        };
-        let fits = || self.tail.span + piece.shape.length.to_bits() < LONGEST_SPAN;
-        // Where acceleration is bought with speed, no law of its span may have a higher feed.
-        let [bought_at, fastest_feed] = self.tail.feeds;
-        let fed_alike = || next.feed <= bought_at && (!next.bought || fastest_feed <= next.feed);
-        let anchor = !(through && smooth && alike() && fits() && fed_alike());
+        let anchor = !(through && smooth && self.tail.takes_in(last, next, [&before.limits, limits], cap));
         cap = min(cap, min(before.limits.v, limits.v));
         Transition { cap, highest, shared, passing, anchor }
     }
