@@ -90,6 +90,17 @@ impl<const AXES: usize> Edged<AXES> {
         }
     }
 
+    /// Whether a block makes an edge with the last line of a row, which ends before that then. A call of its
+    /// own: what is left of the line is large.
+    #[inline(never)]
+    fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting) -> bool {
+        let Turn::Surface(surface) = &mut self.turn else { return false };
+        let Some((rest, half)) = surface.leave(block) else { return false };
+        (self.last, self.half) = (Some((rest, Parting::None)), half);
+        self.next = Some((*block, parting));
+        true
+    }
+
     /// A block comes in behind the line that waits, which is one of contour mode.
     #[inline(never)]
     fn follow(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) {
@@ -184,13 +195,11 @@ impl<const AXES: usize> Edged<AXES> {
 impl<const AXES: usize> Smoother<AXES> for Edged<AXES> {
     #[inline(never)]
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
-        let Turn::Surface(surface) = &mut self.turn else { return self.follow(block, parting, dynamics) };
-        let rest = if parting == Parting::Awaited { None } else { surface.leave(block) };
-        match rest {
-            None => surface.take(block, dynamics, parting),
-            Some((rest, half)) => {
-                (self.last, self.half) = (Some((rest, Parting::None)), half);
-                self.next = Some((*block, parting));
+        if matches!(self.turn, Turn::Corner(_)) {
+            self.follow(block, parting, dynamics);
+        } else if parting == Parting::Awaited || !self.leave(block, parting) {
+            if let Turn::Surface(surface) = &mut self.turn {
+                surface.take(block, dynamics, parting);
             }
         }
     }
