@@ -197,10 +197,10 @@ impl<const AXES: usize> Smoother<AXES> for Edged<AXES> {
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
         if matches!(self.turn, Turn::Corner(_)) {
             self.follow(block, parting, dynamics);
-        } else if parting == Parting::Awaited || !self.leave(block, parting) {
-            if let Turn::Surface(surface) = &mut self.turn {
-                surface.take(block, dynamics, parting);
-            }
+        } else if (parting == Parting::Awaited || !self.leave(block, parting))
+            && let Turn::Surface(surface) = &mut self.turn
+        {
+            surface.take(block, dynamics, parting);
         }
     }
 
