@@ -211,8 +211,9 @@ fn decode_axes<const AXES: usize>(
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
             Step::Command(Command::Hsc(_, hsc)) => {
-                smoothing.hsc(&hsc);
-                program.checks_jerk(hsc.check_jerk, machine);
+                if smoothing.hsc(&hsc) {
+                    program.checks_jerk(hsc.check_jerk, machine);
+                }
                 if !smoothing.is_on() {
                     program.ends_smoothing();
                 }
