@@ -184,13 +184,16 @@ fn random_programs_late_held_and_overridden() {
 }
 
 /// With a standstill at the end of each block it takes longest: by that a run is known that was given up and is
-/// a good one.
+/// a good one. Some programs have these standstills.
 #[test]
 fn nothing_takes_longer_than_with_standstills() {
     let mut compared = 0;
     for seed in 0..48 {
-        let (program, machine, _) = random_setup(seed);
+        let (mut program, machine, _) = random_setup(seed);
         let most = longest(&program, &machine);
+        if seed / 4 % 2 == 0 {
+            program.moves.iter_mut().for_each(|block| block.stop = true);
+        }
         if most > 20_000.0 {
             continue;
         }
