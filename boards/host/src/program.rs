@@ -366,8 +366,8 @@ impl Program {
         beside.fold(self.allowed(axis, machine), |allowed, beside| allowed.or(*beside))
     }
 
-    /// What the resolution of the path adds to the motion of every axis on it. Beside the axes that measure the
-    /// path a curve through points is steeper than its chords in places: so much steeper at most.
+    /// What the resolution of the path adds to the motion of every axis on it. Beside the axes that measure
+    /// the path a curve through points is steeper than its chords in places: so much steeper at most.
     pub fn resolution(&self, machine: &Machine) -> Vec<Resolution> {
         let rounds = self.through_points || self.segments.iter().any(|segment| segment.smoothed);
         let feed = machine.feed_axes();

@@ -1,12 +1,12 @@
 //! What the resolution of the path adds to the differences of an axis, beside the rounding of its set points.
 //!
-//! The same allowances as those of the library's own tests (`host-tests/src/tolerance.rs`), in LSB of a position,
-//! 2^-32 mm or degrees:
+//! The same allowances as those of the library's own tests (`host-tests/src/tolerance.rs`), in LSB of a
+//! position, 2^-32 mm or degrees:
 //!
 //! | what | size | in a difference of order n | where |
 //! |---|---|---|---|
-//! | path distance of a tick | 1/32, times what the axis travels per path | 2^n times | everywhere |
-//! | start of a curve | 1/2 | 2^(n-1) times: the sum of every second one of its weights | where corners are rounded |
+//! | path distance of a tick | 1/32, times axis travel per path | 2^n times | everywhere |
+//! | start of a curve | 1/2 | 2^(n-1) times: every second one of its weights | where corners are rounded |
 //!
 //! A path distance is good to 2^-37 mm (`src/slope/emit.rs`). A block whose end is rounded ends between two steps
 //! of a position, and the curve behind it begins on the nearest one (`src/smooth/contour/mod.rs`).
