@@ -319,8 +319,17 @@ pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act
 }
 
 /// Ticks that the program takes with a standstill at the end of each block, by the f64 reference: it never takes
-/// longer.
+/// longer. HSC has one ramp time, the longest of an axis.
 pub fn longest<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
+    let mut machine = *machine;
+    if machine.channel.slope_profile == 3 {
+        for axis in &mut machine.axes {
+            let ramps = [axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab];
+            let tr = ramps.into_iter().fold(0, u32::max);
+            [axis.tr_beschl_zu, axis.tr_beschl_ab, axis.tr_brems_zu, axis.tr_brems_ab] = [tr; 4];
+        }
+    }
+    let machine = &machine;
     let stands = |block: &Block| {
         let limits = &block.limits;
         let law = Profile::fastest(block.length, 0.0, 0.0, limits.v, limits.accelerate(), limits.brake());

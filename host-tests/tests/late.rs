@@ -6,8 +6,8 @@ use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines, named};
 use host_tests::check;
 use host_tests::operate::{
-    Act, Operated, TOO_LONG, is_long, judge, operate, operate_text, random_acts, with_overrides,
-    with_starvation,
+    Act, Operated, TOO_LONG, is_long, judge, longest, operate, operate_text, random_acts, random_setup,
+    with_overrides, with_starvation,
 };
 use host_tests::properties::permitted;
 
@@ -181,6 +181,38 @@ fn random_programs_late_held_and_overridden() {
             assert!(fault.ends_with(TOO_LONG) && is_long(&program, &machine, last), "{acts:?}: {fault}");
         }
     }
+}
+
+/// With a standstill at the end of each block it takes longest: by that a run is known that was given up and is
+/// a good one. Some programs have these standstills.
+#[test]
+fn nothing_takes_longer_than_with_standstills() {
+    let mut compared = 0;
+    for seed in 0..48 {
+        let (mut program, machine, _) = random_setup(seed);
+        let most = longest(&program, &machine);
+        if seed / 4 % 2 == 0 {
+            program.moves.iter_mut().for_each(|block| block.stop = true);
+        }
+        if most > 20_000.0 {
+            continue;
+        }
+        let run = operate::<3, 120>(&program, &machine, &[], 1000).unwrap();
+        // A standstill is at a tick; the first and the last one are at rest.
+        let whole = most + (program.moves.len() + 2) as f64;
+        assert!(run.distances.len() as f64 <= whole, "seed {seed}: {} above {most}", run.distances.len());
+        compared += 1;
+    }
+    assert!(compared > 20, "{compared}");
+}
+
+/// HSC has one ramp time, and stops as TRAPEZ does with the longest ramps: a program of a million ticks with
+/// holds is not a fault.
+#[test]
+fn a_long_program_with_hsc_is_long() {
+    let (program, machine, _) = random_setup(1_001_343);
+    // It takes 998,196 ticks, and its last hold ends at 5688.
+    assert!(is_long(&program, &machine, 5688) && !is_long(&program, &machine, 0));
 }
 
 /// The ring is never full: everything is handed on as it comes. With the last seed a block once was planned

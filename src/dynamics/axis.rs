@@ -1,5 +1,5 @@
 //! What one axis permits, converted from machine data to ticks.
-use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT};
+use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::machine::{AxisData, ChannelData, Stages};
 use crate::math::float::{max, min};
@@ -255,6 +255,9 @@ impl Set {
         let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
         let jerks = Jerks::new([a_up, a_down], tr.map(|us| units.ticks(us)), units.ticks(data.tr_geom));
         let Jerks { j, budget, .. } = jerks;
+        // A knee that passes for rounding of coordinates shows beside them.
+        let beside = if stepped { a_max } else { a_max - SMOOTH * budget };
+        let [a_up, a_down] = [min(a_up, beside), min(a_down, beside)];
         let a = min(a_up, a_down);
         // Of `a`, in 0.1 %; 0: cycle time / ramp time.
         let weight = data.a_trans_weight;

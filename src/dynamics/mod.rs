@@ -65,6 +65,10 @@ const NORMAL_PART: f32 = 0.8;
 const KNEE_PART: f32 = 0.25;
 /// Part of what a transition may show that passes for none.
 const SLIGHT: f32 = 1.0 / 64.0;
+/// A step of speed below this part of the jerk budget is rounding of coordinates: the margin of the jerk
+/// covers it, and all of the budget is left to the slope. The slope leaves it its part of the largest
+/// acceleration.
+const SMOOTH: f32 = 1.0 / 20_000.0;
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 

@@ -1,6 +1,6 @@
 //! Speed of a transition from one element to the next.
 use super::axis::TransitionLimits;
-use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, NORMAL_PART, SLIGHT};
+use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, NORMAL_PART, SLIGHT, SMOOTH};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::math::float::{magnitude, max, min, size_f32};
 use crate::math::root::sqrt_f32;
@@ -13,10 +13,6 @@ const LONGEST_SMOOTHING: f32 = 1024.0;
 const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
 /// Part of `B` for an acceleration that turns with the path at a transition.
 const TURN_PART: f32 = 0.05;
-
-/// A step below this part of the jerk budget is rounding of coordinates: the margin of the jerk covers it,
-/// and all of the budget is left to the slope.
-const SMOOTH: f32 = 1.0 / 20_000.0;
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay

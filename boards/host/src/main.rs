@@ -19,6 +19,7 @@ mod monitor;
 mod output;
 mod plot;
 mod program;
+mod resolution;
 mod run;
 mod statistics;
 mod summary;

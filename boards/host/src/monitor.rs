@@ -1,11 +1,15 @@
 //! Compares every row with the limits of the machine data: speed, acceleration and jerk of every axis.
 //!
+//! Beside rounding of set points a difference may exceed them by what the resolution of the path adds
+//! (`resolution.rs`), and by nothing else.
+//!
 //! Jerk is left out where the machine data permit a step: at joints of blocks without P-CHAN-00009 or with
 //! P-AXIS-00013, and in all of a program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 =
 //! 0). Joints where a step shows are counted.
 use crate::diagnose::Diagnostic;
 use crate::machine::{Limits, Machine};
 use crate::program::Program;
+use crate::resolution::Resolution;
 use glidepath::machine::AxisKind;
 
 /// What is compared.
@@ -113,18 +117,23 @@ impl Monitor {
     /// For a program on a machine.
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let cycle_s = machine.cycle_s();
-        let bounds = |allowed: Limits| {
+        let bounds = |allowed: Limits, resolution: Resolution| {
             let mut scale = LSB_PER_MM;
+            let [speed, accel, jerk] = resolution.differences();
             // Rounding adds half an LSB for each of the points, weighted 1 1, 1 2 1, 1 3 3 1.
-            [(allowed.speed, 1), (allowed.accel, 2), (allowed.jerk, 4)].map(|(limit, rounding)| {
+            let more =
+                [(allowed.speed, 1.0 + speed), (allowed.accel, 2.0 + accel), (allowed.jerk, 4.0 + jerk)];
+            more.map(|(limit, more)| {
                 scale *= cycle_s;
-                let bound = limit * scale * (1.0 + 1e-12);
-                (limit, if bound < 1e30 { bound as i128 + rounding } else { i128::MAX })
+                let bound = limit * scale * (1.0 + 1e-12) + more;
+                (limit, if bound < 1e30 { bound as i128 } else { i128::MAX })
             })
         };
+        let resolution = program.resolution(machine);
         let axes = (0..machine.axes.len()).map(|k| {
-            let path = bounds(program.allowed(k, machine));
-            let beside = program.limits_beside.get(k).into_iter().flatten().copied().map(bounds).collect();
+            let path = bounds(program.allowed(k, machine), resolution.get(k).copied().unwrap_or_default());
+            let beside = program.limits_beside.get(k).into_iter().flatten();
+            let beside = beside.map(|allowed| bounds(*allowed, Resolution::default())).collect();
             Compared { path, beside, begun: 0, is_beside: false, before: path, since: 0 }
         });
         Self {
@@ -204,12 +213,18 @@ impl Monitor {
             let unit = if data.kind == AxisKind::Linear { "mm" } else { "°" };
             let per = ["/s", "/s²", "/s³"][*order];
             let (name, what, at) = (data.name.as_str(), NAMES[*order], *tick as f64 * self.cycle_s);
+            let digits = digits(value - limit);
             Diagnostic::error(format!(
-                "axis {name}: {what} {value:.3} {unit}{per} exceeds its limit {limit:.3} {unit}{per} at tick {tick} ({at:.4} s), in block N{n}"
+                "axis {name}: {what} {value:.digits$} {unit}{per} exceeds its limit {limit:.digits$} {unit}{per} at tick {tick} ({at:.4} s), in block N{n}"
             ))
         });
         messages.collect()
     }
+}
+
+/// Decimals that show an excess with two digits of its own: three at least, and no more than an f64 has.
+fn digits(excess: f64) -> usize {
+    (3..12).find(|&digits| excess * 10_f64.powi(digits) >= 10.0).unwrap_or(12) as usize
 }
 
 #[cfg(test)]
@@ -249,6 +264,38 @@ mod tests {
                 assert!(text.contains(part), "{text}");
             }
         }
+    }
+
+    #[test]
+    fn the_digits_told_differ() {
+        let machine = Machine::built_in();
+        let mut monitor = monitor(&machine);
+        let excess = |value, limit| Excess { axis: 0, order: 1, tick: 383, n: 0, value, limit };
+        for (value, limit, told) in [
+            (477.000_198, 477.0, "477.00020 mm/s² exceeds its limit 477.00000 mm/s²"),
+            (1186.000_88, 1186.0, "1186.00088 mm/s² exceeds its limit 1186.00000 mm/s²"),
+            (480.25, 477.0, "480.250 mm/s² exceeds its limit 477.000 mm/s²"),
+        ] {
+            monitor.excess = vec![excess(value, limit)];
+            let text = &monitor.errors(&machine)[0].message;
+            assert!(text.contains(told), "{text}");
+        }
+    }
+
+    /// Where corners are rounded a curve begins on the nearest step of a position.
+    #[test]
+    fn the_start_of_a_curve_adds_to_rounding() {
+        let machine = Machine::built_in();
+        let mut program = Program::empty(&machine);
+        let beyond = |program: &Program, more: i128| {
+            let mut monitor = Monitor::new(&machine, program);
+            // 6000 mm/s² at 1 ms, not whole in LSB.
+            monitor.look(0, 7, 20, &[0, lsb(6e-3) + more, 0]);
+            monitor.excess.len()
+        };
+        assert_eq!((beyond(&program, 2), beyond(&program, 3)), (0, 1));
+        program.through_points = true;
+        assert_eq!((beyond(&program, 3), beyond(&program, 5)), (0, 1));
     }
 
     #[test]

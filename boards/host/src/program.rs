@@ -6,6 +6,7 @@ use crate::beside::Told;
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
+use crate::resolution::Resolution;
 use crate::tolerance::{Smoothing, Tolerance};
 use glidepath::channel::Error;
 use glidepath::dynamics::Weights;
@@ -115,6 +116,8 @@ pub struct Program {
     pub limits: Vec<Limits>,
     /// What each axis may do in each of its motions beside the path, in their order.
     pub limits_beside: Vec<Vec<Limits>>,
+    /// #HSC or #SPLINE: curves go through points, or along them.
+    pub through_points: bool,
     /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
     /// Blocks up to so much path may be left out at a corner: 32 µm, or the largest RELEVANT_PATH, mm.
@@ -210,9 +213,12 @@ fn decode_axes<const AXES: usize>(
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Spline(..)) => program.through_points = true,
             Step::Command(Command::Hsc(_, hsc)) => {
-                smoothing.hsc(&hsc);
-                program.checks_jerk(hsc.check_jerk, machine);
+                program.through_points = true;
+                if smoothing.hsc(&hsc) {
+                    program.checks_jerk(hsc.check_jerk, machine);
+                }
                 if !smoothing.is_on() {
                     program.ends_smoothing();
                 }
@@ -315,6 +321,7 @@ impl Program {
             warnings: Vec::new(),
             limits: Vec::new(),
             limits_beside: vec![Vec::new(); machine.axes.len()],
+            through_points: false,
             free_curves: false,
             relevant: 0.032,
             beside: Vec::new(),
@@ -357,6 +364,25 @@ impl Program {
     pub fn allowed_anywhere(&self, axis: usize, machine: &Machine) -> Limits {
         let beside = self.limits_beside.get(axis).into_iter().flatten();
         beside.fold(self.allowed(axis, machine), |allowed, beside| allowed.or(*beside))
+    }
+
+    /// What the resolution of the path adds to the motion of every axis on it. Beside the axes that measure
+    /// the path a curve through points is steeper than its chords in places: so much steeper at most.
+    pub fn resolution(&self, machine: &Machine) -> Vec<Resolution> {
+        let rounds = self.through_points || self.segments.iter().any(|segment| segment.smoothed);
+        let feed = machine.feed_axes();
+        let mut all = vec![Resolution { steepest: 0.0, rounds }; machine.axes.len()];
+        let mut from = &self.start;
+        for segment in self.motions() {
+            let (travel, _) = segment.travel(from);
+            let path = path(machine, &travel);
+            for (k, (of, travel)) in all.iter_mut().zip(&travel).enumerate().filter(|_| path > 0.0) {
+                let steeper = if self.through_points && !feed.contains(&k) { 8.0 } else { 1.0 };
+                of.steepest = of.steepest.max(steeper * travel / path);
+            }
+            from = &segment.end;
+        }
+        all
     }
 
     /// What the axis with this index may do on the path.

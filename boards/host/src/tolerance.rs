@@ -96,9 +96,13 @@ impl Smoothing {
         }
     }
 
-    /// #HSC.
-    pub fn hsc(&mut self, command: &Hsc) {
+    /// #HSC. While it is on its parameters stay, and a command that gives some changes nothing, as the
+    /// library says with its warning 120542: `false`.
+    pub fn hsc(&mut self, command: &Hsc) -> bool {
         let state = &mut self.hsc;
+        if state.on && command.gives_parameters() && command.switch != Some(false) {
+            return false;
+        }
         state.on = command.switch.unwrap_or(state.on);
         state.method = command.method.or(state.method);
         for (value, given) in [
@@ -110,6 +114,7 @@ impl Smoothing {
         ] {
             *value = given.map(decimal).or(*value);
         }
+        true
     }
 
     /// Whether the corner behind the next motion may be rounded.
@@ -184,13 +189,34 @@ mod tests {
         assert!(!smoothing.is_on());
     }
     #[test]
+    fn parameters_of_hsc_stay_while_it_is_on() {
+        let mut smoothing = Smoothing::new();
+        let mut with = |switch, mm: Option<f64>| {
+            let path_dev = mm.map(Position::from_num);
+            let taken = smoothing.hsc(&Hsc { switch, path_dev, ..Hsc::default() });
+            (taken, smoothing.tolerance(false).path)
+        };
+        assert_eq!(with(None, Some(0.05)), (true, None));
+        assert_eq!(with(Some(true), None), (true, Some(0.05)));
+        for switch in [None, Some(true)] {
+            assert_eq!(with(switch, Some(0.001)), (false, Some(0.05)));
+        }
+        assert_eq!(with(Some(true), None), (true, Some(0.05)));
+        // Switched off with parameters, they are for the next time.
+        assert_eq!(with(Some(false), Some(0.001)), (true, None));
+        assert_eq!(with(Some(true), None), (true, Some(0.001)));
+    }
+
+    #[test]
     fn opmode_1_has_conterror_and_opmode_2_nothing() {
         let mut smoothing = Smoothing::new();
         let mut with = |mode, mm: f64| {
             let method = Some(HscMethod::Op(mode));
             let conterror = Some(Position::from_num(mm));
             smoothing.hsc(&Hsc { switch: Some(true), method, conterror, ..Hsc::default() });
-            smoothing.tolerance(false)
+            let tolerance = smoothing.tolerance(false);
+            smoothing.hsc(&Hsc { switch: Some(false), ..Hsc::default() });
+            tolerance
         };
         assert_eq!(with(1, 0.02), Tolerance { path: Some(0.02), track: None });
         assert_eq!(with(2, 0.02), Tolerance::default());

@@ -231,6 +231,17 @@ fn jerk_that_surface_may_not_check_is_not_compared() {
     assert!(!checked.stdout.contains("CHECK_JERK"), "{}", checked.stdout);
 }
 
+/// Parameters of #HSC while it is on are not taken (warning 120542): nothing is judged by them.
+#[test]
+fn parameters_that_are_not_taken_judge_nothing() {
+    let text = "N10 G90 G17 G01 F3000\nN20 #HSC ON [SURFACE PATH_DEV=0.08]\nN30 X20\nN40 #HSC [SURFACE PATH_DEV=0.001 CHECK_JERK=0]\nN50 Y20\nN60 X0\nN70 #HSC OFF\nM30\n";
+    let run = run("refused", &written("refused", text), Some(&surface("refused.toml")));
+    assert_eq!(run.summary["deviation"]["tolerance"], json!(0.08));
+    assert!(run.stdout.contains("mm of 0.08 mm permitted"), "{}", run.stdout);
+    assert!(!run.stdout.contains("jerk not compared"), "{}", run.stdout);
+    assert!(run.stderr.contains("120542"), "{}", run.stderr);
+}
+
 /// The built-in machine, with Surface.
 fn surface(name: &str) -> String {
     let file = std::fs::read_to_string(shipped("machines/default.toml")).expect("it is shipped");

@@ -490,3 +490,30 @@ fn travel_and_ends_are_those_of_the_path() {
     assert_eq!(radii.len(), 2, "{dots:?}");
     assert!(radii.iter().all(|(end, start)| *end > start + 2.0), "{radii:?}");
 }
+
+/// A machine with short ramps whose slopes take all that an axis can: v in µm/s, a in mm/s², ramps in µs.
+fn quick_machine(name: &str, cycle_us: u32, slope: u8, axes: [(&str, u32, u32, u32); 3]) -> String {
+    let mut text = format!(
+        "[channel]\ncycle_us={cycle_us}\nlook_ahead=120\ncorr_v_trans_jerk=1\n[channel.prog_start.slope]\nprofile={slope}\n[channel.configuration.path_preparation]\nfunction=\"FCT_DEFAULT|FCT_SURFACE|FCT_PTP\"\n"
+    );
+    for (axis, v, a, tr) in axes {
+        text += &format!(
+            "[axis.{axis}]\ntype=\"linear\"\nvb_eilgang={v}\n[axis.{axis}.dynamik]\nvb_max={v}\na_max={a}\ntr_geom={tr}\n[axis.{axis}.slope_profil]\na_beschl={a}\na_brems={a}\na_grenz={a}\n"
+        );
+        for key in ["beschl_zu", "beschl_ab", "brems_zu", "brems_ab", "grenz"] {
+            text += &format!("tr_{key}={tr}\n");
+        }
+    }
+    written(name, &text)
+}
+
+/// Two blocks in one direction but for the rounding of their coordinates, and acceleration passes from one to the
+/// other. With ramps of few ticks the step of speed showed beside the largest acceleration.
+#[test]
+fn a_turn_by_rounding_leaves_acceleration_its_limit() {
+    let text = "G01 F7263\nG261\nG01 X7.692572 Y13.040208\nG01 X7.694265 Y13.043078\nG01 X13.628536 Y18.474884\nG01 X17.577865 Y13.322202\nG01 X14.836227 Y17.630896\nG01 X-30.254026 Y88.493674\n";
+    let axes = [("X", 99_282, 477, 16_682), ("Y", 274_805, 13_927, 10_098), ("Z", 127_214, 6245, 45_878)];
+    let machine = quick_machine("turn.toml", 2000, 2, axes);
+    let run = run("turn", &written("turn", text), Some(&machine));
+    assert!(!run.stderr.contains("error"), "{}", run.stderr);
+}

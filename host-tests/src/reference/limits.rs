@@ -209,6 +209,9 @@ impl AxisLimits {
         let shortest = ramps.into_iter().map(ticks).fold(f64::INFINITY, f64::min);
         let a_max = acceleration(axis.a_max);
         let jerk = shared.into_iter().fold(f64::INFINITY, f64::min);
+        // A knee that passes for rounding of coordinates shows beside the slope's acceleration.
+        let beside = if slope == 0 { a_max } else { a_max - SMOOTH * jerk };
+        let (a_up, a_down) = (a_up.min(beside), a_down.min(beside));
         let peak = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
         let near = (peak * j.into_iter().fold(0.0, f64::max)).min(JOINT * jerk);
         let left = if slope == 3 { a_max } else { a_max - near / 3.0 };

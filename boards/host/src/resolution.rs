@@ -1,0 +1,48 @@
+//! What the resolution of the path adds to the differences of an axis, beside the rounding of its set points.
+//!
+//! The same allowances as those of the library's own tests (`host-tests/src/tolerance.rs`), in LSB of a
+//! position, 2^-32 mm or degrees:
+//!
+//! | what | size | in a difference of order n | where |
+//! |---|---|---|---|
+//! | path distance of a tick | 1/32, times axis travel per path | 2^n times | everywhere |
+//! | start of a curve | 1/2 | 2^(n-1) times: every second one of its weights | where corners are rounded |
+//!
+//! A path distance is good to 2^-37 mm (`src/slope/emit.rs`). A block whose end is rounded ends between two steps
+//! of a position, and the curve behind it begins on the nearest one (`src/smooth/contour/mod.rs`).
+
+/// A path distance of a tick.
+const DISTANCE: f64 = 1.0 / 32.0;
+/// The start of a curve.
+const CUT: f64 = 0.5;
+
+/// An axis' part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resolution {
+    /// So many times as far as the path the axis goes at most.
+    pub steepest: f64,
+    /// Corners are rounded.
+    pub rounds: bool,
+}
+
+impl Resolution {
+    /// What it adds to first, second and third differences, LSB.
+    pub fn differences(self) -> [f64; 3] {
+        let distance = 2.0 * DISTANCE * self.steepest.max(1.0);
+        let start = if self.rounds { CUT } else { 0.0 };
+        [1.0, 2.0, 4.0].map(|times| times * (distance + start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_grows_with_the_order_and_with_what_the_axis_travels() {
+        let of = |steepest, rounds| Resolution { steepest, rounds }.differences();
+        assert_eq!(of(0.5, false), [0.0625, 0.125, 0.25]);
+        assert_eq!(of(16.0, false), [1.0, 2.0, 4.0]);
+        assert_eq!(of(1.0, true), [0.5625, 1.125, 2.25]);
+    }
+}
