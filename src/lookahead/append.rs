@@ -316,9 +316,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // No more than the double is known.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-        let jerk = haste(last.length, full_before, last.slope, &before.limits);
-        let hasty = last.length < HASTY * jerk;
-        let at_once = last.length < AT_ONCE * jerk || next.knees_at_once(slope, limits);
+        let (mut hasty, mut at_once) = (false, false);
+        if last.length < 4.0 * full_before || next.length < 4.0 * next.full {
+            let jerk = haste(last.length, full_before, last.slope, &before.limits);
+            hasty = last.length < HASTY * jerk;
+            at_once = last.length < AT_ONCE * jerk || next.knees_at_once(slope, limits);
+        }
         let v = next.passed(last, (fastest, a), at_once, dynamics);
         // STEP: what passes within a tick of a knee shows together with it.
         let brief = last.length < full_before || next.length < next.full;

@@ -273,7 +273,7 @@ mod tests {
         let excess = |value, limit| Excess { axis: 0, order: 1, tick: 383, n: 0, value, limit };
         for (value, limit, told) in [
             (477.000_198, 477.0, "477.00020 mm/s² exceeds its limit 477.00000 mm/s²"),
-            (1186.000_88, 1186.0, "1186.00088 mm/s² exceeds its limit 1186.00000 mm/s²"),
+            (1_186.000_88, 1_186.0, "1186.00088 mm/s² exceeds its limit 1186.00000 mm/s²"),
             (480.25, 477.0, "480.250 mm/s² exceeds its limit 477.000 mm/s²"),
         ] {
             monitor.excess = vec![excess(value, limit)];
