@@ -52,22 +52,15 @@ impl<const AXES: usize> Last<AXES> {
         flows: false,
         behind: End::BLANK,
     };
-}
 
-/// The highest jerk of a block that may take less than two ticks with twice its speed `full`; else none. STEP has
-/// its own rules.
-#[inline(always)]
-fn haste(length: f32, full: f32, slope: SlopeType, limits: &Limits) -> f32 {
-    if length < 4.0 * full && slope != SlopeType::Step { limits.steepest() } else { 0.0 }
+    /// Whether it may take less than two ticks between a knee and a standstill though its speed at the knee is
+    /// low: what its neighbours do then shows together with the knee. From a speed that is a third of its length
+    /// per tick at most it goes a third of it in two ticks, and a quarter of its jerk. STEP has its own rules.
+    #[inline(always)]
+    fn is_hasty(&self, limits: &Limits) -> bool {
+        self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
+    }
 }
-
-/// A block shorter than that part of its jerk may take less than two ticks between a knee and a standstill though
-/// its speed at the knee is low: what its neighbours do then shows together with the knee. From a speed that is a
-/// third of its length per tick at most it goes a third of it in two ticks, and a quarter of its jerk.
-const HASTY: f32 = 0.4;
-/// A block shorter than that part of its jerk may take less than a tick between two knees: both show at once. From
-/// such a speed to another one it goes a third of its length in a tick, and a 32nd part of its jerk.
-const AT_ONCE: f32 = 0.05;
 
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
@@ -124,27 +117,13 @@ impl Transition {
 }
 
 impl<const AXES: usize> Next<'_, AXES> {
-    /// Whether knees at both its ends may show at once.
-    #[inline(always)]
-    fn knees_at_once(&self, slope: SlopeType, limits: &Limits) -> bool {
-        self.length < AT_ONCE * haste(self.length, self.full, slope, limits)
-    }
-
     /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the
-    /// speed `fastest`. `a`: acceleration of STEP that acts beside it. `at_once`: another one may be in the same
-    /// tick, each has half.
+    /// speed `fastest`. `a`: acceleration of STEP that acts beside it.
     #[inline(always)]
-    fn passed(
-        &self,
-        last: &Last<AXES>,
-        (fastest, a): (f32, f32),
-        at_once: bool,
-        dynamics: &Dynamics<AXES>,
-    ) -> Option<f32> {
+    fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
         let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
         let shorter = min(last.length, self.length);
         let v = dynamics.transition(&last.exit, entry, rapid, shorter, (fastest, a));
-        let v = if at_once { v.map(|v| 0.5 * v) } else { v };
         if !self.after_brief {
             return v;
         }
@@ -316,19 +295,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // No more than the double is known.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
-        let (mut hasty, mut at_once) = (false, false);
-        if last.length < 4.0 * full_before || next.length < 4.0 * next.full {
-            let jerk = haste(last.length, full_before, last.slope, &before.limits);
-            hasty = last.length < HASTY * jerk;
-            at_once = last.length < AT_ONCE * jerk || next.knees_at_once(slope, limits);
-        }
-        let v = next.passed(last, (fastest, a), at_once, dynamics);
+        let v = next.passed(last, fastest, a, dynamics);
         // STEP: what passes within a tick of a knee shows together with it.
         let brief = last.length < full_before || next.length < next.full;
         let sides = [(&before.limits, &last.share, last.length), (&*limits, &next.share, next.length)];
         let way = match v {
             // The block before it has left nothing to a knee that shows together with its end.
-            Some(_) if !last.shared && hasty => Way::Standing,
+            Some(_) if !last.shared && last.is_hasty(&before.limits) => Way::Standing,
             Some(v) if v < cap && is_corner(&last.exit, piece.entry) => {
                 quickest(sides, v, slope == SlopeType::Hsc)
             }
@@ -355,7 +328,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 before.limits.share(&shares[0]);
             }
         }
-        if !shared && last.shared && hasty {
+        if !shared && last.shared && last.is_hasty(&before.limits) {
             limits.share(&next.share);
             shared = true;
         }

@@ -60,9 +60,6 @@ pub fn decided(
             v_start = cap;
             let most = last.limits.most().max(limits.most());
             let mut joint = machine.joint(before, element, v_start, most);
-            if at_once(last.length, &last.limits) || at_once(length, &limits) {
-                joint = joint.map(|v| 0.5 * v);
-            }
             if let (true, Some(behind)) = (after_brief, behind) {
                 let both = machine.bending(behind, element);
                 if both < cap {
@@ -110,13 +107,6 @@ pub fn decided(
         before = Some(element);
     }
     blocks
-}
-
-/// Whether a block may take less than a tick between knees that are passed with a third of its length per tick at
-/// most: both show at once, and each has half of what it may.
-fn at_once(length: f64, limits: &BlockLimits) -> bool {
-    let steepest = limits.j.into_iter().fold(0.0, f64::max);
-    limits.slope != 0 && length < 4.0 * limits.v && length < 0.05 * steepest
 }
 
 /// The blocks as a library decided where both ways take as long: whether its plan enters the block behind
