@@ -29,7 +29,7 @@ pub(crate) const LIMITS: [(&str, u64); 35] = [
     ("command.poll_max", 90_000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
-    ("case.short_arcs.block_mean", 9650),
+    ("case.short_arcs.block_mean", 9600),
     ("total.block_mean_hsc", 8000),
     ("case.plain.decode_mean", 2500),
     ("case.cam.decode_mean", 2500),
