@@ -423,15 +423,18 @@ impl<const AXES: usize> Setup<AXES> {
     /// that. In contour mode the start of each curve adds [`CUT`].
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
-        let travels = (0..AXES).map(|axis| {
-            let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
-            contour.elements.iter().map(travel).fold(0.0, f64::max)
-        });
         // 2 of them make one difference of a jump: see the sums below.
         let cut = if self.contour.is_empty() { 0.0 } else { 0.5 * CUT };
-        // A curve through the points is steeper than its chords in places.
-        let steeper = if self.contour.contains("CONTOUR") || self.contour.is_empty() { 1.0 } else { 8.0 };
-        let most = travels.map(|times| (steeper * times).max(1.0) * DISTANCE + cut);
+        // A curve through the points is steeper than its chords in places, on axes that the path is not measured along:
+        // the others go no further than the path.
+        let chords = self.contour.contains("CONTOUR") || self.contour.is_empty();
+        let steepest = |axis: usize| {
+            let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
+            let times = contour.elements.iter().map(travel).fold(0.0, f64::max);
+            let feeds = contour.elements.iter().any(|element| element.feed_axes.contains(&axis));
+            if chords || feeds { times } else { 8.0 * times }
+        };
+        let most = (0..AXES).map(|axis| steepest(axis).max(1.0) * DISTANCE + cut);
         most.map(|r| Limits { v: 2.0 * r / cycle, a: 4.0 * r / cycle.powi(2), jerk: 8.0 * r / cycle.powi(3) })
             .collect()
     }

@@ -209,6 +209,33 @@ fn what_a_corner_leaves_of_ax_dev_short_blocks_take() {
     }
 }
 
+/// Nor could corners between long blocks have limits of their own: with the same ones, the same corners at a lower feed or
+/// override, a reversal, and a single hold deviate by so much more that they would be beyond AX_DEV if a corner at
+/// 4000 mm/min used 0.9 of it. All is in proportion: limits c times as large make each of them c times as large, at c times
+/// the feed.
+#[test]
+fn what_a_fast_corner_leaves_of_ax_dev_slower_ones_and_a_hold_take() {
+    let with = |order: u8, lines: &str, acts: &[(usize, Act)]| {
+        let machine = with_filter(machines::even::<3>(1000), FilterType::Sinc, order);
+        let run = run(&format!("#FILTER ON [AX_DEV=0.001]\n{lines}"), &machine, acts, 1000).unwrap();
+        assert!(run.deviated.is_empty());
+        run.largest(0, order.into()) / ONE * 1e3
+    };
+    for (order, feed) in [(100, 173), (128, 101), (200, 70)] {
+        let fast = with(order, SQUARE, &[]);
+        let slow = with(order, &SQUARE.replace("F4000", &format!("F{feed}")), &[]);
+        let overridden = with(order, SQUARE, &[(0, Act::Override(feed / 4))]);
+        let back = format!("#SLOPE [TYPE=TRAPEZ]\nG01 X20 F{feed}\nX0\nM30\n");
+        let reversed = with(order, &back, &[]);
+        let held = |tick: usize| with(order, SQUARE, &[(tick, Act::Hold), (tick + 500, Act::Resume)]);
+        let held = (4..40).step_by(4).map(held).fold(0.0, f64::max);
+        println!("{order}: {fast} at F4000, {slow} at F{feed}, {overridden}, {reversed}, {held} with a hold");
+        for other in [slow, overridden, reversed, held] {
+            assert!(other <= 1.0 && 0.9 * other > fast, "{order}: {other} {fast}");
+        }
+    }
+}
+
 #[test]
 fn without_ax_dev_the_deviation_doubles_with_order_cycle_and_feed() {
     // G-01, D3-224: where the corner is passed at the feed, N·T·v/8 of a mean.

@@ -1,13 +1,19 @@
 //! Random sessions of one channel: [`host_tests::sequences`].
 use host_tests::sequences::{Done, session};
 
-/// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one.
+/// Sessions that were wrong once: the start of a motion was told by its remainder in a filter; a jog behind an abort that
+/// was not carried out yet; a filter of two taps, whose jerk had nothing left for rounding, twice.
+const ONCE: [u64; 4] = [300_501, 300_693, 5_937, 8_079];
+
+/// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one. Open: with HSC, three of 12,000 programs behind changes of the
+/// override differ from those on a new channel, why is not known: by 1 LSB at first, some 100 LSB (2^-32 mm) after 40 ticks:
+/// 6967, 303339, 304355.
 #[test]
 fn sessions_do_what_their_lines_say() {
     let number = |name| std::env::var(name).ok().and_then(|number: String| number.parse::<u64>().ok());
     let (from, count) = (number("GLIDEPATH_FROM").unwrap_or(0), number("GLIDEPATH_SEEDS").unwrap_or(60));
     let (mut all, mut faults) = (Done::default(), Vec::new());
-    for seed in from..from + count {
+    for seed in ONCE.into_iter().chain(from..from + count) {
         match session(seed) {
             Ok(done) => {
                 all.steps += done.steps;

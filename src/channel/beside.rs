@@ -478,6 +478,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// # Errors
     /// Nothing has changed.
     pub fn move_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
+        self.end_by_abort();
         let busy = self.beside.pending.is_some() || self.beside.axes() & bit(axis) != 0;
         if busy || self.source != Source::Ended || !self.planning.is_at_rest() {
             return Err(MoveError::NotAtRest);
@@ -497,6 +498,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.forget_abort();
         self.beside.pending = Some(Pending::Start(axis, target, 0));
         Ok(())
+    }
+
+    /// An abort at rest that is not carried out yet ends what was to be read: what follows does not depend on
+    /// when the planner is called.
+    fn end_by_abort(&mut self) {
+        let rests = self.planning.is_at_rest() && self.beside.is_free();
+        if self.source != Source::Ended && rests && self.planning.commands().abort {
+            self.lose();
+        }
     }
 
     /// The axis that [`Self::move_axis`] moves brakes, and stays where it comes to a standstill.

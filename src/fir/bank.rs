@@ -10,6 +10,7 @@ use super::kernel;
 use super::shape::{Shape, Watch};
 use super::{FilterPlan, Kind, Layout, Words, taps};
 use crate::machine::{FilterData, FilterType, MachineData};
+use crate::math::float::max;
 use crate::nc;
 use crate::quantity::Position;
 use core::sync::atomic::Ordering;
@@ -261,18 +262,20 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 
     fn watch(&self, axis: usize) -> Option<Watch> {
-        let shape = self.shapes.get(axis).filter(|shape| shape.peak > 0.0)?;
+        // Two taps deviate from no delayed set point, but are rounded as others are.
+        let shape = self.shapes.get(axis).filter(|shape| shape.window > 0.0)?;
         let [in_force, _] = &self.given;
-        let limits = self.tolerance().map(|tolerance| shape.limits(tolerance));
+        let tolerance = self.tolerance().filter(|_| shape.peak > 0.0);
+        let limits = tolerance.map(|tolerance| shape.limits(tolerance));
         Some(Watch {
             gain: shape.gain,
             accel: limits.map(|(accel, _)| accel),
             knee: limits.map_or(f32::MAX, |(_, knee)| knee),
             window: shape.window,
-            ratio: shape.area / shape.peak,
+            ratio: shape.area / max(shape.peak, f32::MIN_POSITIVE),
             acc_fact: design::acc_fact(in_force),
             tap: shape.tap,
-            bound: self.tolerance().map(|tolerance| shape.bound(tolerance)),
+            bound: tolerance.map(|tolerance| shape.bound(tolerance)),
         })
     }
 

@@ -32,8 +32,23 @@
 //! | 128 | 0.36 | 0.75 | 0.59 |
 //! | 200 | 0.31 | 0.69 | 0.47 |
 //!
-//! Up to the order 96 longer ramps would use 0.9 at a corner, and mostly take longer. Limits of long blocks
-//! alone would not hold either: a hold, its end and any change of the override begin ramps at any tick.
+//! Up to the order 96 longer ramps would use 0.9 at a corner, and mostly take longer.
+//!
+//! Nor can corners between long blocks have limits of their own, as their deviation depends on the speed more than on
+//! what is near: under the same limits other corners of the same square, and one hold, deviate by more. All of it is
+//! in proportion: where limits are so large that a corner at 4000 mm/min has 0.9 of AX_DEV, all of these are beyond it.
+//!
+//! | order | 90° at 4000 mm/min | at a lower feed, or override | a reversal there | a hold in a speeding up to 4000 mm/min |
+//! |---|---|---|---|---|
+//! | 100 | 0.42 | 0.88 (173 mm/min) | 0.93 | 0.84 |
+//! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
+//! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
+//!
+//! So larger limits would have to depend on the speed that a law changes to. A hold or a change of the override ends such a
+//! law at any tick, and would have to wait until it has ended, and then for the window of the filter.
+//!
+//! With knees (P-AXIS-00013) acceleration and step share AX_DEV, as either may have any sign: behind the order 100 and above a
+//! corner would use 0.9 only if acceleration had 0.1 of it, a ninth of what it has now.
 //!
 //! Elsewhere AX_DEV is shared so that the sum of all never exceeds it:
 //!

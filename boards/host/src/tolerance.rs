@@ -25,17 +25,25 @@ struct ContourState {
     given: bool,
 }
 
-/// #HSC: on, and its deviations; without them that of rapid motion is the other one.
+/// What a method of #HSC monitors, mm or degrees; without that of rapid motion the other one.
+#[derive(Clone, Copy, Debug)]
+struct Deviations {
+    path: f64,
+    path_g00: Option<f64>,
+    track: f64,
+    track_g00: Option<f64>,
+}
+
+/// #HSC: on, and the deviations of its methods, which do not share them.
 #[derive(Clone, Copy, Debug)]
 struct HscState {
     on: bool,
-    method: Option<HscMethod>,
-    path_dev: Option<f64>,
-    path_dev_g00: Option<f64>,
-    track_dev: Option<f64>,
-    track_dev_g00: Option<f64>,
-    /// CONTERROR, 0.1 mm without its keyword.
-    conterror: Option<f64>,
+    /// The one named last.
+    method: HscMethod,
+    surface: Deviations,
+    bspline: Deviations,
+    /// CONTERROR.
+    conterror: f64,
 }
 
 /// Smoothing as the program has it so far.
@@ -53,6 +61,33 @@ fn set(value: &mut f64, given: Option<Position>) {
     *value = given.map_or(*value, decimal);
 }
 
+impl Deviations {
+    /// At program start, with that TRACK_DEV.
+    const fn unless_given(track: f64) -> Self {
+        Self { path: 0.2, path_g00: None, track, track_g00: None }
+    }
+
+    /// What a command gives; those of rapid motion are keywords of Surface alone.
+    fn take(&mut self, command: &Hsc, rapid: bool) {
+        set(&mut self.path, command.path_dev);
+        set(&mut self.track, command.track_dev);
+        if rapid {
+            self.path_g00 = command.path_dev_g00.map(decimal).or(self.path_g00);
+            self.track_g00 = command.track_dev_g00.map(decimal).or(self.track_g00);
+        }
+    }
+
+    /// What is monitored; 0 is not.
+    fn tolerance(&self, rapid: bool) -> Tolerance {
+        let of = |feed: f64, of_rapid: Option<f64>| if rapid { of_rapid.unwrap_or(feed) } else { feed };
+        let monitored = |value: f64| (value > 0.0).then_some(value);
+        Tolerance {
+            path: monitored(of(self.path, self.path_g00)),
+            track: monitored(of(self.track, self.track_g00)),
+        }
+    }
+}
+
 impl Smoothing {
     /// At program start.
     pub fn new() -> Self {
@@ -68,12 +103,10 @@ impl Smoothing {
             },
             hsc: HscState {
                 on: false,
-                method: None,
-                path_dev: None,
-                path_dev_g00: None,
-                track_dev: None,
-                track_dev_g00: None,
-                conterror: None,
+                method: HscMethod::Surface,
+                surface: Deviations::unless_given(2.0),
+                bspline: Deviations::unless_given(5.0),
+                conterror: 0.1,
             },
         }
     }
@@ -104,16 +137,13 @@ impl Smoothing {
             return false;
         }
         state.on = command.switch.unwrap_or(state.on);
-        state.method = command.method.or(state.method);
-        for (value, given) in [
-            (&mut state.path_dev, command.path_dev),
-            (&mut state.path_dev_g00, command.path_dev_g00),
-            (&mut state.track_dev, command.track_dev),
-            (&mut state.track_dev_g00, command.track_dev_g00),
-            (&mut state.conterror, command.conterror),
-        ] {
-            *value = given.map(decimal).or(*value);
+        state.method = command.method.unwrap_or(state.method);
+        match (command.method, state.method) {
+            (Some(HscMethod::Bspline), _) => state.bspline.take(command, false),
+            (_, HscMethod::Surface) => state.surface.take(command, true),
+            _ => {}
         }
+        set(&mut state.conterror, command.conterror);
         true
     }
 
@@ -124,17 +154,12 @@ impl Smoothing {
 
     /// What is monitored of the next motion.
     pub fn tolerance(&self, rapid: bool) -> Tolerance {
-        if let HscState { on: true, method: Some(HscMethod::Op(mode)), conterror, .. } = self.hsc {
-            return Tolerance { path: (mode == 1).then_some(conterror.unwrap_or(0.1)), track: None };
-        }
         if self.hsc.on {
-            let HscState { path_dev, path_dev_g00, track_dev, track_dev_g00, method, .. } = self.hsc;
-            let of = |feed: Option<f64>, of_rapid: Option<f64>| if rapid { of_rapid.or(feed) } else { feed };
-            let default = if method == Some(HscMethod::Bspline) { 5.0 } else { 2.0 };
-            let monitored = |value: f64| (value > 0.0).then_some(value);
-            return Tolerance {
-                path: monitored(of(path_dev, path_dev_g00).unwrap_or(0.2)),
-                track: monitored(of(track_dev, track_dev_g00).unwrap_or(default)),
+            let HscState { surface, bspline, method, conterror, .. } = self.hsc;
+            return match method {
+                HscMethod::Surface => surface.tolerance(rapid),
+                HscMethod::Bspline => bspline.tolerance(rapid),
+                HscMethod::Op(mode) => Tolerance { path: (mode == 1).then_some(conterror), track: None },
             };
         }
         if !self.is_on() {
@@ -205,6 +230,22 @@ mod tests {
         // Switched off with parameters, they are for the next time.
         assert_eq!(with(Some(false), Some(0.001)), (true, None));
         assert_eq!(with(Some(true), None), (true, Some(0.001)));
+    }
+
+    #[test]
+    fn each_method_of_hsc_has_its_own_deviations() {
+        let mut smoothing = Smoothing::new();
+        let mut with = |method, mm: Option<f64>| {
+            let (method, path_dev) = (Some(method), mm.map(Position::from_num));
+            smoothing.hsc(&Hsc { switch: Some(true), method, path_dev, ..Hsc::default() });
+            let Tolerance { path, track } = smoothing.tolerance(false);
+            smoothing.hsc(&Hsc { switch: Some(false), ..Hsc::default() });
+            (path, track)
+        };
+        assert_eq!(with(HscMethod::Bspline, Some(0.05)), (Some(0.05), Some(5.0)));
+        assert_eq!(with(HscMethod::Surface, None), (Some(0.2), Some(2.0)));
+        assert_eq!(with(HscMethod::Surface, Some(0.01)), (Some(0.01), Some(2.0)));
+        assert_eq!(with(HscMethod::Bspline, None), (Some(0.05), Some(5.0)));
     }
 
     #[test]

@@ -428,21 +428,21 @@ impl<'m> Session<'m> {
             let handles = memory.split(self.machine, at, source);
             self.again(start, Bench::new(handles.map_err(|e| e.to_string())?, at, open, None))
         }?;
-        // A position that was set may take a tick of its own.
-        let moves = [seen, &again].map(|seen| {
-            let still = seen.drives.iter().take_while(|row| **row == start.at).count();
-            &seen.drives[still..]
+        // A position that was set may take a tick of its own. What rounding leaves in a filter goes on to its next
+        // motion: when its set point first moves says nothing.
+        let moves = [seen, &again].map(|Seen { rows, drives, .. }| {
+            let still = rows.iter().take_while(|row| **row == start.at).count();
+            rows[still..].iter().zip(&drives[still..]).collect::<Vec<_>>()
         });
-        // What rounding leaves in a filter goes on to its next motion. Without filters one LSB is seen in one
-        // of 4,000 sessions.
-        let most = if self.is_filtered() { 8 } else { 1 };
-        let apart = |one: &[i64; 3], other: &[i64; 3]| (0..3).any(|k| (one[k] - other[k]).abs() > most);
-        let differs = moves[0].iter().zip(moves[1]).position(|(one, other)| apart(one, other));
+        // Either set point of a filter is less than an LSB off what it makes of the path.
+        let apart = |one: &[i64; 3], other: &[i64; 3]| (0..3).any(|k| (one[k] - other[k]).abs() > 1);
+        let mut rows = moves[0].iter().zip(&moves[1]);
+        let differs = rows.position(|(one, other)| one.0 != other.0 || apart(one.1, other.1));
         if let Some(tick) = differs {
-            let [one, other] = moves.map(|rows| rows[tick]);
+            let [one, other] = [&moves[0], &moves[1]].map(|rows| rows[tick]);
             return Err(format!("tick {tick} of motion: {one:?}, on a new channel {other:?}"));
         }
-        let ticks = moves.map(<[_]>::len);
+        let ticks = moves.map(|rows| rows.len());
         if ticks[0] != ticks[1] {
             return Err(format!("{} ticks, {} on a new channel", ticks[0], ticks[1]));
         }
