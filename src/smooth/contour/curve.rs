@@ -1,7 +1,7 @@
 //! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes
 //! and where its inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact,
 //! because both neighbours of a joint get the same numbers.
-use crate::math::float::{magnitude, max, min, to_f32};
+use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
 use crate::path::{Element, End, Measure};
@@ -186,7 +186,7 @@ const FOOT_STEPS: usize = 4;
 
 /// Sine and cosine.
 fn sine(angle: f32) -> (f32, f32) {
-    let (sin, cos) = sin_cos((angle * TURNS) as i64 as u64);
+    let (sin, cos) = sin_cos(to_i64(angle * TURNS) as u64);
     (to_f32(sin) * LSB_62, to_f32(cos) * LSB_62)
 }
 

@@ -10,7 +10,7 @@ use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
-use crate::math::float::{max, min, to_bits, to_f32};
+use crate::math::float::{max, min, to_bits, to_f32, to_i64};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
@@ -549,7 +549,7 @@ impl<const AXES: usize> Joining<AXES> {
         *turning = None;
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
-        let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
+        let (cut, reach) = Cut::even(held, next, rule, to_i64(c * ONE_44).min(most));
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
             return;
@@ -640,9 +640,9 @@ impl Room {
             if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
                 length / 2
             } else if rule.weighs() {
-                (distances[i] * ONE_44) as i64
+                to_i64(distances[i] * ONE_44)
             } else {
-                ((distances[i] * ONE_44) as i64).min(length / 2)
+                to_i64(distances[i] * ONE_44).min(length / 2)
             }
         };
         let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];

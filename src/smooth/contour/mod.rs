@@ -364,10 +364,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.parameters.update(contour);
-        if self.parameters != before
-            && self.held().is_some_and(|held| held.skipped.is_some())
-            && !in_motion
-        {
+        if self.parameters != before && self.held().is_some_and(|held| held.skipped.is_some()) && !in_motion {
             // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
