@@ -36,7 +36,7 @@ const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 const SMALLER: u8 = 8;
 
 /// Elements that are fitted in one call.
-const ELEMENTS: usize = 2;
+const ELEMENTS: usize = 4;
 
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
@@ -389,7 +389,8 @@ impl<const AXES: usize> Joining<AXES> {
             }
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
-                let Some(found) = reach.go_on(&corner) else { return };
+                // Twice: each call has its own cost.
+                let Some(found) = reach.go_on(&corner).or_else(|| reach.go_on(&corner)) else { return };
                 let Rivals { approach, candidate, may_stop } = rivals;
                 let compares = Self::compares(rule, &corner, candidate, *may_stop);
                 let even = found.filter(|_| compares).map(|(part, _)| {
