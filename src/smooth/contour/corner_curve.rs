@@ -361,12 +361,17 @@ impl<const AXES: usize> CornerCurve<AXES> {
     fn known(&self, i: u32) -> [f32; 2] {
         match self.seen.get(i as usize) {
             Some(seen) if seen[0] > 0.0 => *seen,
-            _ => {
-                let portion = self.portion(i);
-                let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
-                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
-            }
+            _ => self.measure(i),
         }
+    }
+
+    /// The same of one that is not kept.
+    #[cold]
+    #[inline(never)]
+    fn measure(&self, i: u32) -> [f32; 2] {
+        let portion = self.portion(i);
+        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
+        [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
     }
 
     /// Whether the next element belongs to the first half.
