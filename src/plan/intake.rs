@@ -167,8 +167,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
-                        let block = self.programmed(line.element(), Form::Line, motion, feed);
-                        Self::in_time(&self.dynamics.element(&block.element, feed), line.length())?;
+                        Self::in_time(&self.dynamics.line(line.tangent(), feed), line.length())?;
+                        let mut block = self.programmed(Form::Line, motion, feed);
+                        line.assign_to(&mut block.element);
                         self.round(&block);
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
@@ -220,7 +221,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
             let form = Form::Arc { centre, plane, clockwise };
-            self.round(&self.programmed(*element, form, motion, feed));
+            let mut block = self.programmed(form, motion, feed);
+            block.element = *element;
+            self.round(&block);
         }
         self.advance(motion);
         Ok(())
@@ -383,15 +386,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// A block as the smoother takes it.
+    /// A block as the smoother takes it, but for its element: as an argument that would be copied.
     #[inline(always)]
-    fn programmed(
-        &self,
-        element: Element<AXES>,
-        form: Form,
-        motion: &Motion<AXES>,
-        feed: Option<f32>,
-    ) -> ProgrammedBlock<AXES> {
+    fn programmed(&self, form: Form, motion: &Motion<AXES>, feed: Option<f32>) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,
@@ -400,7 +397,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             number: self.intake.taken,
             stop: motion.exact_stop,
         };
-        ProgrammedBlock { element, from, to, form, data }
+        ProgrammedBlock { element: Element::BLANK, from, to, form, data }
     }
 
     /// The smoother takes a block.
