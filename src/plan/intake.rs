@@ -89,15 +89,22 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
-        let Smoothed { element, end, data, curving, due } = smoothed;
-        let limits = match (&element.bounds, curving) {
-            (Some(bounds), Some(curving)) => {
-                self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving)
+        let Smoothed { element, end, data, curving, due, known } = smoothed;
+        let known = known.and_then(|known| self.dynamics.recall(known));
+        let made;
+        let limits = match (known, &element.bounds, curving) {
+            (Some(known), ..) => known,
+            (None, Some(bounds), Some(curving)) => {
+                made = self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving);
+                &made
             }
-            _ => self.dynamics.element(element, data.feed),
+            _ => {
+                made = self.dynamics.element(element, data.feed);
+                &made
+            }
         };
         let Data { feed, n, number, stop, .. } = **data;
-        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, *end);
+        self.push(element, limits, &Pass { feed, n, number, stop }, *due, *end);
     }
 
     /// `end`: where it ends, if that is known.
@@ -167,7 +174,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
-                        Self::in_time(&self.dynamics.line(line.tangent(), feed), line.length())?;
+                        Self::in_time(self.dynamics.speed_of_line(line.tangent(), feed), line.length())?;
                         let mut block = self.programmed(Form::Line, motion, feed);
                         line.assign_to(&mut block.element);
                         self.round(&block);
@@ -175,7 +182,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                         self.functions.settle(true, false);
                     } else {
                         let limits = self.dynamics.line(line.tangent(), feed);
-                        Self::in_time(&limits, line.length())?;
+                        Self::in_time(limits.0.v, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);
                     }
@@ -215,7 +222,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
-        Self::in_time(&limits, element.shape.length)?;
+        Self::in_time(limits.0.v, element.shape.length)?;
         if self.intake.smoothing.is_idle() {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
@@ -370,10 +377,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
-    /// A block of that length does not take too long.
+    /// A block of that length does not take too long at the speed `v`.
     #[inline(always)]
-    fn in_time(limits: &Permitted, length: Distance) -> Result<(), MotionError> {
-        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
+    fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
+        if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.

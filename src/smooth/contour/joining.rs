@@ -227,17 +227,20 @@ impl<const AXES: usize> Joining<AXES> {
     /// Which kinds of curve come into question.
     #[inline(never)]
     fn choose(
-        held: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
-        rule: &Parameters,
         room: Room,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
         *stage = JoinStep::Sharp;
+        held.known = Some(setting.dynamics.known(&held.block.element, held.block.data.feed));
+        let (second, ..) = setting.dynamics.element(&next.block.element, next.block.data.feed);
+        let held = &*held;
+        let (Some(rule), Some(known)) = (&held.rule, &held.known) else { return };
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
-        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let approach = Approach::new([&known.permitted.0, &second], room.most);
         let choice = Choice {
             blocks: [held, next],
             corner: &corner,
@@ -376,7 +379,7 @@ impl<const AXES: usize> Joining<AXES> {
     /// Looks for the kind of curve and its distances.
     #[inline(never)]
     fn decide(
-        held: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
@@ -385,7 +388,7 @@ impl<const AXES: usize> Joining<AXES> {
         match stage {
             JoinStep::Choosing(room) => {
                 let room = *room;
-                Self::choose(held, next, rule, room, setting, stage);
+                Self::choose(held, next, room, setting, stage);
             }
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);

@@ -89,7 +89,7 @@ impl<const AXES: usize> Made<AXES> {
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
         let Self { element, end, data, curving, due } = self;
-        Smoothed { element, end: end.as_ref(), data, curving: *curving, due: *due }
+        Smoothed { element, end: end.as_ref(), data, curving: *curving, due: *due, known: None }
     }
 }
 

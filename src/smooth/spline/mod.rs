@@ -630,7 +630,14 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
         if draft.as_ref().is_some_and(|draft| !draft.is_done()) {
             return false;
         }
-        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving: *curving, due: *due });
+        into(&Smoothed {
+            element,
+            end: draft.as_ref().map(Draft::to),
+            data,
+            curving: *curving,
+            due: *due,
+            known: None,
+        });
         self.made = None;
         true
     }

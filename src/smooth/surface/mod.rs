@@ -625,7 +625,14 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
         }
         let jerk = self.parameters.check_jerk();
         let curving = near.map(|near| Curving { jerk, constant: None, near });
-        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving, due: *due });
+        into(&Smoothed {
+            element,
+            end: draft.as_ref().map(Draft::to),
+            data,
+            curving,
+            due: *due,
+            known: None,
+        });
         self.made = None;
         true
     }
