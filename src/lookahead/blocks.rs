@@ -55,18 +55,6 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         if at < self.len { self.places.get_mut(place) } else { None }
     }
 
-    /// As [`Self::get`], but a call: where there are many of them.
-    #[inline(never)]
-    pub fn look_up(&self, at: usize) -> Option<&Block> {
-        self.get(at)
-    }
-
-    /// See [`Self::look_up`].
-    #[inline(never)]
-    pub fn look_up_mut(&mut self, at: usize) -> Option<&mut Block> {
-        self.get_mut(at)
-    }
-
     /// The first block.
     #[inline]
     pub fn front(&self) -> Option<&Block> {

@@ -274,7 +274,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// What the span leaves unused that begins with this block.
     #[inline(always)]
     pub(super) fn ease(&self, from: usize) -> Ease {
-        match self.blocks.look_up(from + 1) {
+        match self.blocks.get(from + 1) {
             Some(second) if !second.is(Marks::ANCHOR) => second.ease(),
             _ => Ease::NONE,
         }
@@ -284,7 +284,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     pub(super) fn lower_peak(&mut self, from: usize, v: f32) {
         let mut ease = self.ease(from);
         ease.v = v;
-        if let Some(second) = self.blocks.look_up_mut(from + 1) {
+        if let Some(second) = self.blocks.get_mut(from + 1) {
             second.v_reached = ease.kept();
         }
     }
@@ -298,7 +298,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if pass.cursor.next >= pass.last {
                 return true;
             }
-            let Some(block) = self.blocks.look_up(pass.cursor.next) else { return true };
+            let Some(block) = self.blocks.get(pass.cursor.next) else { return true };
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open()
                 && !(pass.first
@@ -325,12 +325,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Whether the span that begins with this block keeps the limits of all its blocks, as fast as it may be.
     pub(super) fn is_planned(&self, k: usize) -> bool {
-        self.blocks.look_up(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
+        self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
     }
 
     /// Final speed at an anchor, or at the end of the ring.
     pub(super) fn final_speed(&self, k: usize) -> Speed {
-        match self.blocks.look_up(k) {
+        match self.blocks.get(k) {
             Some(block) if k == 0 => block.v_in,
             Some(block) => block.v_reached,
             None => Speed::ZERO,
@@ -339,7 +339,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
-        if self.blocks.look_up(pass.at).is_some_and(|block| block.limits.may_have_valleys()) {
+        if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_have_valleys()) {
             if pass.first && !pass.fit.fitting {
                 (pass.from, pass.cursor.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
@@ -354,7 +354,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Goes on behind the anchor, which is not tried again.
     pub(super) fn pass_anchor(&mut self, pass: &mut Trial) {
-        if let Some(block) = self.blocks.look_up_mut(pass.at) {
+        if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
             self.counts.untried = self.counts.untried.saturating_sub(1);
         }
@@ -366,7 +366,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Takes in the blocks of both spans.
     fn gather(&mut self, pass: &mut Trial) {
         for _ in 0..WALK {
-            match self.blocks.look_up(pass.cursor.next) {
+            match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next <= pass.at || !block.is(Marks::ANCHOR) => {
                     let last = self.scope.open && pass.cursor.next + 1 == self.blocks.len();
                     let share: Option<&Share> =
@@ -393,8 +393,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
         // Unless it could be faster than planned, for what lies before a valley.
-        let slow =
-            self.blocks.look_up(pass.at).is_some_and(|at| at.limits.may_have_valleys() && at.cap() > v);
+        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
         }
@@ -435,7 +434,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn compare(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let length = to_f32(pass.spans[0].length) * LSB_44;
         for _ in 0..STEPS {
-            let block = match self.blocks.look_up(pass.cursor.next) {
+            let block = match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next < pass.to => block,
                 _ => return self.compared(pass, valley),
             };
@@ -536,9 +535,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`:
     /// what that permits at its start.
     pub(super) fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
-        let cap = self.blocks.look_up(block).map_or(0.0, |block| block.cap());
+        let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
         if block > 0
-            && let Some(block) = self.blocks.look_up_mut(block)
+            && let Some(block) = self.blocks.get_mut(block)
         {
             let v = span.enter(v_out, cap);
             block.v_in = v.min(block.v_in).max(block.v_reached);
@@ -550,7 +549,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let to = pass.to;
         pass.known[pass.at % KNOWN] = UNKNOWN;
         pass.known[pass.from % KNOWN] = (pass.from, pass.law.peak(), pass.law.time());
-        if let Some(block) = self.blocks.look_up_mut(pass.at) {
+        if let Some(block) = self.blocks.get_mut(pass.at) {
             block.give_way();
             block.joint.close();
             self.counts.untried = self.counts.untried.saturating_sub(1);
@@ -561,15 +560,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.renew(pass.from, &span, pass.speeds[2]);
         // What the second span said no longer holds.
         if pass.at + 1 < to
-            && let Some(second) = self.blocks.look_up_mut(pass.at + 1)
+            && let Some(second) = self.blocks.get_mut(pass.at + 1)
         {
             second.v_reached = UNPLANNED;
         }
-        if let Some(second) = self.blocks.look_up_mut(pass.from + 1) {
+        if let Some(second) = self.blocks.get_mut(pass.from + 1) {
             second.v_reached = if pass.ease == Ease::NONE { UNPLANNED } else { pass.ease.kept() };
         }
         // It gets no faster there, although the new law might.
-        if let Some(end) = self.blocks.look_up_mut(to) {
+        if let Some(end) = self.blocks.get_mut(to) {
             end.v_in = end.v_reached;
         }
         pass.cursor.next = pass.at + 1;

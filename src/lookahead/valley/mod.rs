@@ -213,7 +213,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     fn limit(&self, k: usize) -> f32 {
-        self.blocks.look_up(k).map_or(0.0, |block| block.limits.v)
+        self.blocks.get(k).map_or(0.0, |block| block.limits.v)
     }
 
     fn look(&mut self, pass: &mut Trial, valley: &mut Valley) {
@@ -224,8 +224,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         let (before, behind) = (self.limit(at - 1), self.limit(at));
         let v = min(before, behind);
-        if self.final_speed(at) <= Speed::ZERO || self.blocks.look_up(at).is_none_or(|at| v > at.cap() * SAME)
-        {
+        if self.final_speed(at) <= Speed::ZERO || self.blocks.get(at).is_none_or(|at| v > at.cap() * SAME) {
             return self.leave_anchor(pass, valley, true);
         }
         let mut edges = [pass.from, at, to, to];
@@ -233,7 +232,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             // Into a slow span.
             let leaves = to < self.blocks.len()
                 && self.limit(to) > self.limit(to - 1) * RISE
-                && self.blocks.look_up(to).is_some_and(|block| {
+                && self.blocks.get(to).is_some_and(|block| {
                     block.cap() * SAME >= self.limit(to - 1)
                         && block.limits.may_have_valleys()
                         && block.joint.is_open()
@@ -272,7 +271,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 pass.step = ease::Step::Valley(if known { Step::Weigh } else { Step::Measure });
                 return;
             }
-            let Some(block) = self.blocks.look_up(pass.cursor.next) else {
+            let Some(block) = self.blocks.get(pass.cursor.next) else {
                 return self.leave_anchor(pass, valley, true);
             };
             let [first, middle, last] = &mut valley.spans;
@@ -312,7 +311,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Tries the next depth.
     fn weigh_dip(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let [a, b, c, d] = valley.edges;
-        let (Some(first), Some(last)) = (self.blocks.look_up(b), self.blocks.look_up(c - 1)) else {
+        let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
             return self.leave_anchor(pass, valley, true);
         };
         let (first, last) = (*first, *last);
@@ -375,7 +374,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         meet: bool,
     ) -> Option<()> {
         let [a, b, c, d] = valley.edges;
-        let (first, last) = (self.blocks.look_up(b)?, self.blocks.look_up(c - 1)?);
+        let (first, last) = (self.blocks.get(b)?, self.blocks.get(c - 1)?);
         let mut slow = valley.spans[1];
         valley.cut.cuts = [enter, leave].map(|side| to_bits::<44>(side.way));
         if meet {
@@ -445,7 +444,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             pass.step = ease::Step::Valley(Step::behind(which));
             return;
         }
-        let Some(block) = self.blocks.look_up(if which == 1 { b } else { c - 1 }) else {
+        let Some(block) = self.blocks.get(if which == 1 { b } else { c - 1 }) else {
             return self.leave_anchor(pass, valley, true);
         };
         let [enter, leave] = valley.cut.v.map(|v| Speed::from_bits(speed_bits(v)));
@@ -513,7 +512,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Cuts a block at a distance from its start: what is behind becomes the next one.
     fn cut(&mut self, k: usize, distance: i64) {
-        let Some(block) = self.blocks.look_up_mut(k) else { return };
+        let Some(block) = self.blocks.get_mut(k) else { return };
         let mut piece = *block;
         piece.length = block.length - distance;
         piece.continued = true;
@@ -531,7 +530,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Acceleration is zero where the block `k` begins, at that speed, for good.
     fn dip_at(&mut self, k: usize, v: f32) {
-        let Some(block) = self.blocks.look_up_mut(k) else { return };
+        let Some(block) = self.blocks.get_mut(k) else { return };
         let speed = Speed::from_bits(speed_bits(v));
         block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
         (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
@@ -542,7 +541,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The transition at the start of block `k` no longer counts.
     fn open_up(&mut self, k: usize, cap: f32) {
-        let Some(block) = self.blocks.look_up_mut(k) else { return };
+        let Some(block) = self.blocks.get_mut(k) else { return };
         let open = block.joint.is_open();
         block.give_way();
         block.joint.close();
@@ -553,7 +552,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The block `k` is part of a faster span.
     fn lend(&mut self, k: usize) {
-        if let Some(block) = self.blocks.look_up_mut(k) {
+        if let Some(block) = self.blocks.get_mut(k) {
             block.joint.lend();
         }
     }
@@ -576,7 +575,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.keep_ease(a, plan.eases[0]);
             self.keep_ease(at, plan.eases[2]);
             let mut span = plan.spans[0];
-            if let Some(piece) = self.blocks.look_up(b) {
+            if let Some(piece) = self.blocks.get(b) {
                 span.add(piece, None);
             }
             span.limits.ease(plan.eases[0]);
@@ -592,7 +591,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.keep_ease(b, plan.eases[2]);
             at = c - 1;
             if !plan.cut.meet {
-                let length = self.blocks.look_up(at).map_or(0, |block| block.length);
+                let length = self.blocks.get(at).map_or(0, |block| block.length);
                 self.cut(at, length - plan.cut.cuts[1]);
                 cuts += 1;
                 (at, c) = (c, c + 1);
@@ -600,7 +599,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             self.lend(at);
             self.open_up(c, self.limit(c));
-            if let Some(block) = self.blocks.look_up_mut(c + 1)
+            if let Some(block) = self.blocks.get_mut(c + 1)
                 && !block.is(Marks::ANCHOR)
             {
                 block.v_reached = UNPLANNED;
@@ -608,7 +607,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.keep_ease(at, plan.eases[1]);
         }
         // It gets no faster there, although the new law might.
-        if let Some(end) = self.blocks.look_up_mut(d + cuts) {
+        if let Some(end) = self.blocks.get_mut(d + cuts) {
             end.v_in = end.v_reached;
         }
         pass.last += cuts;
@@ -620,7 +619,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The span that begins with this block leaves that unused.
     fn keep_ease(&mut self, from: usize, ease: Ease) {
-        if let Some(second) = self.blocks.look_up_mut(from + 1)
+        if let Some(second) = self.blocks.get_mut(from + 1)
             && !second.is(Marks::ANCHOR)
         {
             second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };

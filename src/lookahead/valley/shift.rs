@@ -78,7 +78,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let v = span.faster(&ramp, if early { v_end } else { v_from }, limits.v);
         let [from, to] = if early { [v, v_end] } else { [v_from, v] };
         let mut law = Law::new(&span, from, to, true);
-        let cap = self.blocks.look_up(valley.shift.was)?.cap();
+        let cap = self.blocks.get(valley.shift.was)?.cap();
         law.keeps(cap, at, at).then(|| (v, law.time()))
     }
 
@@ -86,7 +86,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn search_shift(&mut self, pass: &mut Trial, valley: &mut Valley) -> Option<()> {
         let early = self.shifts_early(valley)?;
         let [a, b, _, d] = valley.edges;
-        let block = self.blocks.look_up(if early { b - 1 } else { b })?;
+        let block = self.blocks.get(if early { b - 1 } else { b })?;
         let (limits, length) = (block.limits, block.length);
         if valley.shift.steps == 0 {
             if valley.shift.moved == 0 {
@@ -132,7 +132,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [v_from, .., v_end] = valley.speeds;
         let (w, time) = valley.shift.best?;
         let near = valley.shift.between[0];
-        if near == 0 && self.blocks.look_up(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
+        if near == 0 && self.blocks.get(b).is_none_or(|at| w > Speed::from_bits(speed_bits(at.cap()))) {
             return None;
         }
         valley.cut.cuts = if early { [-near, near] } else { [near, -near] };
@@ -165,7 +165,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         } else {
             let early = plan.cut.cuts[0] < 0;
             let k = if early { b - 1 } else { b };
-            let length = self.blocks.look_up(k).map_or(0, |block| block.length);
+            let length = self.blocks.get(k).map_or(0, |block| block.length);
             self.cut(k, if early { length + plan.cut.cuts[0] } else { plan.cut.cuts[0] });
             was += usize::from(early);
             pass.last += 1;
@@ -173,12 +173,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let early = at < was;
         // The anchor that was.
-        let cap = self.blocks.look_up(was).map_or(0.0, |block| block.cap);
+        let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
         self.open_up(was, cap);
         let (cap_here, open_here) =
-            self.blocks.look_up(at).map_or((0.0, false), |block| (block.cap, block.joint.is_open()));
+            self.blocks.get(at).map_or((0.0, false), |block| (block.cap, block.joint.is_open()));
         self.dip_at(at, plan.cut.v[0]);
-        if let Some(block) = self.blocks.look_up_mut(at) {
+        if let Some(block) = self.blocks.get_mut(at) {
             let is_cut = plan.cut.cuts[0] != 0;
             block.cap = if is_cut { block.limits.v } else { cap_here };
             if is_cut || open_here {
@@ -187,7 +187,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         }
         if early
-            && let Some(block) = self.blocks.look_up_mut(was + 1)
+            && let Some(block) = self.blocks.get_mut(was + 1)
             && !block.is(Marks::ANCHOR)
         {
             block.v_reached = UNPLANNED;
@@ -196,7 +196,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.keep_ease(a, plan.eases[0]);
         // It gets no faster there, although the new law might.
         let end = plan.edges[3] + usize::from(plan.cut.cuts[0] != 0);
-        if let Some(end) = self.blocks.look_up_mut(end) {
+        if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;
         }
         (pass.from, pass.at) = (a, at);
