@@ -6,6 +6,8 @@ mod record;
 mod report;
 pub mod stack;
 
+use glidepath_copy as _;
+
 pub use counter::{Counter, UNIT};
 pub use record::{record_all, record_beside, record_commanded, record_sessions, report_memory};
 pub use report::{Report, exit};

@@ -99,6 +99,15 @@ pub struct Dynamics<const AXES: usize> {
 /// What an element permits: along the path, beside a transition, with an override.
 pub type Permitted = (Limits, Share, OverrideRange);
 
+/// What an element permits, kept for a while.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// The level it is for, see [`Dynamics::set_level`].
+    level: f32,
+    /// See [`Dynamics::element`].
+    pub permitted: Permitted,
+}
+
 impl<const AXES: usize> Dynamics<AXES> {
     /// Converts the machine data.
     pub fn new(machine: &MachineData<AXES>) -> Self {
@@ -219,6 +228,31 @@ impl<const AXES: usize> Dynamics<AXES> {
             None => self.line(&element.entry.tangent, feed),
             circle => self.permitted(&element.entry.tangent, circle, feed),
         }
+    }
+
+    /// The same, to be kept until the element is taken in.
+    pub(crate) fn known(&self, element: &Element<AXES>, feed: Option<f32>) -> Known {
+        Known { level: self.level, permitted: self.element(element, feed) }
+    }
+
+    /// Limits that were kept; `None` if they are for another level.
+    pub(crate) fn recall<'a>(&self, known: &'a Known) -> Option<&'a Permitted> {
+        (known.level == self.level).then_some(&known.permitted)
+    }
+
+    /// The speed of [`Self::line`] alone.
+    pub(crate) fn speed_of_line(&self, tangent: &[i64; AXES], feed: Option<f32>) -> f32 {
+        let rapid = feed.is_none();
+        let mut v = self.path.speed(rapid);
+        for (axis, tangent) in self.axes.iter().zip(tangent) {
+            let share = size_f32(tangent.unsigned_abs()) * LSB_40;
+            if share > 0.0 {
+                v = min(axis.set(rapid).v * (1.0 / share), v);
+            }
+        }
+        let mut limits = Limits { v, ..Limits::WIDEST };
+        limits.take_feed(self.programmed(feed), f32::MAX, self.level);
+        limits.v
     }
 
     /// Limits of a straight line with this direction (LSB 2^-40), run with `feed` (mm/min), or as rapid

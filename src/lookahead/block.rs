@@ -157,6 +157,22 @@ impl Marks {
 }
 
 impl Block {
+    /// None; all bits zero.
+    pub(super) const BLANK: Self = Self {
+        length: 0,
+        limits: Limits::NOTHING,
+        cap: 0.0,
+        highest: 0.0,
+        v_in: Speed::ZERO,
+        v_reached: Speed::ZERO,
+        v_old: Speed::ZERO,
+        override_range: OverrideRange::BLANK,
+        joint: AnchorMarks(0),
+        marks: Marks(0),
+        continued: false,
+        trades: false,
+    };
+
     /// Path length, LSB 2^-44 mm.
     pub fn length(&self) -> i64 {
         self.length

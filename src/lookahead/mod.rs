@@ -17,6 +17,7 @@
 //! on. It ends early at the first transition whose speed did not change.
 mod append;
 mod block;
+mod blocks;
 mod brief;
 mod ease;
 mod law;
@@ -29,10 +30,10 @@ mod valley;
 mod worth;
 
 pub use block::Block;
+use blocks::Blocks;
 pub use pace::Pace;
 pub(crate) use pace::SLOWEST;
 pub use release::ReleasedSpan;
-use ring::Blocks;
 pub use ring::Ring;
 
 use crate::quantity::Speed;

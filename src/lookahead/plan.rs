@@ -76,7 +76,7 @@ impl Plan {
         }
         if ring.scope.blockwise {
             ring.scope.blockwise = false;
-            for block in &mut *ring.blocks {
+            for block in ring.blocks.iter_mut() {
                 block.v_old = block.v_in;
                 block.marks.set(Marks::CHECKED, false);
             }

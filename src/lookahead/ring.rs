@@ -1,6 +1,7 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
 use super::block::{Block, Marks, UNPLANNED};
+use super::blocks::Blocks;
 use super::brief::Row;
 use super::pace::Slowest;
 use crate::math::float::{max, min, to_bits};
@@ -8,10 +9,6 @@ use crate::math::wide::mul_shift;
 use crate::path::End;
 use crate::quantity::{Speed, speed_bits};
 use crate::slope::limits::ROUNDED;
-use heapless::Deque;
-
-/// Memory of the ring's blocks. All bits zero when new, so that it takes no room in flash.
-pub(super) type Blocks<const BLOCKS: usize> = Deque<Block, BLOCKS>;
 
 /// The ring.
 pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
@@ -182,7 +179,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let part = self.lowers(level);
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
-        for block in &mut *self.blocks {
+        for block in self.blocks.iter_mut() {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
             block.limits.v *= by * ROUNDED;
             block.marks.set(Marks::CHECKED, false);
@@ -312,7 +309,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     pub(super) fn insert(&mut self, at: usize, block: Block) -> bool {
         let early = at < self.blocks.len() / 2;
         let pushed = if early { self.blocks.push_front(block) } else { self.blocks.push_back(block) };
-        if pushed.is_err() {
+        if !pushed {
             return false;
         }
         let (front, back) = self.blocks.as_mut_slices();

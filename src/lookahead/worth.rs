@@ -5,7 +5,7 @@
 //! gains. So the times of both blocks are compared, each from rest at its other end: with a standstill in the
 //! corner and all of the limits, or passing it with what is left of them.
 use crate::dynamics::Share;
-use crate::math::float::{max, min};
+use crate::math::float::{max, min, to_i64};
 use crate::path::End;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::limits::Limits;
@@ -63,7 +63,7 @@ fn time(limits: &Limits, length: f32, v: f32) -> f32 {
     let [up, down] = [limits.speed_up(), limits.brake()];
     let v = min(v, min(up.reach(0.0, length), limits.v));
     let speeds = [0, speed_bits(v), speed_bits(v)];
-    let bits = (length * (1u64 << 44) as f32) as i64;
+    let bits = to_i64(length * (1u64 << 44) as f32);
     let peak = v + speed_f32(peak_above(&up, &down, speeds, bits, limits.v));
     let ramps = up.distance(0.0, peak)[0] + down.distance(v, peak - v)[0];
     let cruise = max(length - ramps, 0.0) / max(peak, f32::MIN_POSITIVE);

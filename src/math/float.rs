@@ -30,6 +30,17 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     (i64::from(whole) << 32) | i64::from(rest as u32)
 }
 
+/// The integer part of `x`, exact, toward zero; magnitudes from 2^63 on become one below it.
+#[inline(always)]
+pub fn to_i64(x: f32) -> i64 {
+    // A power of two, and a difference: both exact wherever they count.
+    let upper = magnitude(x) * (1.0 / TWO_32);
+    let whole = upper as i32;
+    let rest = (upper - whole as f32) * TWO_32;
+    let size = (i64::from(whole) << 32) | i64::from(rest as u32);
+    if x < 0.0 { -size } else { size }
+}
+
 /// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is
 /// lowered comes second: it then stays in its register.
 #[inline(always)]

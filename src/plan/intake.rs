@@ -89,15 +89,22 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
-        let Smoothed { element, end, data, curving, due } = smoothed;
-        let limits = match (&element.bounds, curving) {
-            (Some(bounds), Some(curving)) => {
-                self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving)
+        let Smoothed { element, end, data, curving, due, known } = smoothed;
+        let known = known.and_then(|known| self.dynamics.recall(known));
+        let made;
+        let limits = match (known, &element.bounds, curving) {
+            (Some(known), ..) => known,
+            (None, Some(bounds), Some(curving)) => {
+                made = self.dynamics.polynomial(element.shape.length, bounds, data.feed, *curving);
+                &made
             }
-            _ => self.dynamics.element(element, data.feed),
+            _ => {
+                made = self.dynamics.element(element, data.feed);
+                &made
+            }
         };
         let Data { feed, n, number, stop, .. } = **data;
-        self.push(element, &limits, &Pass { feed, n, number, stop }, *due, *end);
+        self.push(element, limits, &Pass { feed, n, number, stop }, *due, *end);
     }
 
     /// `end`: where it ends, if that is known.
@@ -167,14 +174,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 if let Some(line) = path::straight(from, to, &self.measure)? {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
-                        let block = self.programmed(line.element(), Form::Line, motion, feed);
-                        Self::in_time(&self.dynamics.element(&block.element, feed), line.length())?;
+                        Self::in_time(self.dynamics.speed_of_line(line.tangent(), feed), line.length())?;
+                        let mut block = self.programmed(Form::Line, motion, feed);
+                        line.assign_to(&mut block.element);
                         self.round(&block);
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
                         let limits = self.dynamics.line(line.tangent(), feed);
-                        Self::in_time(&limits, line.length())?;
+                        Self::in_time(limits.0.v, line.length())?;
                         self.functions.settle(true, false);
                         self.hold_line(&line, &limits, pass);
                     }
@@ -214,13 +222,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
-        Self::in_time(&limits, element.shape.length)?;
+        Self::in_time(limits.0.v, element.shape.length)?;
         if self.intake.smoothing.is_idle() {
             self.functions.settle(true, false);
             self.pass_arc(element, &limits, pass, &motion.target);
         } else {
             let form = Form::Arc { centre, plane, clockwise };
-            self.round(&self.programmed(*element, form, motion, feed));
+            let mut block = self.programmed(form, motion, feed);
+            block.element = *element;
+            self.round(&block);
         }
         self.advance(motion);
         Ok(())
@@ -367,10 +377,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
-    /// A block of that length does not take too long.
+    /// A block of that length does not take too long at the speed `v`.
     #[inline(always)]
-    fn in_time(limits: &Permitted, length: Distance) -> Result<(), MotionError> {
-        if to_f32(length.to_bits()) > limits.0.v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
+    fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
+        if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.
@@ -383,15 +393,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// A block as the smoother takes it.
+    /// A block as the smoother takes it, but for its element: as an argument that would be copied.
     #[inline(always)]
-    fn programmed(
-        &self,
-        element: Element<AXES>,
-        form: Form,
-        motion: &Motion<AXES>,
-        feed: Option<f32>,
-    ) -> ProgrammedBlock<AXES> {
+    fn programmed(&self, form: Form, motion: &Motion<AXES>, feed: Option<f32>) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,
@@ -400,7 +404,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             number: self.intake.taken,
             stop: motion.exact_stop,
         };
-        ProgrammedBlock { element, from, to, form, data }
+        ProgrammedBlock { element: Element::BLANK, from, to, form, data }
     }
 
     /// The smoother takes a block.

@@ -8,7 +8,7 @@ mod edged;
 pub mod spline;
 pub mod surface;
 
-use crate::dynamics::{Curving, Dynamics};
+use crate::dynamics::{Curving, Dynamics, Known};
 use crate::nc::{
     Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
     Tangent,
@@ -79,6 +79,8 @@ pub struct Smoothed<'a, const AXES: usize> {
     pub curving: Option<Curving>,
     /// Functions with no more motion blocks before them come before it.
     pub due: u32,
+    /// What it permits, if that is known already.
+    pub known: Option<&'a Known>,
 }
 
 /// Half way from one point to another.

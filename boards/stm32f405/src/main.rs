@@ -18,6 +18,7 @@ use cortex_m_rt::entry;
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::operator::Operator;
 use glidepath::quantity::Position;
+use glidepath_copy as _;
 #[cfg(not(any(feature = "rtt", feature = "qemu")))]
 use panic_never as _;
 use static_cell::ConstStaticCell;

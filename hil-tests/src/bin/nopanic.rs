@@ -11,6 +11,7 @@ use glidepath::channel::{Channel, Error, Handles, MachineError, Planner, Progres
 use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
+use glidepath_copy as _;
 use hil_cases::{AXES_3, BLOCKS, CASES_3};
 #[cfg(not(feature = "locate"))]
 use panic_never as _;

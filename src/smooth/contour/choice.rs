@@ -10,11 +10,11 @@ use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise, larger};
 use super::{LSB_44, Parameters};
-use crate::dynamics::Dynamics;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
+use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
 /// The two blocks of a corner, seen from it: how long their parts take beside a curve.
@@ -30,15 +30,8 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// Of two blocks of which the corner may have so much.
-    pub fn new<const AXES: usize>(
-        blocks: [&HeldBlock<AXES>; 2],
-        room: [f32; 2],
-        dynamics: &Dynamics<AXES>,
-    ) -> Self {
-        let limits =
-            |HeldBlock { block, .. }: &HeldBlock<AXES>| dynamics.element(&block.element, block.data.feed).0;
-        let (first, second) = (limits(blocks[0]), limits(blocks[1]));
+    /// Of two blocks with these limits, of which the corner may have so much.
+    pub fn new([first, second]: [&Limits; 2], room: [f32; 2]) -> Self {
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }

@@ -11,7 +11,7 @@
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min, to_f32, to_i64};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
 use crate::quantity::{Distance, Position};
@@ -59,10 +59,40 @@ pub struct CornerCurve<const AXES: usize> {
     given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
-    /// Where element `.0` begins, if that is inside a half: where the one looked at before it ends.
-    seam: (u32, Site<AXES>),
+    /// Where the element looked at last ends.
+    seam: Seam<AXES>,
     /// Of the first elements: path length, and how far its speed is above what that says. 0: not known.
     seen: [[f32; 2]; SEEN],
+}
+
+/// The end of one element, where another one of the same half begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seam<const AXES: usize> {
+    /// Number of the one that begins there; that of none if it is not known.
+    of: u32,
+    /// The one before belongs to the first half.
+    is_first: bool,
+    site: Site<AXES>,
+}
+
+/// What an element is of the curve of its half.
+struct Portion<'a, const AXES: usize> {
+    curve: &'a Quintic<AXES>,
+    /// It is the first half.
+    is_first: bool,
+    /// The part of the curve that belongs to the course.
+    span: [f32; 2],
+    /// Of that, where it begins and how much it is, in so many steps of all of it.
+    steps: [f32; 2],
+    of: f32,
+}
+
+impl<const AXES: usize> Portion<'_, AXES> {
+    /// The curve's parameter at the share `t` of it.
+    fn at(&self, t: f32) -> f32 {
+        let ([u0, u1], [from, more]) = (self.span, self.steps);
+        u0 + (u1 - u0) * ((from + more * t) / self.of)
+    }
 }
 
 /// Where a curve through a given point is cut.
@@ -172,7 +202,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let (at, last) = (*from, *to);
         let given = interim.map(|_| Cuts::NEW);
         let path = (!measure.is_space()).then_some(path);
-        let (parts, done, any, seam) = (1, 0, false, (0, b));
+        let (parts, done, any) = (1, 0, false);
+        let seam = Seam { of: u32::MAX, is_first: true, site: b };
         let (measure, origin) = (*measure, *origin);
         Some(Self {
             measure,
@@ -199,8 +230,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
     /// (relative) and are at most `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
-        if let (Some(cuts), false) = (self.given, self.any) {
-            return self.fit_given(cuts, even);
+        if self.given.is_some() && !self.any {
+            return self.fit_given(even);
         }
         if self.is_fine(self.done, even, slack) {
             self.done += 1;
@@ -220,32 +251,37 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
     /// can be.
-    fn fit_given(&mut self, mut cuts: Cuts, even: f32) -> Fit {
-        let fits = !cuts.is_full() && self.is_fine(u32::from(cuts.count), even, f32::MAX);
-        let fit = if fits && cuts.accept() { Fit::Ready } else { Fit::Working };
-        if !fits && (cuts.is_full() || !cuts.shorten()) {
-            (self.any, cuts) = (true, Cuts::EVEN);
+    fn fit_given(&mut self, even: f32) -> Fit {
+        let next = self.given.as_ref().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
+        let fits = next.is_some_and(|i| self.is_fine(i, even, f32::MAX));
+        let Some(cuts) = &mut self.given else { return Fit::Failed };
+        if fits {
+            return if cuts.accept() { Fit::Ready } else { Fit::Working };
         }
-        self.given = Some(cuts);
-        fit
+        if cuts.is_full() || !cuts.shorten() {
+            (self.any, *cuts) = (true, Cuts::EVEN);
+        }
+        Fit::Working
     }
 
     /// Elements of both halves.
     fn count(&self) -> u32 {
-        self.given.map_or(2 * self.parts, |cuts| u32::from(cuts.count))
+        self.given.as_ref().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
-    /// The curve of element `i`, and its parameter at the share `t` of the element.
-    fn place(&self, i: u32, t: f32) -> (&Quintic<AXES>, f32) {
+    /// What of the curve element `i` is.
+    fn portion(&self, i: u32) -> Portion<'_, AXES> {
         let [first, second] = &self.halves;
         if let Some(cuts) = &self.given {
             let [from, to] = cuts.ends(i);
-            let ((curve, [u0, u1]), start) = if from < STEPS { (first, 0) } else { (second, STEPS) };
-            let steps = f32::from(from - start) + f32::from(to.saturating_sub(from)) * t;
-            return (curve, u0 + (u1 - u0) * (steps / f32::from(STEPS)));
+            let is_first = from < STEPS;
+            let (&(ref curve, span), start) = if is_first { (first, 0) } else { (second, STEPS) };
+            let steps = [f32::from(from - start), f32::from(to.saturating_sub(from))];
+            return Portion { curve, is_first, span, steps, of: f32::from(STEPS) };
         }
-        let ((curve, [u0, u1]), within) = if i < self.parts { (first, i) } else { (second, i - self.parts) };
-        (curve, u0 + (u1 - u0) * ((within as f32 + t) / self.parts as f32))
+        let is_first = i < self.parts;
+        let (&(ref curve, span), within) = if is_first { (first, i) } else { (second, i - self.parts) };
+        Portion { curve, is_first, span, steps: [within as f32, 1.0], of: self.parts as f32 }
     }
 
     /// Whether element `i` belongs to the first half.
@@ -256,30 +292,34 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Ends and path length of element `i`.
-    fn part(&self, i: u32) -> ([Site<AXES>; 2], f32) {
-        let ((curve, u0), (_, u1)) = (self.place(i, 0.0), self.place(i, 1.0));
-        let length = match self.path_of(i) {
+    /// Path length of a portion.
+    fn length(&self, portion: &Portion<'_, AXES>) -> f32 {
+        let [u0, u1] = [0.0, 1.0].map(|t| portion.at(t));
+        match self.path_of(portion) {
             Some(path) => path * (u1 - u0),
-            None => curve.length(&self.measure.main, u0, u1),
-        };
-        let (of, seam) = &self.seam;
-        let begins = i > 0 && *of == i && self.is_first(i) == self.is_first(i - 1);
-        ([if begins { *seam } else { self.site(i, 0.0) }, self.site(i, 1.0)], length)
-    }
-
-    /// The point of element `i` at the share `t` of it.
-    fn site(&self, i: u32, t: f32) -> Site<AXES> {
-        let (curve, u) = self.place(i, t);
-        match self.path_of(i) {
-            Some(path) => curve.site_over(path, u),
-            None => curve.site(&self.measure.main, u),
+            None => portion.curve.length(&self.measure.main, u0, u1),
         }
     }
 
-    /// Where path is the parameter: mm per u in element `i`.
-    fn path_of(&self, i: u32) -> Option<f32> {
-        self.path.map(|[first, second]| if self.is_first(i) { first } else { second })
+    /// Both ends of element `i`, which is this portion.
+    fn sites(&self, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
+        let Seam { of, is_first, site } = &self.seam;
+        let begins = *of == i && *is_first == portion.is_first;
+        [if begins { *site } else { self.site(portion, 0.0) }, self.site(portion, 1.0)]
+    }
+
+    /// The point of a portion at the share `t` of it.
+    fn site(&self, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
+        let u = portion.at(t);
+        match self.path_of(portion) {
+            Some(path) => portion.curve.site_over(path, u),
+            None => portion.curve.site(&self.measure.main, u),
+        }
+    }
+
+    /// Where path is the parameter: mm per u in a portion.
+    fn path_of(&self, portion: &Portion<'_, AXES>) -> Option<f32> {
+        self.path.map(|[first, second]| if portion.is_first { first } else { second })
     }
 
     /// How far the speed along an element is above and below what its path says at most, relative.
@@ -293,36 +333,45 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Whether element `i` has the right path speed, and is not too far beside the curve.
     fn is_fine(&mut self, i: u32, even: f32, slack: f32) -> bool {
-        let ([a, b], length) = self.part(i);
+        let portion = self.portion(i);
+        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
         let element = Quintic::new(&a, &b, length);
-        self.seam = (i + 1, b);
-        if element.weight() >= HEAVIEST {
-            return false;
+        let is_near =
+            |t: f32| portion.curve.is_near(&self.measure.main, &element.point(t), portion.at(t), slack);
+        let (mut is_fine, mut seen) = (false, None);
+        if element.weight() < HEAVIEST {
+            let [above, below] = self.unevenness(&element, length);
+            let is_even = max(above, below) <= even;
+            // Over its own parameter an element is a part of the curve.
+            is_fine = self.any
+                || self.path.is_some()
+                || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
+            seen = Some([length, above]);
         }
-        let [above, below] = self.unevenness(&element, length);
-        let is_even = max(above, below) <= even;
-        if let Some(seen) = self.seen.get_mut(i as usize) {
-            *seen = [length, above];
+        let is_first = portion.is_first;
+        if let (Some(kept), Some(seen)) = (self.seen.get_mut(i as usize), seen) {
+            *kept = seen;
         }
-        let is_near = |t: f32| {
-            let (curve, u) = self.place(i, t);
-            curve.is_near(&self.measure.main, &element.point(t), u, slack)
-        };
-        // Over its own parameter an element is a part of the curve.
-        self.any
-            || self.path.is_some()
-            || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)))
+        // What is not fine is tried again from the same place, or all of it from the begin.
+        self.seam = Seam { of: if is_fine { i + 1 } else { i }, is_first, site: if is_fine { b } else { a } };
+        is_fine
     }
 
     /// Path length of element `i`, and how far its speed is above what that says.
     fn known(&self, i: u32) -> [f32; 2] {
         match self.seen.get(i as usize) {
             Some(seen) if seen[0] > 0.0 => *seen,
-            _ => {
-                let ([a, b], length) = self.part(i);
-                [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
-            }
+            _ => self.measure(i),
         }
+    }
+
+    /// The same of one that is not kept.
+    #[cold]
+    #[inline(never)]
+    fn measure(&self, i: u32) -> [f32; 2] {
+        let portion = self.portion(i);
+        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
+        [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
     }
 
     /// Whether the next element belongs to the first half.
@@ -351,14 +400,18 @@ impl<const AXES: usize> CornerCurve<AXES> {
 impl<const AXES: usize> CornerCurve<AXES> {
     /// Length and bounds of element `i` but for the last bit of its ends, and whether it belongs to the block
     /// before. `None` behind the last one, or where it cannot be made.
-    pub fn rehearse(&self, i: u32) -> Option<(bool, Distance, Bounds<AXES>)> {
+    pub fn rehearse(&mut self, i: u32) -> Option<(bool, Distance, Bounds<AXES>)> {
         if i >= self.count() {
             return None;
         }
         let [length, above] = self.known(i);
-        let [from, to] = [0.0, 1.0].map(|t| knot_of(&self.site(i, t), &self.origin));
-        let (length, bounds) = Bounds::between(&from, &to, length, fastest(above))?;
-        Some((self.is_first(i), length, bounds))
+        let portion = self.portion(i);
+        let (is_first, [from, to]) = (portion.is_first, self.sites(i, &portion));
+        let knots = [&from, &to].map(|site| knot_of(site, &self.origin));
+        self.seam = Seam { of: i + 1, is_first, site: to };
+        let [from, to] = &knots;
+        let (length, bounds) = Bounds::between(from, to, length, fastest(above))?;
+        Some((is_first, length, bounds))
     }
 
     /// The next element, with its axes to be made.
@@ -369,7 +422,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let i = self.done;
         let [length, above] = self.known(i);
         self.done += 1;
-        let to = if self.is_done() { self.last } else { knot_of(&self.site(i, 1.0), &self.origin) };
+        let to =
+            if self.is_done() { self.last } else { knot_of(&self.site(&self.portion(i), 1.0), &self.origin) };
         let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;
         self.at = to;
         Some(made)
@@ -451,8 +505,8 @@ pub fn site_of<const AXES: usize>(knot: &Knot<AXES>, origin: &[Position; AXES]) 
 pub fn knot_of<const AXES: usize>(site: &Site<AXES>, origin: &[Position; AXES]) -> Knot<AXES> {
     let mut position = *origin;
     for (x, offset) in position.iter_mut().zip(site.offset) {
-        *x = Position::from_bits(x.to_bits().saturating_add((offset * ONE_32) as i64));
+        *x = Position::from_bits(x.to_bits().saturating_add(to_i64(offset * ONE_32)));
     }
-    let end = End { tangent: site.tangent.map(|t| (t * ONE_40) as i64), curvature: site.curvature };
+    let end = End { tangent: site.tangent.map(|t| to_i64(t * ONE_40)), curvature: site.curvature };
     Knot { position, end }
 }

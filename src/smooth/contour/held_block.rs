@@ -1,7 +1,7 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
 use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoothed};
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Known};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
 use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
@@ -24,6 +24,8 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub slow: [f32; 2],
     /// The blocks left out behind it.
     pub skipped: Option<Skipped<AXES>>,
+    /// What it permits, from when the corner behind it is looked at: only its length changes then.
+    pub known: Option<Known>,
 }
 
 /// Blocks left out.
@@ -117,6 +119,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
             previous: None,
             slow: [0.0; 2],
             skipped: None,
+            known: None,
         }
     }
 
@@ -292,7 +295,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// What is left of the block, to be emitted.
     pub fn smoothed(&self) -> Smoothed<'_, AXES> {
         let ProgrammedBlock { element, data, .. } = &self.block;
-        Smoothed { element, end: None, data, curving: None, due: data.number }
+        Smoothed { element, end: None, data, curving: None, due: data.number, known: self.known.as_ref() }
     }
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
@@ -308,7 +311,16 @@ impl<const AXES: usize> HeldBlock<AXES> {
         };
         let length = element.shape.length.to_bits();
         let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
-        Some(Self { block, length, rule: None, stray, previous: None, slow: [0.0; 2], skipped: None })
+        Some(Self {
+            block,
+            length,
+            rule: None,
+            stray,
+            previous: None,
+            slow: [0.0; 2],
+            skipped: None,
+            known: None,
+        })
     }
 
     /// The line in place of the blocks left out.

@@ -10,7 +10,7 @@ use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
 use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
-use crate::math::float::{max, min, to_bits, to_f32};
+use crate::math::float::{max, min, to_bits, to_f32, to_i64};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
@@ -36,7 +36,7 @@ const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 const SMALLER: u8 = 8;
 
 /// Elements that are fitted in one call.
-const ELEMENTS: usize = 2;
+const ELEMENTS: usize = 4;
 
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
@@ -227,17 +227,20 @@ impl<const AXES: usize> Joining<AXES> {
     /// Which kinds of curve come into question.
     #[inline(never)]
     fn choose(
-        held: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
-        rule: &Parameters,
         room: Room,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
         *stage = JoinStep::Sharp;
+        held.known = Some(setting.dynamics.known(&held.block.element, held.block.data.feed));
+        let (second, ..) = setting.dynamics.element(&next.block.element, next.block.data.feed);
+        let held = &*held;
+        let (Some(rule), Some(known)) = (&held.rule, &held.known) else { return };
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
-        let approach = Approach::new([held, next], room.most, setting.dynamics);
+        let approach = Approach::new([&known.permitted.0, &second], room.most);
         let choice = Choice {
             blocks: [held, next],
             corner: &corner,
@@ -376,7 +379,7 @@ impl<const AXES: usize> Joining<AXES> {
     /// Looks for the kind of curve and its distances.
     #[inline(never)]
     fn decide(
-        held: &HeldBlock<AXES>,
+        held: &mut HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
@@ -385,11 +388,12 @@ impl<const AXES: usize> Joining<AXES> {
         match stage {
             JoinStep::Choosing(room) => {
                 let room = *room;
-                Self::choose(held, next, rule, room, setting, stage);
+                Self::choose(held, next, room, setting, stage);
             }
             JoinStep::Reaching { room, reach, rivals } => {
                 let corner = corner(held, next, setting.measure);
-                let Some(found) = reach.go_on(&corner) else { return };
+                // Twice: each call has its own cost.
+                let Some(found) = reach.go_on(&corner).or_else(|| reach.go_on(&corner)) else { return };
                 let Rivals { approach, candidate, may_stop } = rivals;
                 let compares = Self::compares(rule, &corner, candidate, *may_stop);
                 let even = found.filter(|_| compares).map(|(part, _)| {
@@ -549,7 +553,7 @@ impl<const AXES: usize> Joining<AXES> {
         *turning = None;
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
-        let (cut, reach) = Cut::even(held, next, rule, ((c * ONE_44) as i64).min(most));
+        let (cut, reach) = Cut::even(held, next, rule, to_i64(c * ONE_44).min(most));
         let c = to_f32(reach) * LSB_44;
         if c < SHORTEST {
             return;
@@ -640,9 +644,9 @@ impl Room {
             if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
                 length / 2
             } else if rule.weighs() {
-                (distances[i] * ONE_44) as i64
+                to_i64(distances[i] * ONE_44)
             } else {
-                ((distances[i] * ONE_44) as i64).min(length / 2)
+                to_i64(distances[i] * ONE_44).min(length / 2)
             }
         };
         let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];

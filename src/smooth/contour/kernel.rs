@@ -9,7 +9,7 @@
 //! derivative is ±d/c², the least that any curve of that length can have. The deviation is |d|·c/6 in the
 //! middle and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed is
 //! above the feed; in the middle it is below by 1 − cos θ/2.
-use crate::math::float::magnitude;
+use crate::math::float::{magnitude, to_i64};
 use crate::path::poly::Knot;
 use crate::quantity::Position;
 
@@ -31,7 +31,7 @@ pub fn kernel<const AXES: usize>(
     for (((x, (tangent, curvature)), t2), third) in axes {
         let change = t2 - *tangent;
         let d = change as f32 * LSB_40;
-        let off = (d * c * (1.0 / 6.0) * ONE_32) as i64;
+        let off = to_i64(d * c * (1.0 / 6.0) * ONE_32);
         *x = Position::from_bits(x.to_bits().saturating_add(off));
         *tangent += change / 2;
         *curvature = d * per;

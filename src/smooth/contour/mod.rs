@@ -38,6 +38,7 @@ pub(super) mod corner_curve;
 pub(super) mod curve;
 mod halves;
 mod held_block;
+mod held_blocks;
 mod joining;
 mod kernel;
 mod parameters;
@@ -51,6 +52,7 @@ use self::chords::Chords;
 use self::corner_curve::CornerCurve;
 use self::halves::Halves;
 use self::held_block::HeldBlock;
+use self::held_blocks::HeldBlocks;
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
@@ -87,7 +89,7 @@ impl<const AXES: usize> Made<AXES> {
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
         let Self { element, end, data, curving, due } = self;
-        Smoothed { element, end: end.as_ref(), data, curving: *curving, due: *due }
+        Smoothed { element, end: end.as_ref(), data, curving: *curving, due: *due, known: None }
     }
 }
 
@@ -215,19 +217,17 @@ pub struct Contouring<const AXES: usize> {
     /// G61, for the next motion block.
     once: bool,
     /// What goes out, in this order: the block before a corner, element by element its curve, or what stands
-    /// for blocks left out, the block behind it.
+    /// for blocks left out, the block behind it. The first one is the last of `blocks` then.
+    is_leaving: bool,
     before: Made<AXES>,
-    /// It is there.
+    /// An element of the curve is there.
     is_before: bool,
     bridge: Option<Made<AXES>>,
     course: Option<Turning<AXES>>,
-    held: Option<HeldBlock<AXES>>,
-    /// The block behind that, whose end is rounded by DIST_WEIGHT: its share in the corner before it depends
-    /// on the next one. Or a line that may still grow by the next one. Only behind a block whose end is
-    /// rounded.
-    waiting: Option<HeldBlock<AXES>>,
-    /// The one behind that, while the corner between both others is worked on.
-    third: Option<HeldBlock<AXES>>,
+    /// The block held back. The one behind it, whose end is rounded by DIST_WEIGHT: its share in the corner
+    /// before it depends on the next one. Or a line that may still grow by the next one. Only behind a block
+    /// whose end is rounded. The one behind that, while the corner between both others is worked on.
+    blocks: HeldBlocks<AXES>,
     /// What the last line is made of.
     chords: Chords<AXES>,
     /// The next block is half a line that ends or begins where nothing turns.
@@ -329,13 +329,12 @@ impl<const AXES: usize> Contouring<AXES> {
             parameters,
             on: false,
             once: false,
+            is_leaving: false,
             before: Made::BLANK,
             is_before: false,
             bridge: None,
             course: None,
-            held: None,
-            waiting: None,
-            third: None,
+            blocks: HeldBlocks::NONE,
             chords: Chords::NONE,
             half: false,
             joining: None,
@@ -365,10 +364,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.parameters.update(contour);
-        if self.parameters != before
-            && self.held.as_ref().is_some_and(|held| held.skipped.is_some())
-            && !in_motion
-        {
+        if self.parameters != before && self.held().is_some_and(|held| held.skipped.is_some()) && !in_motion {
             // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
@@ -385,9 +381,22 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
+    /// The block held back, and the one that waits behind it.
+    fn held(&self) -> Option<&HeldBlock<AXES>> {
+        self.blocks.first()
+    }
+
+    /// See [`Self::held`].
+    fn waiting(&self) -> Option<&HeldBlock<AXES>> {
+        let [_, waiting, _] = self.blocks.all();
+        waiting.as_ref()
+    }
+
     /// The block that came last, if it is held back.
     fn last(&mut self) -> Option<&mut HeldBlock<AXES>> {
-        self.third.as_mut().or(self.waiting.as_mut()).or(self.held.as_mut())
+        let [held, waiting, third] = self.blocks.all_mut();
+        let third = if self.is_leaving { None } else { third.as_mut() };
+        third.or(waiting.as_mut()).or(held.as_mut())
     }
 
     /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
@@ -397,7 +406,8 @@ impl<const AXES: usize> Contouring<AXES> {
         if !self.left_out() && (parted || !self.merges(dynamics)) {
             self.join(behind, dynamics);
         } else {
-            self.waiting = None;
+            let [_, waiting, _] = self.blocks.all_mut();
+            *waiting = None;
         }
     }
 
@@ -405,7 +415,8 @@ impl<const AXES: usize> Contouring<AXES> {
     /// both.
     #[inline(never)]
     fn left_out(&mut self) -> bool {
-        let Self { held: slot, waiting: Some(next), measure, .. } = self else { return false };
+        let Self { blocks, measure, .. } = self;
+        let [slot, Some(next), _] = blocks.all_mut() else { return false };
         let Some(held) = slot else { return false };
         let Some(rule) = &held.rule else { return false };
         if next.rule.is_some()
@@ -438,9 +449,9 @@ impl<const AXES: usize> Contouring<AXES> {
         rule: Option<&Parameters>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let last = match (&mut self.waiting, &mut self.held) {
-            (Some(waiting), _) => waiting,
-            (None, Some(held)) if held.is_untouched() => held,
+        let last = match self.blocks.all_mut() {
+            [_, Some(waiting), _] => waiting,
+            [Some(held), None, _] if held.is_untouched() => held,
             _ => return false,
         };
         self.chords.gather(last, (block, rule), dynamics, &self.measure)
@@ -449,16 +460,18 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Whether the block held back and the next one become one.
     #[inline(never)]
     fn merges(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let Self { held: Some(held), waiting: Some(next), measure, .. } = self else { return false };
+        let Self { blocks, measure, .. } = self;
+        let [Some(held), Some(next), _] = blocks.all_mut() else { return false };
         held.merge(next, dynamics, measure)
     }
 
     /// The corner between the block held back and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Self { held, waiting: Some(next), measure, joining, .. } = self else { return };
+        let Self { blocks, measure, joining, .. } = self;
+        let [held, Some(next), _] = blocks.all_mut() else { return };
         let Some(held) = held else {
-            self.held = self.waiting.take();
+            blocks.leave();
             return;
         };
         let Parameters { check_jerk, const_vel, .. } = self.parameters;
@@ -475,26 +488,27 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(never)]
     fn joined(&mut self) {
         self.joining = None;
-        let Some(held) = &self.held else { return };
-        self.is_before = held.block.element.shape.length > Distance::ZERO;
-        if self.is_before {
-            let ProgrammedBlock { element, data, .. } = &held.block;
-            (self.before.element, self.before.data) = (*element, *data);
-            (self.before.end, self.before.curving, self.before.due) = (None, None, data.number);
-        }
+        let [Some(held), ..] = self.blocks.all() else { return };
+        self.is_leaving = held.block.element.shape.length > Distance::ZERO;
         if self.course.is_none() {
             self.bridge = held.bridge(&self.measure);
         }
-        self.held = self.waiting;
-        self.waiting = None;
-        if self.third.is_some() {
-            self.waiting = self.third.take();
+        self.blocks.leave();
+        if !self.is_leaving {
+            self.left();
         }
+    }
+
+    /// The block before a corner has gone.
+    fn left(&mut self) {
+        let [.., last] = self.blocks.all_mut();
+        *last = None;
+        self.is_leaving = false;
     }
 
     /// The block held back, which of two that are joined is the second one.
     fn current(&self) -> Option<&HeldBlock<AXES>> {
-        if self.joining.is_some() { self.waiting.as_ref() } else { self.held.as_ref() }
+        if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
@@ -512,21 +526,21 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Whether something goes out before anything comes in.
     pub(super) fn hands_out(&self) -> bool {
         let goes_out = self.current().is_some_and(|held| held.rule.is_none());
-        self.is_before || self.bridge.is_some() || goes_out
+        self.is_leaving || self.is_before || self.bridge.is_some() || goes_out
     }
 
     /// The block that waits comes in, when what is before it is done and gone and it need not wait for
     /// another one; or the line over blocks left out, when no more of them come. Whether one does.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if self.is_before || self.bridge.is_some() {
+        if self.is_leaving || self.is_before || self.bridge.is_some() {
             return false;
         }
-        if self.held.as_ref().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
+        if self.held().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
             self.let_in_skipped(dynamics);
             return true;
         }
-        if self.waiting.as_ref().is_none_or(HeldBlock::waits) {
+        if self.waiting().is_none_or(HeldBlock::waits) {
             return false;
         }
         self.enter(None, true, dynamics);
@@ -537,9 +551,11 @@ impl<const AXES: usize> Contouring<AXES> {
     #[cold]
     #[inline(never)]
     fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
-        let next = self.held.as_mut().and_then(|held| held.behind(&self.measure));
+        let Self { blocks, measure, .. } = self;
+        let [held, waiting, _] = blocks.all_mut();
+        let next = held.as_mut().and_then(|held| held.behind(measure));
         if next.is_some() {
-            let waiting = core::mem::replace(&mut self.waiting, next);
+            let waiting = core::mem::replace(waiting, next);
             self.enter(None, true, dynamics);
             *self.free() = waiting;
         }
@@ -547,7 +563,8 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The place of a block that waits.
     fn free(&mut self) -> &mut Option<HeldBlock<AXES>> {
-        if self.joining.is_some() { &mut self.third } else { &mut self.waiting }
+        let [_, waiting, third] = self.blocks.all_mut();
+        if self.joining.is_some() { third } else { waiting }
     }
 
     /// A block waits.
@@ -577,14 +594,14 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             return;
         }
         self.chords.clear();
-        if let Some(waiting) = &self.waiting {
+        if let Some(waiting) = self.waiting() {
             let behind = waiting.rule.as_ref().map(|_| block.element.shape.length.to_bits());
             self.enter(behind, true, dynamics);
             self.put(block, rule);
             return;
         }
         self.put(block, rule);
-        if self.held.is_some() && self.waiting.as_ref().is_some_and(HeldBlock::waits) {
+        if self.held().is_some() && self.waiting().is_some_and(HeldBlock::waits) {
             return;
         }
         self.enter(None, parting != Parting::None, dynamics);
@@ -592,9 +609,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (Some(joining), Some(held), Some(next)) =
-            (&mut self.joining, &mut self.held, &mut self.waiting)
-        {
+        if let (Some(joining), [Some(held), Some(next), _]) = (&mut self.joining, self.blocks.all_mut()) {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
             let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
@@ -602,11 +617,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
                 return true;
             }
             self.joined();
-            return !self.is_before;
+            return !self.is_leaving;
         }
         let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
         // The block before the corner, or an element that is made.
-        if self.is_before && turning.draft.is_none() {
+        if self.is_leaving || (self.is_before && turning.draft.is_none()) {
             return false;
         }
         if !self.is_before {
@@ -625,6 +640,13 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        if self.is_leaving {
+            if let [.., Some(held)] = self.blocks.all() {
+                into(&held.smoothed());
+            }
+            self.left();
+            return true;
+        }
         if self.is_before {
             into(&self.before.smoothed());
             self.is_before = false;
@@ -635,12 +657,12 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.bridge = None;
             return true;
         }
-        let Some(held) = self.held.as_ref().filter(|held| self.joining.is_none() && held.rule.is_none())
-        else {
+        let [slot, ..] = self.blocks.all_mut();
+        let Some(held) = slot.as_ref().filter(|held| self.joining.is_none() && held.rule.is_none()) else {
             return false;
         };
         into(&held.smoothed());
-        self.held = None;
+        *slot = None;
         true
     }
 
@@ -668,7 +690,10 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn clear(&mut self) {
-        (self.held, self.waiting, self.third, self.joining) = (None, None, None, None);
+        for block in self.blocks.all_mut() {
+            *block = None;
+        }
+        (self.joining, self.is_leaving) = (None, false);
         (self.is_before, self.course, self.bridge) = (false, None, None);
         self.once = false;
     }
@@ -678,22 +703,24 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn is_idle(&self) -> bool {
-        self.held.is_none() && !self.on && !self.once
+        self.held().is_none() && !self.on && !self.once
     }
 
     #[inline(always)]
     fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
-        self.held.is_none() && self.bridge.is_none()
+        self.held().is_none() && self.bridge.is_none()
     }
 
     fn rounds(&self) -> bool {
-        let last = self.third.as_ref().or(self.waiting.as_ref()).or(self.held.as_ref());
+        let [held, waiting, third] = self.blocks.all();
+        let third = if self.is_leaving { None } else { third.as_ref() };
+        let last = third.or(waiting.as_ref()).or(held.as_ref());
         last.is_some_and(|last| last.goes_on())
     }
 
     fn holds(&self) -> bool {
-        self.held.is_some()
+        self.held().is_some()
     }
 
     fn gives_way(&mut self) -> bool {

@@ -15,7 +15,7 @@ use super::corner::{Corner, Tolerance};
 use super::corner_curve::EVEN;
 use super::curve::{Main, aside, plus, size};
 use super::halves::Halves;
-use crate::math::float::{magnitude, max, min, to_f32};
+use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::path::poly::Knot;
 use crate::quantity::Position;
 
@@ -93,9 +93,9 @@ impl<const AXES: usize> Symmetric<AXES> {
         let knots = middle.position.iter_mut().zip(end).zip(to.position.iter().zip(&to.end.tangent));
         for (((x, (tangent, curvature)), (x2, t2)), n) in knots.zip(&self.across) {
             let between = x2.to_bits().saturating_sub(x.to_bits()) / 2;
-            let off = (0.3125 * v * n * ONE_32) as i64;
+            let off = to_i64(0.3125 * v * n * ONE_32);
             *x = Position::from_bits(x.to_bits().saturating_add(between).saturating_sub(off));
-            *tangent = (to_f32(*tangent + t2) * per) as i64;
+            *tangent = to_i64(to_f32(*tangent + t2) * per);
             *curvature = 3.0 * n / v;
         }
         let above = min(ABOVE * (1.0 - self.cosine), EVEN);

@@ -30,7 +30,7 @@ use self::cut::{BENT, Cut, Joint, Piece, curvature};
 use self::polygon::{Inside, Tolerance, direct, exceeds, part, reach};
 use self::window::{Leg, Vertex, Window, along};
 use crate::dynamics::{Curving, Dynamics, Near};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::poly::{Draft, Knot};
@@ -554,7 +554,7 @@ fn tangent<const AXES: usize>(window: &Window<AXES>, end: &End<AXES>) -> Option<
 fn shifted<const AXES: usize>(from: &[Position; AXES], by: &[f32; AXES]) -> [Position; AXES] {
     let mut to = *from;
     for (x, by) in to.iter_mut().zip(by) {
-        *x = Position::from_bits(x.to_bits().saturating_add((by * (1.0 / LSB_32)) as i64));
+        *x = Position::from_bits(x.to_bits().saturating_add(to_i64(by * (1.0 / LSB_32))));
     }
     to
 }
@@ -630,7 +630,14 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
         if draft.as_ref().is_some_and(|draft| !draft.is_done()) {
             return false;
         }
-        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving: *curving, due: *due });
+        into(&Smoothed {
+            element,
+            end: draft.as_ref().map(Draft::to),
+            data,
+            curving: *curving,
+            due: *due,
+            known: None,
+        });
         self.made = None;
         true
     }

@@ -2,7 +2,7 @@
 //! in between, on the smooth curve that the chords stand for.
 use super::parameters::{Parameters, Tolerance};
 use super::window::{Programmed, Space, Vertex, Window, smoothness};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min, to_f32, to_i64};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock};
 
@@ -288,7 +288,7 @@ impl<const AXES: usize> Window<AXES> {
                 (true, _) => 1.0 - (9 - k) as f32 * step / chord.length,
             };
             let mut at = chord.from;
-            let part = (w * ONE_30) as i64;
+            let part = to_i64(w * ONE_30);
             for (at, to) in at.iter_mut().zip(&chord.to) {
                 let d = to.to_bits().wrapping_sub(at.to_bits());
                 let d = crate::math::wide::mul_shift(d, part, 30);

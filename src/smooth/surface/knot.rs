@@ -11,7 +11,7 @@
 //! distance of an element is s: |Q'| is 1 but for what the path is shorter than the polygon, so the feed is not
 //! exceeded, and a sharp turn is as gentle as its kernel makes it.
 use super::window::{SLOWEST, Vertex, Window, step};
-use crate::math::float::{max, min};
+use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;
 use crate::path::poly::Knot;
 use crate::path::{End, Measure, straight};
@@ -65,7 +65,7 @@ struct Ahead {
 }
 
 fn positive(x: f32) -> i64 {
-    (x * ONE_32) as i64
+    to_i64(x * ONE_32)
 }
 
 impl<const AXES: usize> Window<AXES> {
@@ -312,7 +312,7 @@ impl<const AXES: usize> Window<AXES> {
         if self.length(direction) < SLOWEST * 0.8 {
             return None;
         }
-        let tangent = direction.map(|x| (x * ONE_40) as i64);
+        let tangent = direction.map(|x| to_i64(x * ONE_40));
         Some(Knot { position, end: End { tangent, curvature: *bend } })
     }
 

@@ -31,7 +31,7 @@ use self::edges::SHARPEST;
 use self::knot::{Aim, Spot};
 use self::window::{Programmed, Vertex, Window};
 use crate::dynamics::{Curving, Dynamics, Near};
-use crate::math::float::{max, min};
+use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::poly::{Draft, Knot};
@@ -472,7 +472,7 @@ impl<const AXES: usize> Surface<AXES> {
         let mut at = from.at;
         let Some(to) = self.window.get(spot.vertex + 1) else { return at };
         let part = min(spot.x / max(to.moved_length, f32::MIN_POSITIVE), 1.0);
-        let part = (part * ONE_30) as i64;
+        let part = to_i64(part * ONE_30);
         for (at, to) in at.iter_mut().zip(&to.at) {
             let d = mul_shift(to.to_bits().wrapping_sub(at.to_bits()), part, 30);
             *at = Position::from_bits(at.to_bits().wrapping_add(d));
@@ -625,7 +625,14 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
         }
         let jerk = self.parameters.check_jerk();
         let curving = near.map(|near| Curving { jerk, constant: None, near });
-        into(&Smoothed { element, end: draft.as_ref().map(Draft::to), data, curving, due: *due });
+        into(&Smoothed {
+            element,
+            end: draft.as_ref().map(Draft::to),
+            data,
+            curving,
+            due: *due,
+            known: None,
+        });
         self.made = None;
         true
     }

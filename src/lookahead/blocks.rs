@@ -1,0 +1,139 @@
+//! The places of the blocks, in the order in which blocks leave them.
+use super::block::Block;
+
+/// A ring of blocks that are counted from its front. All bits zero when new, so that it takes no room in flash.
+pub(super) struct Blocks<const BLOCKS: usize> {
+    places: [Block; BLOCKS],
+    /// Where the first block is, below `BLOCKS`, and how many there are.
+    front: usize,
+    len: usize,
+}
+
+impl<const BLOCKS: usize> Blocks<BLOCKS> {
+    /// Nothing is in it.
+    pub const fn new() -> Self {
+        Self { places: [Block::BLANK; BLOCKS], front: 0, len: 0 }
+    }
+
+    /// Throws away what it holds.
+    pub fn clear(&mut self) {
+        (self.front, self.len) = (0, 0);
+    }
+
+    /// How many blocks there are.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// How many blocks it has room for.
+    pub const fn capacity(&self) -> usize {
+        BLOCKS
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The place so many behind the front, at most `BLOCKS`.
+    #[inline(always)]
+    fn place(&self, by: usize) -> usize {
+        let at = self.front.wrapping_add(by);
+        if at < BLOCKS { at } else { at - BLOCKS }
+    }
+
+    /// The block so many behind the first one.
+    #[inline]
+    pub fn get(&self, at: usize) -> Option<&Block> {
+        if at < self.len { self.places.get(self.place(at)) } else { None }
+    }
+
+    /// See [`Self::get`].
+    #[inline]
+    pub fn get_mut(&mut self, at: usize) -> Option<&mut Block> {
+        let place = self.place(at);
+        if at < self.len { self.places.get_mut(place) } else { None }
+    }
+
+    /// The first block.
+    #[inline]
+    pub fn front(&self) -> Option<&Block> {
+        self.get(0)
+    }
+
+    /// See [`Self::front`].
+    #[inline]
+    pub fn front_mut(&mut self) -> Option<&mut Block> {
+        self.get_mut(0)
+    }
+
+    /// The last block.
+    #[inline]
+    pub fn back_mut(&mut self) -> Option<&mut Block> {
+        self.get_mut(self.len.wrapping_sub(1))
+    }
+
+    /// Puts a block in behind the last one; `false` if there is no room.
+    #[inline(always)]
+    pub fn push_back(&mut self, block: Block) -> bool {
+        if self.len >= BLOCKS {
+            return false;
+        }
+        let at = self.place(self.len);
+        let Some(place) = self.places.get_mut(at) else { return false };
+        *place = block;
+        self.len += 1;
+        true
+    }
+
+    /// Puts a block in before the first one; `false` if there is no room.
+    pub fn push_front(&mut self, block: Block) -> bool {
+        if self.len >= BLOCKS {
+            return false;
+        }
+        let at = self.place(BLOCKS - 1);
+        let Some(place) = self.places.get_mut(at) else { return false };
+        *place = block;
+        (self.front, self.len) = (at, self.len + 1);
+        true
+    }
+
+    /// The first block leaves.
+    #[inline(always)]
+    pub fn pop_front(&mut self) -> Option<&Block> {
+        let at = self.front;
+        if self.len == 0 {
+            return None;
+        }
+        (self.front, self.len) = (self.place(1), self.len - 1);
+        self.places.get(at)
+    }
+
+    /// All blocks in two parts, in their order.
+    pub fn as_slices(&self) -> (&[Block], &[Block]) {
+        let [front, back] = self.parts();
+        let part = |places: core::ops::Range<usize>| self.places.get(places).unwrap_or_default();
+        (part(front), part(back))
+    }
+
+    /// See [`Self::as_slices`].
+    pub fn as_mut_slices(&mut self) -> (&mut [Block], &mut [Block]) {
+        let [front, back] = self.parts();
+        let (before, behind) = self.places.split_at_mut_checked(front.start).unwrap_or_default();
+        let of_front = behind.get_mut(..front.end - front.start).unwrap_or_default();
+        (of_front, before.get_mut(back).unwrap_or_default())
+    }
+
+    /// The places of both parts.
+    fn parts(&self) -> [core::ops::Range<usize>; 2] {
+        let room = BLOCKS.saturating_sub(self.front);
+        let first = self.len.min(room);
+        [self.front..self.front + first, 0..self.len - first]
+    }
+
+    /// The blocks in their order.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Block> {
+        let (front, back) = self.as_mut_slices();
+        front.iter_mut().chain(back)
+    }
+}
