@@ -15,12 +15,12 @@ pub use memory::{Channel, FilteredHandles, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
 
 use crate::fir::{FilterPlan, Unfiltered};
-use crate::machine::Synch;
+use crate::machine::{Synch, functions};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
     Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Kinematics, Motion, NcError,
-    NcWarning, NcWarningKind, Place, Spline, Step, Text,
+    NcWarning, NcWarningKind, Place, SlopeType, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
@@ -435,13 +435,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     fn hsc(&mut self, head: &Head, hsc: &Hsc) -> Result<Progress, Error> {
         // To switch it off, or to prepare it, needs nothing.
-        if hsc.switch == Some(true) && self.planning.hsc_method(hsc) == HscMethod::Surface {
-            if !self.surface {
-                return Err(Error::NotEnabled(head.place, SURFACE_NEEDS));
-            }
-            if !self.planning.measures_space() {
-                return Err(Error::NotEnabled(head.place, SURFACE_MEASURES));
-            }
+        if hsc.switch == Some(true) {
+            self.check_method(self.planning.hsc_method(hsc))
+                .map_err(|needs| Error::NotEnabled(head.place, needs))?;
         }
         self.look_ahead(head)?;
         if self.planning.hsc(hsc).map_err(|error| Error::Spline(head.place, error))? {
@@ -449,6 +445,21 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         let kind = NcWarningKind::HscIsOn;
         Ok(Progress::Warning(NcWarning { place: head.place, kind }))
+    }
+
+    /// That a method of #HSC is there. What it needs, if not.
+    fn check_method(&self, method: HscMethod) -> Result<(), &'static str> {
+        match method {
+            HscMethod::Surface => {
+                functions::SURFACE.check()?;
+                if !self.surface {
+                    return Err(SURFACE_NEEDS);
+                }
+                if self.planning.measures_space() { Ok(()) } else { Err(SURFACE_MEASURES) }
+            }
+            HscMethod::Bspline | HscMethod::Op(2) => functions::SPLINES.check(),
+            HscMethod::Op(_) => Ok(()),
+        }
     }
 
     /// Slope, weights and limits along the path, for the blocks that follow.
@@ -460,6 +471,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
             Command::Slope(_, slope) => {
                 let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
+                if kind == SlopeType::Hsc {
+                    functions::HSC.check().map_err(|needs| Error::NotEnabled(command.place(), needs))?;
+                }
                 self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
                 self.watch_filters();
             }

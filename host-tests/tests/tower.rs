@@ -18,7 +18,7 @@ const TOWER: [(&str, &str); 20] = [
     ("dynamics", "math quantity machine nc path fir slope"),
     ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),
-    ("lookahead", "math quantity nc path control queue slope dynamics"),
+    ("lookahead", "math quantity machine nc path control queue slope dynamics"),
     ("plan", "math quantity machine technology nc path control queue slope dynamics smooth lookahead"),
     ("tick", "quantity queue fir"),
     ("axis", "quantity"),

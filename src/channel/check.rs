@@ -1,8 +1,11 @@
 //! Whether a channel can work with machine data.
 use super::MachineError;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
-use crate::machine::{AxisKind, MachineData};
+use crate::machine::{AxisKind, MachineData, functions};
 use crate::path::measure::FEED_AXES;
+
+/// P-CHAN-00071: HSC.
+const SLOPE_HSC: u8 = 3;
 
 /// Every parameter is in its range, and no two of them contradict each other.
 pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
@@ -19,6 +22,9 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
             max: BLOCKS as i64,
             because: "the memory compiled in",
         }));
+    }
+    if channel.slope_profile == SLOPE_HSC {
+        functions::HSC.check().map_err(MachineError::NotBuilt)?;
     }
     for (name, table) in [("m_synch", &channel.m_synch), ("h_synch", &channel.h_synch)] {
         if table.overflows() {

@@ -14,6 +14,8 @@ pub enum MachineError {
     Axis(usize, RangeError),
     /// A parameter of the channel is out of range.
     Channel(RangeError),
+    /// They ask for a function that this build leaves out: its name and what to do.
+    NotBuilt(&'static str),
     /// Two axes have this name.
     Name(AxisName),
     /// The name begins like another address of the language.
@@ -34,6 +36,7 @@ impl core::fmt::Display for MachineError {
                 "{} ({}) = {} is outside {}…{}, bound by {}",
                 e.name, e.id, e.value, e.min, e.max, e.because
             ),
+            Self::NotBuilt(needs) => f.write_str(needs),
             Self::Name(name) => write!(f, "two axes are called {}", name.as_str()),
             Self::Reserved(name) => write!(
                 f,

@@ -3,7 +3,7 @@ use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};
 use crate::fir::{Bank, FilterError, FilterPlan, FilterTick, Filtered, Filters, Unfiltered};
-use crate::machine::MachineData;
+use crate::machine::{MachineData, functions};
 use crate::nc::{Decoder, DecoderMemory, Text};
 use crate::operator::Operator;
 use crate::plan::{Planning, PlanningMemory};
@@ -101,6 +101,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         text: T,
     ) -> Result<FilteredHandles<'a, T, AXES, BLOCKS, TAPS, OVERLAYS>, MachineError> {
         check::<AXES, BLOCKS>(machine)?;
+        functions::FILTERS.check().map_err(MachineError::NotBuilt)?;
         let ends = filters.split(machine, &start);
         let ends = ends.map_err(|error| MachineError::Filter(error.axis().unwrap_or(0), error))?;
         let mut handles = self.handles(machine, start, text, ends);

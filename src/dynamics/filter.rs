@@ -7,6 +7,7 @@
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
+use crate::machine::functions;
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
@@ -46,7 +47,7 @@ impl Watched {
     /// There are some.
     #[inline(always)]
     pub(super) const fn is_some(&self) -> bool {
-        self.axes != 0
+        functions::FILTERS.is_built() && self.axes != 0
     }
 }
 

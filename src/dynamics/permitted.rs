@@ -3,6 +3,7 @@
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
+use crate::machine::functions;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
@@ -54,6 +55,7 @@ impl Joins {
     /// `optimised`: NO_OPT=0, which only HSC knows.
     pub fn of(slope: SlopeType, optimised: bool) -> Self {
         match slope {
+            _ if !functions::HSC.is_built() => Self::Alike,
             SlopeType::Hsc if optimised => Self::Valleys,
             SlopeType::Hsc => Self::Any,
             SlopeType::Step | SlopeType::Trapez | SlopeType::Sin2 => Self::Alike,

@@ -43,9 +43,10 @@ impl Braking {
             if above <= 0.0 {
                 continue;
             }
-            let again = match &before {
-                Some([was, had]) if was[k] > *tried && was[k] - had[k] > above => {
-                    above * (was[k] - *tried) / (was[k] - had[k] - above)
+            let before = before.as_ref().and_then(|[was, had]| Some((*was.get(k)?, *had.get(k)?)));
+            let again = match before {
+                Some((was, had)) if was > *tried && was - had > above => {
+                    above * (was - *tried) / (was - had - above)
                 }
                 None if above < NEARLY * left => {
                     *tried = left * JUST;

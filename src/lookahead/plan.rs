@@ -8,6 +8,7 @@ use super::law::{faster, length_mm};
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
+use crate::machine::functions;
 use crate::quantity::Speed;
 
 /// Where the plan stands.
@@ -109,7 +110,9 @@ impl Plan {
                 Pass::Forward => ring.forward(self, &mut work),
                 Pass::Inside => ring.inside(self, &mut work),
                 Pass::Trial => {
-                    if ring.trials(&mut self.trial, &mut self.valley, &mut work) {
+                    // Without HSC there is nothing to try.
+                    if !functions::HSC.is_built() || ring.trials(&mut self.trial, &mut self.valley, &mut work)
+                    {
                         self.complete(ring);
                     }
                 }

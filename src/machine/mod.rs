@@ -1,6 +1,7 @@
 //! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under
 //! their names.
 
+pub mod functions;
 pub mod parameter;
 mod planned;
 mod synch;

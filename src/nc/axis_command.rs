@@ -6,7 +6,7 @@ use super::keyword::{COORDINATE, Keywords, Range, Slot, Units, checked, list_ins
 use super::line::Line;
 use super::number::Factor;
 use super::{Command, Fault, Head, NcErrorKind, Span};
-use crate::machine::AxisKind;
+use crate::machine::{AxisKind, functions};
 use crate::quantity::Position;
 
 /// Words of OSC.
@@ -177,6 +177,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok(None);
         }
         let word = c.identifier(24);
+        let is_command = word.is("OSC") || word.is("INDP_SYN") || word.is("INDP_ASYN") || word.is("INDP");
+        if is_command && !functions::BESIDE.is_built() {
+            c.since(mark).needs(functions::BESIDE)?;
+            return Ok(None);
+        }
         if word.is("OSC") {
             return self.oscillation(c, line, axis, mark).map(Some);
         }

@@ -7,6 +7,7 @@ use super::line::Line;
 use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
 use super::{DwellTime, Fault, NcErrorKind, Plane, Span, WeightKind};
+use crate::machine::functions;
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
@@ -206,6 +207,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         match letter {
             b'G' => self.g_word(c, w, mark)?,
             b'P' => {
+                if !functions::EXPRESSIONS.is_built() {
+                    c.rest_of_word().needs(functions::EXPRESSIONS)?;
+                }
                 let target = parameter_target(c, &self.calculator)?;
                 c.require(b'=', "= behind the parameter")?;
                 let value = expression(c, &self.calculator)?.real();
@@ -416,6 +420,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 group::EXACT
             }
             61 | 260 | 261 => {
+                if number != 260 {
+                    span.needs(functions::CONTOUR)?;
+                }
                 put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::CONTOUR
             }
@@ -437,6 +444,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 group::FEED
             }
             150 | 151 => {
+                if number == 151 {
+                    span.needs(functions::SPLINES)?;
+                }
                 put_before(&mut self.queue, &mut w.before, span, ItemKind::Switch(number as u16))?;
                 group::SPLINE
             }

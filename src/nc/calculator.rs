@@ -9,13 +9,14 @@
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
+use crate::machine::functions;
 use core::cell::Cell;
 
 /// Work of one call: about so many hundred instructions on the target.
 const BUDGET: u32 = 320;
 
 /// Expressions of one statement that are remembered: more than any has.
-const KNOWN: usize = 16;
+const KNOWN: usize = functions::EXPRESSIONS.room(16);
 
 /// An expression that is complete: where it begins and ends in the line, and its value.
 #[derive(Clone, Copy)]
@@ -135,7 +136,7 @@ impl Calculator {
 
     /// Whether an expression may be laid aside: what was complete before it has to be known.
     pub fn knows_all(&self) -> bool {
-        self.count.get() < KNOWN
+        self.count.get() < self.known.len()
     }
 
     /// Whether the expression that begins at `start` was laid aside.

@@ -1,5 +1,6 @@
 //! Why a program was refused, or accepted with a remark.
 use super::Place;
+use crate::machine::functions::Function;
 use core::fmt;
 use heapless::String;
 
@@ -38,6 +39,8 @@ pub enum NcErrorKind {
     Expected(&'static str),
     /// Part of the language, but not of this version.
     NotAvailable(&'static str),
+    /// A function that this build leaves out: its name and what to do.
+    NotBuilt(&'static str),
     /// A usual axis name that this machine does not have.
     AxisNotHere,
     /// A letter that is no address.
@@ -207,6 +210,7 @@ impl fmt::Display for NcError {
             K::NotAvailable(what) => {
                 write!(f, "{what} \"{found}\" is known, not available in this version")
             }
+            K::NotBuilt(needs) => f.write_str(needs),
             K::AxisNotHere => {
                 write!(f, "axis {found} is known, not available on this machine (axes {})", self.axes)
             }
@@ -444,5 +448,14 @@ impl Span {
     /// A fault with this span.
     pub fn fault<V>(self, kind: NcErrorKind) -> Result<V, Fault> {
         Err(Fault { span: self, kind })
+    }
+
+    /// That a function is compiled in, for what stands here.
+    #[inline(always)]
+    pub const fn needs(self, function: Function) -> Result<(), Fault> {
+        match function.check() {
+            Ok(()) => Ok(()),
+            Err(needs) => Err(Fault { span: self, kind: NcErrorKind::NotBuilt(needs) }),
+        }
     }
 }

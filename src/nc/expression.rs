@@ -7,10 +7,11 @@ use super::cursor::Cursor;
 use super::number::Number;
 use super::parameter::{Parameters, index};
 use super::{Fault, NcErrorKind, real};
+use crate::machine::functions;
 use heapless::Vec;
 
 /// Operators (and operands) that may wait at the same time.
-pub const EXPRESSION_DEPTH: usize = 24;
+pub const EXPRESSION_DEPTH: usize = functions::EXPRESSIONS.room(24);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Function {
@@ -321,6 +322,9 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
         return Ok(literal);
     }
     c.back_to(start);
+    if !functions::EXPRESSIONS.is_built() {
+        return no_literal(c);
+    }
     if calculator.is_halted() {
         return calculator.halt();
     }
@@ -397,6 +401,33 @@ fn literal(c: &mut Cursor<'_>) -> Option<Number> {
     let alone = operator(c).is_none();
     c.back_to(behind);
     alone.then_some(Number::Decimal { negative: minus, mantissa, scale })
+}
+
+/// What stands here in place of a literal, without expressions.
+#[cold]
+#[inline(never)]
+fn no_literal(c: &mut Cursor<'_>) -> Result<Number, Fault> {
+    let span = c.rest_of_word();
+    while matches!(c.peek(), b'+' | b'-') {
+        c.bump();
+    }
+    let start = c.mark();
+    match c.peek_upper() {
+        // With an operator behind it, if it is a number.
+        b'0'..=b'9' | b'.' => _ = c.decimal()?,
+        b'[' => {}
+        _ => {
+            let word = c.letters();
+            let known = |name: &str| word.is(name);
+            let is_function = FUNCTIONS.iter().any(|(name, _)| known(name));
+            if !(is_function || ["P", "PP", "NOT"].into_iter().any(known)) {
+                c.back_to(start);
+                return c.expected("a number");
+            }
+        }
+    }
+    span.needs(functions::EXPRESSIONS)?;
+    Ok(Number::Real(0.0))
 }
 
 /// Reads signs, P, brackets and functions up to the end of one operand.

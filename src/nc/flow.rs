@@ -2,10 +2,11 @@
 //! text.
 use super::line::Mark;
 use super::{NcErrorKind, Place};
+use crate::machine::functions;
 use heapless::Vec;
 
 /// Control blocks that may be open at the same time, over all calls.
-pub const NESTING: usize = 20;
+pub const NESTING: usize = functions::EXPRESSIONS.room(20);
 /// Subroutine calls that may be open at the same time.
 pub const CALL_DEPTH: usize = 10;
 /// Local subroutines in all files of a program.
@@ -197,6 +198,11 @@ impl Flow {
 
     pub fn open(&mut self, open: Open) -> Result<(), NcErrorKind> {
         self.blocks.push(open).map_err(|_| NcErrorKind::NestingTooDeep)
+    }
+
+    /// Whether lines are passed over.
+    pub fn is_passing(&self) -> bool {
+        functions::EXPRESSIONS.is_built() && self.passing != Passing::No
     }
 
     /// Begins to pass over lines, `depth` blocks inside the one that matters.

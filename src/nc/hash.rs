@@ -8,6 +8,7 @@ use super::line::Line;
 use super::number::Factor;
 use super::smoothing::{AkimaWords, HscWords, LogWords};
 use super::{Command, Fault, Head, NcErrorKind};
+use crate::machine::functions::{self, Function};
 use core::cell::Cell;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -42,6 +43,27 @@ enum Hash {
     FlushWait,
     WaitIndependent,
     Time,
+}
+
+impl Hash {
+    /// The function that it begins or prepares.
+    const fn function(self) -> Option<Function> {
+        match self {
+            Self::Contour(Some(ContourSwitch::Off)) | Self::Hsc(Some(false)) | Self::Filter(Some(false)) => {
+                None
+            }
+            Self::Contour(_) | Self::Hsc(_) => Some(functions::CONTOUR),
+            Self::AkimaTrans
+            | Self::StartVector
+            | Self::EndVector
+            | Self::SplineType(_)
+            | Self::SplineOn
+            | Self::AsplineMode => Some(functions::SPLINES),
+            Self::Filter(_) => Some(functions::FILTERS),
+            Self::WaitIndependent => Some(functions::BESIDE),
+            _ => None,
+        }
+    }
 }
 
 /// Commands, longer ones before those they begin with.
@@ -215,7 +237,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 NcErrorKind::UnknownHash
             });
         };
-        let head = self.head_of(line, c.since(mark));
+        let span = c.since(mark);
+        id.function().map_or(Ok(()), |function| span.needs(function))?;
+        let head = self.head_of(line, span);
         self.arguments(c, *id, head)?;
         let end = c.require_end("a # command");
         if end.is_err() {
@@ -307,7 +331,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut words = HscWords::default();
         words.hsc.switch = switch;
         let mark = c.mark();
-        if is_list(c, switch.is_some())? {
+        if functions::CONTOUR.is_built() && is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut words)?;
         }
         if let Some(mode) = words.opmode {
@@ -333,7 +357,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     #[inline(never)]
     fn filter(&self, c: &mut Cursor<'_>, switch: Option<bool>) -> Result<Filter, Fault> {
         let mut filter = Filter { switch, ..Filter::default() };
-        if is_list(c, switch.is_some())? {
+        if functions::FILTERS.is_built() && is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut filter)?;
         }
         Ok(filter)
@@ -364,7 +388,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn contour(&self, c: &mut Cursor<'_>, switch: Option<ContourSwitch>) -> Result<Contour, Fault> {
         let mut contour = Contour { switch, ..Contour::default() };
         let mark = c.mark();
-        if is_list(c, switch.is_some())? {
+        if functions::CONTOUR.is_built() && is_list(c, switch.is_some())? {
             list(c, &self.calculator, self.main_units(), &mut contour)?;
         }
         for (value, main) in contour.point.iter_mut().zip(self.setup.main) {

@@ -10,6 +10,7 @@ use super::modal::{Before, Modal};
 use super::number::Number;
 use super::plain::Letters;
 use super::{Command, Fault, Motion, NcErrorKind, NcWarning, NcWarningKind, Place, Setup, Span, real};
+use crate::machine::functions;
 use crate::quantity::Position;
 use core::cell::Cell;
 use heapless::Deque;
@@ -190,7 +191,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Phase::Running => {}
         }
-        if self.flow.passing != Passing::No && !self.pass(&mut c, bounds)? {
+        if self.flow.is_passing() && !self.pass(&mut c, bounds)? {
             let Passing::End(ending) = self.flow.passing else { return Ok(Next::Line) };
             return Ok(self.end_by_word(ending));
         }
@@ -290,6 +291,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         match c.peek_upper() {
             0 => Ok(Next::Line),
+            b'$' if !functions::EXPRESSIONS.is_built() => {
+                c.rest_of_word().needs(functions::EXPRESSIONS)?;
+                Ok(Next::Line)
+            }
             b'$' => self.control(c, line, bounds),
             b'#' => {
                 self.hash_command(c, line)?;

@@ -1,9 +1,10 @@
 //! P parameters: a sorted table of fixed size.
 use super::NcErrorKind;
+use crate::machine::functions;
 use heapless::Vec;
 
 /// Parameters that can hold a value at the same time.
-pub const PARAMETERS: usize = 128;
+pub const PARAMETERS: usize = functions::EXPRESSIONS.room(128);
 
 /// Packed: there are many of them.
 #[derive(Clone, Copy)]

@@ -311,11 +311,11 @@ impl<const AXES: usize> Shape<AXES> {
         }
         if let Curve::Arc(arc) = &self.curve {
             // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
-            let [p, q] = arc.plane.map(|axis| (axis as usize).min(AXES.saturating_sub(1)));
+            let ([p, q], last) = (arc.plane, AXES.saturating_sub(1));
+            let (p, q) = ((p as usize).min(last), (q as usize).min(last));
             let [x, y] = arc.circle(Halves::of(w), HALF);
-            for (axis, offset) in [(p, x), (q, y)] {
-                out[axis] = Position::from_bits(out[axis].to_bits().wrapping_add(offset >> GUARD));
-            }
+            out[p] = Position::from_bits(out[p].to_bits().wrapping_add(x >> GUARD));
+            out[q] = Position::from_bits(out[q].to_bits().wrapping_add(y >> GUARD));
         }
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
             if *gain != 0 {
@@ -375,9 +375,13 @@ impl Arc {
         let Self { a, turn, grow, miss, .. } = *self;
         let (sin, cos) = sin_cos((w.times(Halves::of(turn)) << 5) as u64);
         let upper = w.upper();
-        let [p, q] = [0, 1].map(|i| a[i].wrapping_add((upper * i64::from(grow[i])) >> 19));
-        let [x, y] = [0, 1].map(|i| ((upper * i64::from(miss[i])) >> 32) as i32);
-        let [x, y] = [x, y].map(|missed| i64::from(missed.wrapping_add(more)));
+        // One by one: an index, or a closure of its own, would be a place that can panic where the compiler
+        // looks for few bytes.
+        let ([p, q], [grow_p, grow_q], [x, y]) = (a, grow, miss);
+        let p = p.wrapping_add((upper * i64::from(grow_p)) >> 19);
+        let q = q.wrapping_add((upper * i64::from(grow_q)) >> 19);
+        let (x, y) = (((upper * i64::from(x)) >> 32) as i32, ((upper * i64::from(y)) >> 32) as i32);
+        let (x, y) = (i64::from(x.wrapping_add(more)), i64::from(y.wrapping_add(more)));
         let (p, q, cos, sin) = (Halves::of(p), Halves::of(q), Halves::of(cos), Halves::of(sin));
         [x.wrapping_add(p.turn(cos, q, sin.negated())), y.wrapping_add(q.turn(cos, p, sin))]
     }

@@ -213,6 +213,8 @@ impl Slots<'_> {
             Form::Stepped => [Kind::Hold; 3],
         };
         for (k, kind) in kinds.into_iter().enumerate() {
+            // There are three; `min` says so where the compiler does not see it, built for few bytes.
+            let k = k.min(2);
             let to = at.wrapping_add(change.lengths[k]);
             let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
             self.add(Part { kind, time: change.times[k], from: at, to, v0, v1 });

@@ -5,11 +5,12 @@
 //! A line with an arc on one side is halved: one half is the last or the first leg of the curve, the other one a
 //! block of contour mode, of which a corner takes half at most. Both go straight where they meet.
 use super::contour::{Contouring, Settings};
+use super::halved::{Waiting, halve};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};
-use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
+use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
 use crate::nc::{Contour, ContourMethod, NcWarningKind, Place};
-use crate::path::{Element, Measure, line};
+use crate::path::Measure;
 use crate::quantity::Position;
 
 /// The one at work.
@@ -23,9 +24,6 @@ enum Turn<const AXES: usize> {
     /// Contour mode.
     Corner(Contouring<AXES>),
 }
-
-/// A block that waits, and what stands before it.
-pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
 /// The stage.
 #[derive(Clone, Copy, Debug)]
@@ -308,29 +306,4 @@ pub fn settings(rules: &Rules, own: &Settings) -> Settings {
         relevant_track: track,
         ..Contour::default()
     })
-}
-
-/// What is left of a line.
-pub struct Rest<const AXES: usize> {
-    element: Element<AXES>,
-    to: [Position; AXES],
-    stop: bool,
-}
-
-impl<const AXES: usize> Rest<AXES> {
-    /// A block that ends in the middle of its line becomes the other half.
-    pub const fn follow(&self, block: &mut ProgrammedBlock<AXES>) {
-        (block.from, block.to) = (block.to, self.to);
-        (block.element, block.data.stop) = (self.element, self.stop);
-    }
-}
-
-/// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
-pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
-    let middle = middle(&block.from, &block.to);
-    let element = line(&middle, &block.to, measure).ok()??;
-    let rest = Rest { element, to: block.to, stop: block.data.stop };
-    block.element = line(&block.from, &middle, measure).ok()??;
-    (block.to, block.data.stop) = (middle, false);
-    Some(rest)
 }

@@ -3,8 +3,8 @@
 //!
 //! A line with an edge at one end is halved: one half is the last or the first chord of a row of Surface, the
 //! other one a block of contour mode, of which the corner may take nearly all. Both go straight where they meet.
-use super::alternating::{Waiting, halve};
 use super::contour::{Contouring, Settings};
+use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;

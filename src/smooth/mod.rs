@@ -2,11 +2,38 @@
 //!
 //! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
 //! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
+//!
+//! What a build leaves out ([`crate::machine::functions`]) is a kind without values (`absent.rs`), at the only place
+//! where kinds are named, below.
+#![cfg_attr(
+    not(all(feature = "contour", feature = "surface", feature = "splines")),
+    allow(dead_code, clippy::large_enum_variant, reason = "what is left out is not used, and has no size")
+)]
+#[cfg(not(all(feature = "surface", feature = "splines")))]
+mod absent;
 mod alternating;
 pub mod contour;
 mod edged;
+mod halved;
 pub mod spline;
+#[cfg(not(feature = "contour"))]
+mod straight;
 pub mod surface;
+
+#[cfg(not(feature = "surface"))]
+use absent::Absent as Edged;
+#[cfg(not(feature = "splines"))]
+use absent::{Absent as Alternating, Absent as Splining};
+#[cfg(feature = "splines")]
+use alternating::Alternating;
+#[cfg(feature = "contour")]
+use contour::Contouring;
+#[cfg(feature = "surface")]
+use edged::Edged;
+#[cfg(feature = "splines")]
+use spline::Splining;
+#[cfg(not(feature = "contour"))]
+use straight::Straight as Contouring;
 
 use crate::dynamics::{Curving, Dynamics, Known};
 use crate::nc::{
@@ -15,10 +42,8 @@ use crate::nc::{
 };
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
-use alternating::Alternating;
-use contour::{Contouring, Preset};
-use edged::Edged;
-use spline::{DirectParameters, HscParameters, Mode, Rules, Splining, Start};
+use contour::Preset;
+use spline::{DirectParameters, HscParameters, Mode, Start};
 
 /// How a block was programmed, to make its rest anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -470,11 +495,17 @@ impl<const AXES: usize> Smoothing<AXES> {
                 };
                 self.begin_rounding(self.contour.on_with(&dev));
             }
+            #[cfg(feature = "splines")]
             Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
                 self.begin_alternating(rules);
             }
+            #[cfg(feature = "splines")]
             Wanted::Spline(start) => self.begin_curve(start),
+            #[cfg(feature = "surface")]
             Wanted::Surface => self.begin_surface(),
+            // What is not compiled in is not wanted.
+            #[cfg(not(all(feature = "splines", feature = "surface")))]
+            _ => {}
         }
     }
 
@@ -484,18 +515,21 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.kind = Kind::Contour(Contouring::with(self.measure, &settings));
     }
 
+    #[cfg(feature = "splines")]
     #[inline(never)]
     fn begin_curve(&mut self, start: &Start<AXES>) {
         let check_jerk = self.contour.check_jerk_of_channel();
         self.kind = Kind::Spline(Splining::new(self.measure, check_jerk, start));
     }
 
+    #[cfg(feature = "splines")]
     #[inline(never)]
-    fn begin_alternating(&mut self, rules: &Rules) {
+    fn begin_alternating(&mut self, rules: &spline::Rules) {
         let (measure, settings) = (self.measure, alternating::settings(rules, &self.contour));
         self.kind = Kind::Alternating(Alternating::new(measure, *rules, settings));
     }
 
+    #[cfg(feature = "surface")]
     #[inline(never)]
     fn begin_surface(&mut self) {
         self.kind = Kind::Surface(Edged::new(self.measure, &self.surface));

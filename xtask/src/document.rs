@@ -29,6 +29,7 @@ pub fn text(figures: &Figures) -> String {
     memory(figures, &mut text);
     stack(figures, &mut text);
     flash(figures, &mut text);
+    slim(figures, &mut text);
     text
 }
 
@@ -160,6 +161,31 @@ fn flash(figures: &Figures, text: &mut String) {
     for (name, bytes) in modules {
         let _ = writeln!(text, "| {name} | {bytes} |");
     }
+}
+
+fn slim(figures: &Figures, text: &mut String) {
+    let get = |key: &str| figures.values.get(&format!("slim.{key}")).copied().unwrap_or(0);
+    let _ = write!(
+        text,
+        "\n## Lines, arcs and contour mode alone\n\n\
+         Built with the feature `contour` of the library and no other, `opt-level = \"z\"` and the compiler's own measure for what to inline. Its programs \
+         have the\nset points of the host, which has all functions; no panicking path is left.\n\n\
+         | flash | tick max | without contour mode | planner per block | channel, 3 axes, 30 blocks | and stack | channel, 120 blocks | and stack |\n\
+         |---:|---:|---:|---:|---:|---:|---:|---:|\n|"
+    );
+    for key in [
+        "flash",
+        "tick_max",
+        "tick_max_plain",
+        "block_mean",
+        "ram_channel_3x30",
+        "ram_total_3x30",
+        "ram_channel_3x120",
+        "ram_total_3x120",
+    ] {
+        let _ = write!(text, " {} |", get(key));
+    }
+    *text += "\n";
 }
 
 /// How to say whether a goal is reached.

@@ -84,6 +84,17 @@ impl Firmware {
         shell::run(&mut command)
     }
 
+    /// Builds binaries of the package in `folder` with these functions of the library alone and for few bytes, in a
+    /// folder of their own: [`small`].
+    pub fn build_small(&self, folder: &str, functions: &str, names: &[&str]) -> Result<(), String> {
+        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
+        command.args(["--no-default-features", "--features", functions]);
+        command.args(names.iter().flat_map(|name| ["--bin", name]));
+        // The compiler's own measure for what to inline, not that of the large build.
+        command.env("RUSTFLAGS", "-C link-arg=-Tlink.x").env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "z");
+        shell::run(command.env("CARGO_TARGET_DIR", toolchain::folder_of_artifacts().join(SMALL)))
+    }
+
     /// The compiler's messages where a build must fail; an error if it does not.
     pub fn build_fails(&self, folder: &str, arguments: &[&str]) -> Result<String, String> {
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
@@ -118,7 +129,10 @@ impl Firmware {
 
     /// Runs a binary to its end and gives what it wrote.
     pub fn run(&self, name: &str) -> Result<Output, String> {
-        let file = artifact(name);
+        self.run_file(name, &artifact(name))
+    }
+
+    fn run_file(&self, name: &str, file: &Path) -> Result<Output, String> {
         let mut command = match self.place {
             Place::Emulator => {
                 let mut command = emulator(&self.runner, "netduinoplus2");
@@ -131,7 +145,7 @@ impl Firmware {
                 command
             }
         };
-        command.arg(&file);
+        command.arg(file);
         let output = shell::capture(&mut command, LIMIT)?;
         if output.timed_out {
             return Err(format!("{name} did not end within {} s", LIMIT.as_secs()));
@@ -141,7 +155,16 @@ impl Firmware {
 
     /// The text a binary wrote; an error if it failed.
     pub fn report(&self, name: &str) -> Result<String, String> {
-        let output = self.run(name)?;
+        self.report_file(name, &artifact(name))
+    }
+
+    /// The same of one of [`Self::build_small`].
+    pub fn report_small(&self, name: &str) -> Result<String, String> {
+        self.report_file(name, &small(name))
+    }
+
+    fn report_file(&self, name: &str, file: &Path) -> Result<String, String> {
+        let output = self.run_file(name, file)?;
         let text = String::from_utf8_lossy(&output.out).into_owned();
         if output.success {
             return Ok(text);
@@ -158,6 +181,14 @@ fn emulator(runner: &Path, machine: &str) -> Command {
     command.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"]);
     command.args(["-semihosting-config", "enable=on,target=native"]);
     command
+}
+
+/// Folder of small builds below that of firmware artifacts.
+const SMALL: &str = "small";
+
+/// A binary of [`Firmware::build_small`].
+pub fn small(name: &str) -> PathBuf {
+    toolchain::folder_of_artifacts().join(SMALL).join(TARGET).join("release").join(name)
 }
 
 /// A binary in the folder of firmware artifacts.

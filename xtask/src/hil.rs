@@ -1,11 +1,12 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
 use crate::figures::{self, Beside, Figures, MemoryFigures};
-use crate::firmware::{CORES, Firmware, Place, artifact};
+use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
 use crate::shell::step;
 use crate::stack::Calls;
 use crate::target::{self, TargetRun};
 use crate::{elf, shell};
+use std::collections::BTreeMap;
 
 const TESTS: &str = "hil-tests";
 const BOARD: &str = "boards/stm32f405";
@@ -25,6 +26,11 @@ const BOUND: [Bounded; 3] = [
     (3, "same", &[("tick", "9hil_cases3run4tick")]),
     (6, "same_six", &[("poll", "9hil_cases3run4poll"), ("tick", "9hil_cases3run4tick")]),
 ];
+
+/// What the smallest build with corners holds, and its binaries that run programs, in the order of
+/// [`host::slim_all`].
+const SLIM_FUNCTIONS: &str = "glidepath/contour";
+const SLIM: [&str; 2] = ["slim", "slim_short"];
 
 /// Arguments of a build.
 fn binaries(names: &[&'static str]) -> Vec<&'static str> {
@@ -63,6 +69,10 @@ pub fn all(place: Place) -> Result<(), String> {
     memory.beside = beside(&firmware.report("beside")?)?;
     step("commands all the time");
     memory.commands = commands(&firmware.report("commands")?)?;
+    if place == Place::Emulator {
+        step("lines, arcs and contour mode alone");
+        memory.slim = slim(&firmware)?;
+    }
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
     interrupt(&report, &host)?;
@@ -95,6 +105,7 @@ pub fn bench(accept: bool) -> Result<(), String> {
     counter(&firmware.report("counts")?)?;
     memory.beside = beside(&firmware.report("beside")?)?;
     memory.commands = commands(&firmware.report("commands")?)?;
+    memory.slim = slim(&firmware)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
@@ -116,6 +127,17 @@ pub fn only_commands() -> Result<(), String> {
     step("commands all the time");
     for (name, most) in commands(&firmware.report("commands")?)? {
         eprintln!("   {name:<16} {most:>9}");
+    }
+    Ok(())
+}
+
+/// The smallest build only: `cargo xtask hil --slim`.
+pub fn only_slim() -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    step("lines, arcs and contour mode alone");
+    for (key, value) in slim(&firmware)? {
+        eprintln!("   {key:<36} {value:>9}");
     }
     Ok(())
 }
@@ -204,6 +226,38 @@ fn commands(report: &str) -> Result<Vec<(String, u64)>, String> {
     let runs = target::read_runs(report)?;
     alike(&host::commanded_all()?, &runs)?;
     Ok(runs.into_iter().map(|run| (run.name, run.plan.max.max(run.wait.max))).collect())
+}
+
+/// Built without the other functions and for few bytes, programs have the set points of the host, which has all of
+/// them, and no panicking path is left; what it costs.
+fn slim(firmware: &Firmware) -> Result<BTreeMap<String, u64>, String> {
+    firmware.build_small(TESTS, SLIM_FUNCTIONS, &[&SLIM[..], &["nopanic"]].concat())?;
+    let (mut runs, mut figures) = (Vec::new(), BTreeMap::new());
+    for name in SLIM {
+        let report = firmware.report_small(name)?;
+        runs.extend(target::read_runs(&report)?);
+        for row in target::read_memory(&report)? {
+            let mut set = |part: &str, bytes: u64| {
+                figures.insert(format!("slim.ram_{part}_{}x{}", row.axes, row.blocks), bytes);
+            };
+            set("channel", row.channel);
+            set("stack", row.depth);
+            set("total", row.channel + row.depth);
+        }
+    }
+    alike(&host::slim_all()?, &runs)?;
+    let plain = |run: &&TargetRun| !figures::CONTOUR.contains(&run.name.as_str());
+    let most = |runs: &mut dyn Iterator<Item = &TargetRun>| runs.map(|run| run.tick.max).max().unwrap_or(0);
+    figures.insert("slim.tick_max".into(), most(&mut runs.iter()));
+    figures.insert("slim.tick_max_plain".into(), most(&mut runs.iter().filter(plain)));
+    let long: Vec<&TargetRun> = runs.iter().filter(|run| run.look_ahead == hil_cases::BLOCKS).collect();
+    let [blocks, plan]: [u64; 2] =
+        [long.iter().map(|run| run.blocks).sum(), long.iter().map(|run| run.plan.sum - run.decode.sum).sum()];
+    figures.insert("slim.block_mean".into(), plan.div_ceil(blocks.max(1)));
+    let file = small("nopanic");
+    let nopanic = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    figures.insert("slim.flash".into(), elf::flash(&nopanic).ok_or("nopanic: no load segments")?);
+    Ok(figures)
 }
 
 /// Every set point of every tick is the host's.

@@ -5,8 +5,8 @@ use glidepath::nc::Window;
 use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
-    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, Case, DEEP, FilterMemory, Outcome, SHORT,
-    Watch, beside, commanded, run, session,
+    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory,
+    Outcome, SHORT, Watch, beside, commanded, run, session,
 };
 
 /// A case as the host ran it.
@@ -42,6 +42,12 @@ pub fn run_all() -> Result<Vec<HostRun>, String> {
     let deep_three = CASES_3_OTHER.iter().map(|case| run_one::<3, DEEP>(case, &AXES_3_DEEP));
     let short_six = CASES_6_OTHER.iter().map(|case| run_one::<6, SHORT>(case, &AXES_6_SHORT));
     three.chain(four).chain(six).chain(short_three).chain(deep_three).chain(short_six).collect()
+}
+
+/// Those of lines, arcs and contour mode, with 120 and with 30 blocks.
+pub fn slim_all() -> Result<Vec<HostRun>, String> {
+    let long = CASES_SLIM.iter().map(|case| run_one::<3, BLOCKS>(case, &AXES_3));
+    long.chain(CASES_SLIM.iter().map(|case| run_one::<3, SHORT>(case, &AXES_3_SHORT))).collect()
 }
 
 fn run_one<const AXES: usize, const BLOCKS: usize>(

@@ -15,14 +15,17 @@ const CORES: [&str; 5] = [
     "riscv32imc-unknown-none-elf",
 ];
 
-/// Features with which the library is checked.
-const FEATURES: [&[&str]; 2] = [&["--no-default-features"], &["--features", "defmt"]];
+/// Functions that a build may leave out: the library is checked with each alone.
+const FUNCTIONS: [&str; 7] = ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside"];
+
+/// A package of its own, which tests the library without its functions.
+const WITHOUT: &str = "host-tests/without";
 
 /// All of it.
 pub fn all() -> Result<(), String> {
     step("format");
     run(cargo(&root()).args(["fmt", "--all", "--check"]))?;
-    for folder in FIRMWARE {
+    for folder in [FIRMWARE[0], FIRMWARE[1], WITHOUT] {
         run(cargo(&root().join(folder)).args(["fmt", "--all", "--check"]))?;
     }
     step("clippy, host");
@@ -41,12 +44,19 @@ pub fn all() -> Result<(), String> {
         firmware(&toolchain, folder)?;
     }
     step("features of the library");
-    for features in FEATURES {
-        run(cargo(&root())
-            .args(["clippy", "--package", "glidepath", "--lib", "--release"])
-            .args(features)
-            .args(["--", "-D", "warnings"]))?;
+    let library = |features: &[&str]| {
+        let mut command = cargo(&root());
+        command.args(["clippy", "--package", "glidepath", "--lib", "--release"]).args(features);
+        run(command.args(["--", "-D", "warnings"]))
+    };
+    library(&["--features", "defmt"])?;
+    library(&["--no-default-features"])?;
+    for function in FUNCTIONS {
+        library(&["--no-default-features", "--features", function])?;
     }
+    run(cargo(&root().join(WITHOUT))
+        .args(["clippy", "--all-targets", "--release", "--", "-D", "warnings"])
+        .env("CARGO_TARGET_DIR", root().join("target")))?;
     step("oldest compiler");
     oldest()?;
     step("other cores");

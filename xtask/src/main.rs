@@ -15,6 +15,9 @@ mod toolchain;
 
 use std::process::ExitCode;
 
+/// Tests of a library without its functions.
+const WITHOUT: &str = "host-tests/without";
+
 const USAGE: &str = "\
 cargo xtask COMMAND
 
@@ -23,6 +26,7 @@ cargo xtask COMMAND
   hil           the target in the emulator: digests, interrupt, figures, panic proof
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
   hil --beside  only filters and axes beside the path: digests, and what each of them costs
+  hil --slim    only the build without other functions than lines, arcs and contour mode
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   bench         instruction counts and memory, against the accepted ones
@@ -40,6 +44,7 @@ fn main() -> ExitCode {
         ["hil"] => hil::all(firmware::Place::Emulator),
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
         ["hil", "--beside"] => hil::only_beside(),
+        ["hil", "--slim"] => hil::only_slim(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
         ["bench"] => hil::bench(false),
@@ -62,5 +67,12 @@ fn main() -> ExitCode {
 
 fn host_tests() -> Result<(), String> {
     shell::step("host tests");
-    shell::run(shell::cargo(&shell::root()).args(["test", "--workspace", "--release"]))
+    shell::run(shell::cargo(&shell::root()).args(["test", "--workspace", "--release"]))?;
+    shell::step("what a build leaves out");
+    for features in ["", "contour"] {
+        let mut command = shell::cargo(&shell::root().join(WITHOUT));
+        command.args(["test", "--release", "--features", features]);
+        shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
+    }
+    Ok(())
 }

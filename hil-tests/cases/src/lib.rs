@@ -71,5 +71,9 @@ pub const CASES_6: &[Case] = cases!("six", "six_corners");
 /// Programs for three axes with another look-ahead.
 pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", "corners", "cam_dev");
 
+/// Programs for three axes that need lines, arcs and contour mode alone.
+pub const CASES_SLIM: &[Case] =
+    cases!("lines", "plain", "arcs", "circle", "cam", "cam_dev", "dwell", "contour");
+
 /// Programs for six axes with another look-ahead.
 pub const CASES_6_OTHER: &[Case] = cases!("six", "six_corners");

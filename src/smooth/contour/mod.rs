@@ -185,7 +185,12 @@ impl Settings {
 
     /// As at program start.
     pub fn restarted(&self) -> Self {
-        Self { parameters: Parameters::new(self.parameters.preset), on: false, once: false }
+        Self::off(self.parameters.preset)
+    }
+
+    /// Off.
+    pub fn off(preset: Preset) -> Self {
+        Self { parameters: Parameters::new(preset), on: false, once: false }
     }
 
     /// P-CHAN-00110.

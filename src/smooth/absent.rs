@@ -1,0 +1,84 @@
+//! What stands for a kind of smoothing that is not compiled in ([`crate::machine::functions`]): no value of it
+//! exists, so that it has neither memory nor code.
+use super::spline::Mode;
+use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
+use crate::dynamics::Dynamics;
+use crate::nc::{NcWarningKind, Place};
+use core::convert::Infallible;
+
+/// No value.
+#[derive(Clone, Copy, Debug)]
+pub struct Absent<const AXES: usize>(Infallible);
+
+/// As a spline has it.
+impl<const AXES: usize> Absent<AXES> {
+    pub const fn points(&self) -> u32 {
+        match self.0 {}
+    }
+
+    pub const fn mode(&self) -> Mode {
+        match self.0 {}
+    }
+
+    pub const fn switch_off(&mut self, _: Option<[f32; AXES]>, _: bool) {
+        match self.0 {}
+    }
+}
+
+impl<const AXES: usize> Smoother<AXES> for Absent<AXES> {
+    fn take(&mut self, _: &ProgrammedBlock<AXES>, _: &Dynamics<AXES>, _: Parting) {
+        match self.0 {}
+    }
+
+    fn work(&mut self, _: &Dynamics<AXES>) -> bool {
+        match self.0 {}
+    }
+
+    fn emit(&mut self, _: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        match self.0 {}
+    }
+
+    fn flush(&mut self, _: bool) {
+        match self.0 {}
+    }
+
+    fn cancel(&mut self) {
+        match self.0 {}
+    }
+
+    fn clear(&mut self) {
+        match self.0 {}
+    }
+
+    fn restart(&mut self) {
+        match self.0 {}
+    }
+
+    fn place(&self) -> Option<Place> {
+        match self.0 {}
+    }
+
+    fn remark(&mut self) -> Option<NcWarningKind> {
+        match self.0 {}
+    }
+
+    fn is_idle(&self) -> bool {
+        match self.0 {}
+    }
+
+    fn is_empty(&self) -> bool {
+        match self.0 {}
+    }
+
+    fn rounds(&self) -> bool {
+        match self.0 {}
+    }
+
+    fn holds(&self) -> bool {
+        match self.0 {}
+    }
+
+    fn gives_way(&mut self) -> bool {
+        match self.0 {}
+    }
+}

@@ -1,0 +1,81 @@
+//! What stands for contour mode where it is not compiled in ([`crate::machine::functions`]): always off, so that
+//! blocks go past it.
+use super::contour::{Preset, Settings};
+use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
+use crate::dynamics::Dynamics;
+use crate::nc::{Contour, NcWarningKind, Place};
+use crate::path::Measure;
+
+/// Contour mode that is off.
+#[derive(Clone, Copy, Debug)]
+pub struct Straight<const AXES: usize> {
+    settings: Settings,
+}
+
+impl<const AXES: usize> Straight<AXES> {
+    /// Off.
+    pub fn new(_: Measure, preset: Preset) -> Self {
+        Self { settings: Settings::off(preset) }
+    }
+
+    /// Off, with the same machine data.
+    pub fn with(_: Measure, settings: &Settings) -> Self {
+        Self { settings: settings.restarted() }
+    }
+
+    /// What is in force.
+    pub const fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Switching off is all that comes here.
+    pub const fn command(&mut self, _: &Contour, _: bool) {}
+}
+
+impl<const AXES: usize> Smoother<AXES> for Straight<AXES> {
+    fn take(&mut self, _: &ProgrammedBlock<AXES>, _: &Dynamics<AXES>, _: Parting) {}
+
+    fn work(&mut self, _: &Dynamics<AXES>) -> bool {
+        false
+    }
+
+    fn emit(&mut self, _: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
+        false
+    }
+
+    fn flush(&mut self, _: bool) {}
+
+    fn cancel(&mut self) {}
+
+    fn clear(&mut self) {}
+
+    fn restart(&mut self) {}
+
+    fn place(&self) -> Option<Place> {
+        None
+    }
+
+    fn remark(&mut self) -> Option<NcWarningKind> {
+        None
+    }
+
+    fn is_idle(&self) -> bool {
+        true
+    }
+
+    fn is_empty(&self) -> bool {
+        true
+    }
+
+    fn rounds(&self) -> bool {
+        false
+    }
+
+    fn holds(&self) -> bool {
+        false
+    }
+
+    fn gives_way(&mut self) -> bool {
+        false
+    }
+}
