@@ -19,6 +19,7 @@ mod append;
 mod block;
 mod brief;
 mod ease;
+mod knees;
 mod law;
 mod pace;
 mod plan;
