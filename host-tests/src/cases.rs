@@ -4,6 +4,7 @@
 //! and can be mirrored, turned or reversed. Coordinates are integers in nanometres (10^-6 degrees), so that
 //! the decimals in the text and the numbers of the judge are the same.
 
+pub mod knees;
 pub mod machines;
 
 pub mod edges;

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`PATH`] | 0.01 nm | set points, end points and centres are rounded to 2^-32 mm: 0.12 pm per axis and each; the centre of an arc by radius moves by more where the chord is nearly the diameter; measured: 1.2 pm. Required: 2 nm |
 //! | [`MERGED`] | 4900 · 2^-32 mm = 1.14 nm | on each axis, of a straight line that stands for several blocks, from the points left out; in space less than 2 nm, as required |
+//! | [`MERGED_ROUNDING`] | 2^-28 mm | start, end and a point left out are rounded to 2^-33 mm on each axis. The distance of the point from the line has four of them, and four of √3 along the path, which count tangent times: less than 2^-30 times 1 + tangent. Two tangents of the library, rounded to 2^-40, add 2^-29 over 1 m |
 //! | [`REFERENCE`] | 10 nm | required; the motion itself is off by less than [`PATH`] |
 //! | [`RAMP`] | 2^-23 | ramp times are `f32` in the plan and f64 in the reference: two roundings; a point on a ramp is off by this part of the ramp's length |
 //! | [`PLAN`] | 10^-6 | required; speeds follow from about ten roundings of 2^-24, and from searches that end 2^-21 below the root |
@@ -20,6 +21,10 @@ pub const PATH: f64 = 1e-8;
 /// Distance of a point left out from the line that stands for its blocks, mm, on each axis, and in space.
 pub const MERGED: f64 = 4900.0 / 4_294_967_296.0;
 pub const MERGED_PATH: f64 = 2e-6;
+
+/// What rounding of positions adds to that distance, mm, times 1 + tangent of the axis: where it decides, two blocks
+/// may be one or not.
+pub const MERGED_ROUNDING: f64 = 1.0 / 268_435_456.0;
 
 /// Distance of a set point from that of the reference with the same plan, mm.
 pub const REFERENCE: f64 = 10e-6;

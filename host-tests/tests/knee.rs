@@ -1,5 +1,7 @@
 //! P-AXIS-00013: how fast a knee is taken. The step of each axis' speed is at most a · weight · cycle.
 use glidepath::machine::MachineData;
+use glidepath::quantity::Speed;
+use host_tests::cases::knees::{beside, chain, turning};
 use host_tests::cases::{Program, machines};
 use host_tests::properties::verify;
 
@@ -141,4 +143,73 @@ fn a_weight_permits_any_jerk_at_a_knee() {
         let taken = slight_knee(&machine, step);
         assert!((taken / step - 1.0).abs() < 1e-5, "weight {weight}: {taken} mm/s of {step}");
     }
+}
+
+/// An axis turns back at the ends of a block of half a micrometre in which it rests, or over several of them: all
+/// those knees are in one tick, and have what one may have.
+#[test]
+fn knees_within_a_tick_share_what_one_may_take() {
+    let [there, back] = [[1.0, 1.0], [1.0, -1.0]];
+    let turns: [&[[f64; 2]]; 5] = [
+        &[there, [0.000_5, 0.0], back],
+        &[there, [0.000_5, 0.000_25], [0.000_5, 0.0], back],
+        &[there, [0.000_1, 0.000_04], [0.000_2, 0.0], [0.000_1, -0.000_04], back],
+        &[there, [0.000_01, 0.0], [0.000_01, -0.000_01], [0.000_01, -0.000_02], [0.000_01, -0.000_03]],
+        &[there, [0.000_5, 0.0], back, [0.000_5, 0.0], there, [0.000_5, 0.0], back],
+    ];
+    for slope in 1..3 {
+        for blocks in turns {
+            let (program, machine) = (beside(blocks), turning(slope));
+            verify::<4, 120>(&program, &machine)
+                .unwrap_or_else(|fault| panic!("{slope}, {blocks:?}: {fault}"));
+        }
+    }
+}
+
+/// Speed of each block's end, and the highest one in it, mm/s.
+fn speeds(blocks: &[[f64; 2]], slope: u8) -> Vec<[f64; 2]> {
+    let verdict = verify::<4, 120>(&beside(blocks), &turning(slope));
+    let verdict = verdict.unwrap_or_else(|fault| panic!("{slope}, {blocks:?}: {fault}"));
+    let mm_s = |v: Speed| v.to_bits() as f64 / 2f64.powi(58) / CYCLE;
+    verdict.run.blocks.iter().map(|block| [block.v_out, block.v_peak].map(mm_s)).collect()
+}
+
+/// What a block of half a micrometre between two knees costs is a tick: its own speed is lower, that at the knees is not.
+/// It is not where the steps are of opposite sign, or where both together are no more than one may be.
+#[test]
+fn knees_that_share_a_tick_are_as_fast_as_alone() {
+    let alone = 100.0 * 0.95 * CYCLE;
+    let third = 0.000_5 / 3.0 / CYCLE;
+    let tests = [
+        ([1.0, 1.0], [1.0, -1.0], alone, true),
+        ([1.0, 1.0], [1.0, 1.0], alone, false),
+        ([1.0, 0.228], [1.0, -0.228], third, false),
+    ];
+    for slope in 1..3 {
+        for (there, back, v, slow) in tests {
+            let [before, between, _] = speeds(&[there, [0.000_5, 0.0], back], slope)[..] else {
+                panic!("three blocks")
+            };
+            for end in [before[0], between[0]] {
+                assert!((end / v - 1.0).abs() < 1e-4, "slope {slope}, {back:?}: {end} mm/s, alone {v}");
+            }
+            // Its ends are rounded to 2^-32 mm.
+            let length = 0.000_5 / CYCLE * (1.0 + 1e-6);
+            assert_eq!(between[1] <= length, slow, "slope {slope}, {back:?}: {} mm/s", between[1]);
+        }
+    }
+}
+
+/// Chains of short blocks with knees of all sizes: `GLIDEPATH_FROM` and `GLIDEPATH_SEEDS` take others.
+#[test]
+fn random_chains_of_knees_keep_every_limit() {
+    let given = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
+    let (from, count) = (given("GLIDEPATH_FROM").unwrap_or(0), given("GLIDEPATH_SEEDS").unwrap_or(300));
+    let faults: Vec<String> = (from..from + count)
+        .filter_map(|seed| {
+            let (program, machine) = chain(seed);
+            verify::<4, 120>(&program, &machine).err().map(|fault| format!("{seed}: {fault}"))
+        })
+        .collect();
+    assert!(faults.is_empty(), "{} of {count}: {:#?}", faults.len(), &faults[..faults.len().min(10)]);
 }

@@ -1,5 +1,6 @@
 //! The plan: the reference's own is a permitted motion, and the library's is that of the reference.
 use glidepath::machine::MachineData;
+use host_tests::cases::knees::{beside, turning};
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named, set_point};
 use host_tests::properties::axis_limits;
@@ -195,6 +196,21 @@ fn the_library_plans_what_the_reference_plans_of_short_blocks() {
         let v = f64::from(machine.axes[0].vb_max.min(machine.axes[1].vb_max));
         let feed = 0.9 * v * 0.06;
         worst = worst.max(compare(&short_blocks(seed, feed, seed % 2 == 1), &machine));
+    }
+    assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
+/// Knees of one axis within a tick: the block between them takes a tick where they would add up, and nowhere else.
+#[test]
+fn the_library_plans_what_the_reference_plans_of_knees_within_a_tick() {
+    let mut worst = 0.0_f64;
+    for slope in 1..3 {
+        for last in [[1.0, -1.0], [1.0, 1.0], [1.0, -0.2]] {
+            for between in [&[[0.000_5, 0.0]][..], &[[0.000_1, 0.0], [0.000_2, -0.000_1]]] {
+                let blocks = [&[[1.0, 1.0]], between, &[last]].concat();
+                worst = worst.max(compare(&beside(&blocks), &turning(slope)));
+            }
+        }
     }
     assert!(worst <= tolerance::PLAN, "{worst}");
 }

@@ -91,6 +91,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
+    /// Step of speed that a knee of one axis may take, mm/tick.
+    pub fn knee(&self, axis: usize, rapid: bool) -> f32 {
+        let Some(of) = self.axes.get(axis) else { return 0.0 };
+        let mut joint = of.set(rapid).joint;
+        if let Some(before) = self.before.as_ref().and_then(|axes| axes.get(axis)) {
+            joint = joint.restricted(&before[usize::from(rapid)]);
+        }
+        if joint.is_weighted { joint.knee } else { min(joint.knee, TRANSITION_PART * joint.budget) }
+    }
+
     /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the
     /// transition's part of the jerk budget: with a block between both that takes less than a tick, steps at
     /// its two ends are one.

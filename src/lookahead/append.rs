@@ -1,6 +1,7 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on
 //! both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Marks, UNPLANNED};
+use super::knees::{Between, Knee};
 use super::pace::Slowest;
 use super::ring::{Ring, Tail};
 use super::valley::SPARE;
@@ -287,6 +288,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
         else {
+            self.tail.steps.clear();
             return Transition::STANDSTILL;
         };
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
@@ -332,6 +334,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             limits.share(&next.share);
             shared = true;
         }
+        let mut between = Between { last, block: before, full: full_before, level: self.level };
+        let knee = Knee { entry: piece.entry, rapid, room: next.length, full: next.full };
+        highest = self.tail.steps.beside(&mut between, &knee, highest, dynamics);
+        cap = min(cap, highest);
         let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
         // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
         // thousand times that.

@@ -20,6 +20,7 @@ mod block;
 mod blocks;
 mod brief;
 mod ease;
+mod knees;
 mod law;
 mod pace;
 mod plan;

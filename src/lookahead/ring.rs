@@ -3,6 +3,7 @@ use super::append::Last;
 use super::block::{Block, Marks, UNPLANNED};
 use super::blocks::Blocks;
 use super::brief::Row;
+use super::knees::Steps;
 use super::pace::Slowest;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
@@ -38,6 +39,8 @@ pub(super) struct Tail<const AXES: usize> {
     pub feeds: [f32; 2],
     /// What the last blocks leave to a tick.
     pub row: Row,
+    /// What the last knees may show together with the next one.
+    pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
 }
@@ -79,6 +82,7 @@ impl<const AXES: usize> Tail<AXES> {
         span: 0,
         feeds: [f32::MAX, 0.0],
         row: Row::NONE,
+        steps: Steps::NONE,
         slowest: Slowest::NONE,
     };
 }

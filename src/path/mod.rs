@@ -30,6 +30,7 @@ pub use measure::Measure;
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::{Bounds, Passage};
 
+use crate::math::float::to_f32;
 use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
 use crate::math::wide::{Halves, mul_near, square_wide};
@@ -49,6 +50,12 @@ pub struct End<const AXES: usize> {
 impl<const AXES: usize> End<AXES> {
     /// None yet.
     pub(crate) const BLANK: Self = Self { tangent: [0; AXES], curvature: [0.0; AXES] };
+
+    /// By how much the direction of one axis differs at another end: 0 where there is no such axis.
+    pub(crate) fn turn(&self, to: &Self, axis: usize) -> f32 {
+        let at = |end: &Self| end.tangent.get(axis).copied().unwrap_or(0);
+        to_f32(at(to).wrapping_sub(at(self))) * (1.0 / (1u64 << 40) as f32)
+    }
 }
 
 /// The circle an arc runs on, for limits.

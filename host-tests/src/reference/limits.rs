@@ -403,6 +403,16 @@ impl Machine {
         squares.fold(f64::INFINITY, f64::min).sqrt() * (1.0 - tolerance::SPEED_MARGIN)
     }
 
+    /// How the axes turn between two elements.
+    pub fn turns(&self, [before, after]: [&Element; 2]) -> Vec<Turn> {
+        let axes = self.axes(before.feed.is_none() && after.feed.is_none());
+        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
+        let most =
+            |axis: &AxisLimits| if axis.free_knee { axis.knee } else { axis.knee.min(JOINT * axis.jerk) };
+        let each = axes.iter().zip(end.iter().zip(&begin));
+        each.map(|(axis, (t0, t1))| Turn { by: t1 - t0, most: most(axis) }).collect()
+    }
+
     /// Largest step of speed that never shows, mm/tick.
     pub fn unseen_knee(&self, rapid: bool) -> f64 {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
@@ -464,6 +474,15 @@ impl Machine {
         }
         if v == f64::INFINITY { None } else { Some(v * (1.0 - tolerance::SPEED_MARGIN)) }
     }
+}
+
+/// How an axis turns at a joint.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// Change of its direction.
+    pub by: f64,
+    /// Step of speed that it may take there.
+    pub most: f64,
 }
 
 /// First and second derivative of every axis over the path length.

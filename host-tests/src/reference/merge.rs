@@ -24,7 +24,7 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
     let mut points: Vec<Vec<f64>> = Vec::new();
     for element in &contour.elements {
         if let Some(last) = elements.last_mut()
-            && let Some(line) = joined(last, element, &points)
+            && let Some(line) = joined(last, element, &points, 0.0)
         {
             points.push(last.to.clone());
             *last = line;
@@ -39,14 +39,17 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
     Contour { start: contour.start.clone(), elements }
 }
 
-/// How far the motion may be from the contour: further where any two blocks may be one.
+/// How far the motion may be from the contour: further where any two blocks may be one. Where that is a matter of
+/// rounding ([`tolerance::MERGED_ROUNDING`]), they may.
 pub fn path_tolerance(contour: &Contour) -> f64 {
-    let merges = contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[]).is_some());
+    let rounding = tolerance::MERGED_ROUNDING;
+    let merges = contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[], rounding).is_some());
     if merges { tolerance::MERGED_PATH } else { tolerance::PATH }
 }
 
-/// One line instead of two, if all `points` left out, and that between the two, permit it.
-fn joined(last: &Element, next: &Element, points: &[Vec<f64>]) -> Option<Element> {
+/// One line instead of two, if all `points` left out, and that between the two, permit it: on each axis within the
+/// tolerance, and `rounding` times 1 + its tangent beyond.
+fn joined(last: &Element, next: &Element, points: &[Vec<f64>], rounding: f64) -> Option<Element> {
     let lines = last.shape == Shape::Line && next.shape == Shape::Line;
     if !lines || last.stop || last.long || last.feed != next.feed {
         return None;
@@ -57,10 +60,11 @@ fn joined(last: &Element, next: &Element, points: &[Vec<f64>]) -> Option<Element
     };
     let line = Element { from: last.from.clone(), blocks: last.blocks + next.blocks, ..next.clone() };
     let (whole, [s, l]) = (path_length(&line), [last, next].map(path_length));
-    let bound = 2.0 * tolerance::MERGED * (s + l) / (s * l);
+    let turn = |room: f64| 2.0 * room * (s + l) / (s * l);
+    let bound = turn(tolerance::MERGED + rounding);
     let here = tangent(last);
     let turns = here.iter().zip(tangent(next)).any(|(a, b)| (a - b).abs() > bound * (1.0 + a.abs()));
-    if turns || bound >= TURN || whole <= s || whole > LONGEST {
+    if turns || turn(tolerance::MERGED - rounding) >= TURN || whole <= s || whole > LONGEST {
         return None;
     }
     let direction = tangent(&line);
@@ -71,8 +75,9 @@ fn joined(last: &Element, next: &Element, points: &[Vec<f64>]) -> Option<Element
         let to = path_length(&part);
         (0..point.len()).all(|k| {
             let main = line.main.contains(&k);
-            let wide = if main { 1.0 } else { 1.0 + ((point[k] - line.from[k]) / to).abs() };
-            (line.from[k] + direction[k] * to - point[k]).abs() <= wide * tolerance::MERGED
+            let steep = 1.0 + ((point[k] - line.from[k]) / to).abs();
+            let wide = if main { 1.0 } else { steep };
+            (line.from[k] + direction[k] * to - point[k]).abs() <= wide * tolerance::MERGED + steep * rounding
         })
     };
     (near(&last.to) && points.iter().all(near)).then_some(line)

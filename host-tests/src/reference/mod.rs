@@ -2,6 +2,8 @@
 
 pub mod geometry;
 
+pub mod knees;
+
 pub mod profile;
 
 pub mod limits;

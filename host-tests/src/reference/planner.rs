@@ -6,6 +6,7 @@
 //! is handed on.
 use super::brief::Row;
 use super::geometry::{Contour, Element, Shape};
+use super::knees::{Between, Knees};
 use super::limits::{BlockLimits, Machine, path_length};
 use super::profile::{Change, Profile, largest, reach};
 use super::worth::{Worth, worth};
@@ -44,6 +45,7 @@ pub fn decided(
     let mut blocks: Vec<Block> = Vec::new();
     let mut before: Option<&Element> = None;
     let mut row = Row::default();
+    let mut knees = Knees::default();
     // The last one that takes more than next to nothing.
     let mut behind: Option<&Element> = None;
     for (number, element) in contour.elements.iter().enumerate() {
@@ -86,12 +88,20 @@ pub fn decided(
                 last.limits.share();
                 limits.share();
             }
+            if limits.slope != 0 {
+                let highest = if standing { unseen } else { joint.unwrap_or(f64::INFINITY).min(2.0 * cap) };
+                let Block { length, v_start: start, through, .. } = *last;
+                let between = Between { limits: &mut last.limits, length, v_start: start, through };
+                v_start = v_start.min(knees.take(between, [before, element], highest, machine));
+            }
             let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
             through = limits.slope != 0
                 && !standing
                 && joint.is_none_or(|v| v >= cap && machine.slight(before, element, cap))
                 && limits.are(&last.limits)
                 && machine.turns_little(before, element, fastest);
+        } else {
+            knees.clear();
         }
         if !row.is_brief() || behind.is_none() {
             behind = Some(element);
