@@ -124,7 +124,7 @@ impl<const AXES: usize> Window<AXES> {
             }
             if vertex.is(Vertex::<AXES>::TURNS) && vertex.width > away + NOTHING {
                 ahead.active = true;
-                if vertex.is(Vertex::<AXES>::STRONG) {
+                if vertex.is(Vertex::<AXES>::ENDS) {
                     note(&mut ahead.strong, vertex.width - away);
                 }
             }
@@ -137,7 +137,7 @@ impl<const AXES: usize> Window<AXES> {
             let last = self.ended && k + 1 == self.len();
             if vertex.is(Vertex::<AXES>::TURNS) && !last {
                 ahead.start = min(ahead.start, away - vertex.width);
-                if vertex.is(Vertex::<AXES>::STRONG) {
+                if vertex.is(Vertex::<AXES>::ENDS) {
                     note(&mut ahead.strong, away - vertex.width);
                     note(&mut ahead.strong, away);
                     note(&mut ahead.strong, away + vertex.width);
@@ -223,7 +223,7 @@ impl<const AXES: usize> Window<AXES> {
             if !all && known < 1.5 * self.reach {
                 return None;
             }
-            if ahead.start < LINE && ahead.start > NOTHING {
+            if ahead.start < LINE && ahead.start > max(least, NOTHING) {
                 return Some(Aim { way: ahead.start, is_straight: false });
             }
         }

@@ -65,6 +65,9 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STEPS: u8 = 32;
     /// Its point of the control polygon is not moved out: the row begins or ends along the line.
     pub const FIXED: u8 = 64;
+    /// Its kernel has more of the deviation than what a cell over the middle of it may add: elements end there, and
+    /// where its kernel ends.
+    pub const ENDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -76,20 +79,26 @@ impl<const AXES: usize> Vertex<AXES> {
     }
 
     /// The step of the direction of the control polygon, which is so long, becomes another one.
-    fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
+    fn turn_by(&mut self, turn: [f32; AXES], length: f32, alone: f32) {
         self.moved_turn = turn;
-        self.marks &= !(Self::TURNS | Self::STRONG);
+        self.marks &= !(Self::TURNS | Self::STRONG | Self::ENDS);
         if turn.iter().any(|d| magnitude(*d) > STRAIGHT) {
             self.marks |= Self::TURNS;
         }
         if length > STRONG {
             self.marks |= Self::STRONG;
         }
+        if length > STRONG || length * self.width > alone {
+            self.marks |= Self::ENDS;
+        }
     }
 }
 
 /// A turn that makes an element end at its vertex and where its kernel ends.
 const STRONG: f32 = 0.2;
+
+/// So many times the tolerance: a quintic over the middle of a kernel is that product / 530 beside it.
+const ALONE: f32 = 8.0;
 
 /// Rounding of a direction.
 const STRAIGHT: f32 = 1.0 / 1_048_576.0;
@@ -133,9 +142,13 @@ pub struct Window<const AXES: usize> {
     /// Vertices up to which the path was looked at, and how often it was changed for the next one.
     pub checked: usize,
     pub again: u8,
+    /// Vertices up to which it was looked at before it was changed.
+    pub furthest: usize,
     /// The widest kernel of the row, mm, and now: less where the window is full.
     pub widest: f32,
     pub reach: f32,
+    /// From this product of turn and width (mm) on a kernel has most of the deviation.
+    pub alone: f32,
     /// The last vertex is the end of the row.
     pub ended: bool,
     /// The start of the row is near: its distance.
@@ -160,6 +173,11 @@ const WELL: f32 = 0.98;
 const WELL_BESIDE: f32 = 0.93;
 const LITTLE: f32 = 0.85;
 const AGAIN: u8 = 8;
+
+/// Where a path is looked at, in halves of a chord, and where else if the half is that part of a kernel.
+const PLACES: [f32; 2] = [0.0, 1.0];
+const BETWEEN_PLACES: [f32; 2] = [0.5, 1.5];
+const SPARSE: f32 = 0.2;
 
 /// What is left of a bulge where kernels become narrower.
 const NARROWED_BULGE: f32 = 0.97;
@@ -190,8 +208,10 @@ impl<const AXES: usize> Window<AXES> {
             moved: 0,
             checked: 0,
             again: 0,
+            furthest: 0,
             widest: 0.0,
             reach: 0.0,
+            alone: 0.0,
             ended: false,
             begun: None,
         }
@@ -220,7 +240,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// Empties it for a row with kernels of that width.
-    pub fn begin(&mut self, from: &[Position; AXES], widest: f32) {
+    pub fn begin(&mut self, from: &[Position; AXES], widest: f32, path: f32) {
         self.vertices.clear();
         let programmed = Programmed { feed: None, n: 0, number: 0 };
         let _ = self.vertices.push_back(Vertex {
@@ -237,8 +257,8 @@ impl<const AXES: usize> Window<AXES> {
             marks: Vertex::<AXES>::PROGRAMMED,
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
-        (self.checked, self.again) = (1, 0);
-        (self.widest, self.reach) = (widest, widest);
+        (self.checked, self.again, self.furthest) = (1, 0, 1);
+        (self.widest, self.reach, self.alone) = (widest, widest, ALONE * path);
     }
 
     pub fn len(&self) -> usize {
@@ -527,9 +547,9 @@ impl<const AXES: usize> Window<AXES> {
         if let Some(vertex) = self.vertices.get_mut(k) {
             vertex.moved_length = length;
         }
-        let length = self.length(&turn);
+        let (length, alone) = (self.length(&turn), self.alone);
         if let Some(vertex) = k.checked_sub(1).and_then(|k| self.vertices.get_mut(k)) {
-            vertex.turn_by(turn, length);
+            vertex.turn_by(turn, length, alone);
         }
     }
 
@@ -555,12 +575,17 @@ impl<const AXES: usize> Window<AXES> {
         let Tolerance { path, track } = self.tolerance(k, parameters);
         let well = Tolerance { path: WELL * path, track: WELL_BESIDE * track };
         let way = self.get(k + 1).filter(|_| k + 1 < self.moved).map_or(0.0, |next| 0.5 * next.moved_length);
-        let fits = [0.0, way].into_iter().all(|x| {
-            let off = self.beside(&Spot { vertex: k, x });
+        let sparse = way > SPARSE * self.get(k).map_or(0.0, |vertex| vertex.width);
+        let is_well = |part: &f32| {
+            let off = self.beside(&Spot { vertex: k, x: part * way });
             self.is_inside(&off, &well, 1.0)
-        });
+        };
+        let fits = PLACES.iter().all(is_well) && (!sparse || BETWEEN_PLACES.iter().all(is_well));
         if fits || self.again >= AGAIN {
-            (self.checked, self.again) = (k + 1, 0);
+            self.checked = k + 1;
+            if self.checked > self.furthest {
+                (self.furthest, self.again) = (self.checked, 0);
+            }
             return true;
         }
         self.again += 1;
@@ -571,6 +596,8 @@ impl<const AXES: usize> Window<AXES> {
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
         self.narrow(first, last, LITTLE);
+        // Kernels that turn to the other side have less beside them now.
+        self.checked = first.max(1);
         true
     }
 
@@ -652,7 +679,7 @@ impl<const AXES: usize> Window<AXES> {
             if k == 0 {
                 (vertex.width, vertex.offset) = (0.0, [0.0; AXES]);
                 vertex.turn = [0.0; AXES];
-                vertex.turn_by([0.0; AXES], 0.0);
+                vertex.turn_by([0.0; AXES], 0.0, 0.0);
                 self.begun = Some(vertex.distance);
                 continue;
             }
@@ -660,12 +687,12 @@ impl<const AXES: usize> Window<AXES> {
             vertex.width = min(vertex.width, 0.9 * away);
         }
         (self.wide, self.moved) = (self.wide.max(1), self.moved.max(1));
-        (self.checked, self.again) = (1, 0);
+        (self.checked, self.again, self.furthest) = (1, 0, 1);
         for k in 1..self.moved.min(3) {
             self.settle(k);
         }
         if let Some(vertex) = self.vertices.front_mut() {
-            vertex.turn_by([0.0; AXES], 0.0);
+            vertex.turn_by([0.0; AXES], 0.0, 0.0);
         }
     }
 
@@ -674,6 +701,7 @@ impl<const AXES: usize> Window<AXES> {
         if self.vertices.pop_front().is_some() {
             (self.wide, self.moved) = (self.wide.saturating_sub(1), self.moved.saturating_sub(1));
             self.checked = self.checked.saturating_sub(1);
+            self.furthest = self.furthest.saturating_sub(1);
         }
     }
 }
