@@ -124,7 +124,7 @@ impl<const AXES: usize> Window<AXES> {
             }
             if vertex.is(Vertex::<AXES>::TURNS) && vertex.width > away + NOTHING {
                 ahead.active = true;
-                if vertex.is(Vertex::<AXES>::ENDS) {
+                if vertex.is(Vertex::<AXES>::STRONG) {
                     note(&mut ahead.strong, vertex.width - away);
                 }
             }
@@ -137,7 +137,7 @@ impl<const AXES: usize> Window<AXES> {
             let last = self.ended && k + 1 == self.len();
             if vertex.is(Vertex::<AXES>::TURNS) && !last {
                 ahead.start = min(ahead.start, away - vertex.width);
-                if vertex.is(Vertex::<AXES>::ENDS) {
+                if vertex.is(Vertex::<AXES>::STRONG) {
                     note(&mut ahead.strong, away - vertex.width);
                     note(&mut ahead.strong, away);
                     note(&mut ahead.strong, away + vertex.width);

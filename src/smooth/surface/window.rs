@@ -65,9 +65,6 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STEPS: u8 = 32;
     /// Its point of the control polygon is not moved out: the row begins or ends along the line.
     pub const FIXED: u8 = 64;
-    /// Its kernel has more of the deviation than what a cell over the middle of it may add: elements end there, and
-    /// where its kernel ends.
-    pub const ENDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -79,26 +76,20 @@ impl<const AXES: usize> Vertex<AXES> {
     }
 
     /// The step of the direction of the control polygon, which is so long, becomes another one.
-    fn turn_by(&mut self, turn: [f32; AXES], length: f32, alone: f32) {
+    fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
         self.moved_turn = turn;
-        self.marks &= !(Self::TURNS | Self::STRONG | Self::ENDS);
+        self.marks &= !(Self::TURNS | Self::STRONG);
         if turn.iter().any(|d| magnitude(*d) > STRAIGHT) {
             self.marks |= Self::TURNS;
         }
         if length > STRONG {
             self.marks |= Self::STRONG;
         }
-        if length > STRONG || length * self.width > alone {
-            self.marks |= Self::ENDS;
-        }
     }
 }
 
 /// A turn that makes an element end at its vertex and where its kernel ends.
 const STRONG: f32 = 0.2;
-
-/// So many times the tolerance: a quintic over the middle of a kernel is that product / 530 beside it.
-const ALONE: f32 = 8.0;
 
 /// Rounding of a direction.
 const STRAIGHT: f32 = 1.0 / 1_048_576.0;
@@ -147,8 +138,6 @@ pub struct Window<const AXES: usize> {
     /// The widest kernel of the row, mm, and now: less where the window is full.
     pub widest: f32,
     pub reach: f32,
-    /// From this product of turn and width (mm) on a kernel has most of the deviation.
-    pub alone: f32,
     /// The last vertex is the end of the row.
     pub ended: bool,
     /// The start of the row is near: its distance.
@@ -211,7 +200,6 @@ impl<const AXES: usize> Window<AXES> {
             furthest: 0,
             widest: 0.0,
             reach: 0.0,
-            alone: 0.0,
             ended: false,
             begun: None,
         }
@@ -240,7 +228,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// Empties it for a row with kernels of that width.
-    pub fn begin(&mut self, from: &[Position; AXES], widest: f32, path: f32) {
+    pub fn begin(&mut self, from: &[Position; AXES], widest: f32) {
         self.vertices.clear();
         let programmed = Programmed { feed: None, n: 0, number: 0 };
         let _ = self.vertices.push_back(Vertex {
@@ -258,7 +246,7 @@ impl<const AXES: usize> Window<AXES> {
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again, self.furthest) = (1, 0, 1);
-        (self.widest, self.reach, self.alone) = (widest, widest, ALONE * path);
+        (self.widest, self.reach) = (widest, widest);
     }
 
     pub fn len(&self) -> usize {
@@ -547,9 +535,9 @@ impl<const AXES: usize> Window<AXES> {
         if let Some(vertex) = self.vertices.get_mut(k) {
             vertex.moved_length = length;
         }
-        let (length, alone) = (self.length(&turn), self.alone);
+        let length = self.length(&turn);
         if let Some(vertex) = k.checked_sub(1).and_then(|k| self.vertices.get_mut(k)) {
-            vertex.turn_by(turn, length, alone);
+            vertex.turn_by(turn, length);
         }
     }
 
@@ -679,7 +667,7 @@ impl<const AXES: usize> Window<AXES> {
             if k == 0 {
                 (vertex.width, vertex.offset) = (0.0, [0.0; AXES]);
                 vertex.turn = [0.0; AXES];
-                vertex.turn_by([0.0; AXES], 0.0, 0.0);
+                vertex.turn_by([0.0; AXES], 0.0);
                 self.begun = Some(vertex.distance);
                 continue;
             }
@@ -692,7 +680,7 @@ impl<const AXES: usize> Window<AXES> {
             self.settle(k);
         }
         if let Some(vertex) = self.vertices.front_mut() {
-            vertex.turn_by([0.0; AXES], 0.0, 0.0);
+            vertex.turn_by([0.0; AXES], 0.0);
         }
     }
 
