@@ -36,8 +36,7 @@ fn main() {
                         machine::<3>(50_000, slope),
                         machine::<3>(150_000, slope),
                         machines::machine(1000, |_, _| {}),
-                    ][which]
-                        .clone();
+                    ][which];
                     m.channel.slope_profile = slope;
                     m.channel.surface = true;
                     for turn in [

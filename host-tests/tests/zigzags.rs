@@ -1,5 +1,5 @@
-//! Random zigzags, with Surface and with DEV: a higher feed makes none slower, and none is slower than the same one
-//! without a curve.
+//! Random zigzags, with Surface and with DEV: hardly any is slower at a higher feed, or than the same one without a
+//! curve.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;
@@ -67,10 +67,10 @@ fn worst(what: &str, limit: f64, ratio: impl Fn(&Zigzag) -> f64) -> f64 {
 /// Ticks for rounding.
 const TICKS: f64 = 3.0;
 
-/// 8° between lines of 30 mm, which kernels round, is the worst that is known: 1.114.
+/// The worst that is known is 1.013.
 #[test]
 fn surface_is_hardly_slower_than_standstills_d3_159() {
-    let limit = 1.12;
+    let limit = 1.02;
     let ratio = |z: &Zigzag| (z.ticks(30_000, 0) - TICKS) / z.ticks(30_000, 2);
     assert!(worst("Surface, of standstills", limit, ratio) <= limit);
 }
