@@ -14,14 +14,17 @@ pub const SHARPEST: f32 = 1.554_29;
 /// Beyond it a line goes straight back: 179.6 degrees.
 const BACK: f32 = 1.999_99;
 
-/// A turn of less belongs to a smooth contour: 18 degrees.
+/// A turn of less belongs to a smooth contour: 18 degrees. Between lines so long that a smooth curve through their ends
+/// would be many tolerances beside them it does not, down to 6 degrees.
 const EDGE: f32 = 0.313;
+const LEAST: f32 = 0.1;
 
 /// A line is long from so many widths of the kernel on that its turn has alone; beside turns of less than 35
-/// degrees later.
+/// degrees later, and of less than 18 degrees latest.
 const LONG: f32 = 4.0;
 const SLIGHT: f32 = 0.6;
 const LONG_BESIDE_SLIGHT: f32 = 16.0;
+const LONG_BESIDE_SMOOTH: f32 = 18.0;
 
 /// What makes a corner an edge.
 #[derive(Clone, Copy)]
@@ -40,7 +43,7 @@ impl<'a> Edges<'a> {
         let Some(next) = self.chord(block).filter(|_| !before.arc) else { return false };
         let change = before.turn(&next);
         let turn = self.space.length(&change);
-        if turn <= EDGE || turn > BACK || self.parameters.is_beyond(turn) {
+        if turn <= LEAST || turn > BACK || self.parameters.is_beyond(turn) {
             return false;
         }
         if turn > SHARPEST {
@@ -55,7 +58,11 @@ impl<'a> Edges<'a> {
                 width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
             }
         }
-        let long = if turn < SLIGHT { LONG_BESIDE_SLIGHT } else { LONG };
+        let long = match turn {
+            ..=EDGE => LONG_BESIDE_SMOOTH,
+            ..SLIGHT => LONG_BESIDE_SLIGHT,
+            _ => LONG,
+        };
         min(before.length, next.length) > long * 6.0 * width
     }
 

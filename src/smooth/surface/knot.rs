@@ -223,7 +223,7 @@ impl<const AXES: usize> Window<AXES> {
             if !all && known < 1.5 * self.reach {
                 return None;
             }
-            if ahead.start < LINE && ahead.start > NOTHING {
+            if ahead.start < LINE && ahead.start > max(least, NOTHING) {
                 return Some(Aim { way: ahead.start, is_straight: false });
             }
         }

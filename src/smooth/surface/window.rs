@@ -133,6 +133,8 @@ pub struct Window<const AXES: usize> {
     /// Vertices up to which the path was looked at, and how often it was changed for the next one.
     pub checked: usize,
     pub again: u8,
+    /// Vertices up to which it was looked at before it was changed.
+    pub furthest: usize,
     /// The widest kernel of the row, mm, and now: less where the window is full.
     pub widest: f32,
     pub reach: f32,
@@ -160,6 +162,11 @@ const WELL: f32 = 0.98;
 const WELL_BESIDE: f32 = 0.93;
 const LITTLE: f32 = 0.85;
 const AGAIN: u8 = 8;
+
+/// Where a path is looked at, in halves of a chord, and where else if the half is that part of a kernel.
+const PLACES: [f32; 2] = [0.0, 1.0];
+const BETWEEN_PLACES: [f32; 2] = [0.5, 1.5];
+const SPARSE: f32 = 0.2;
 
 /// What is left of a bulge where kernels become narrower.
 const NARROWED_BULGE: f32 = 0.97;
@@ -190,6 +197,7 @@ impl<const AXES: usize> Window<AXES> {
             moved: 0,
             checked: 0,
             again: 0,
+            furthest: 0,
             widest: 0.0,
             reach: 0.0,
             ended: false,
@@ -237,7 +245,7 @@ impl<const AXES: usize> Window<AXES> {
             marks: Vertex::<AXES>::PROGRAMMED,
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
-        (self.checked, self.again) = (1, 0);
+        (self.checked, self.again, self.furthest) = (1, 0, 1);
         (self.widest, self.reach) = (widest, widest);
     }
 
@@ -555,12 +563,17 @@ impl<const AXES: usize> Window<AXES> {
         let Tolerance { path, track } = self.tolerance(k, parameters);
         let well = Tolerance { path: WELL * path, track: WELL_BESIDE * track };
         let way = self.get(k + 1).filter(|_| k + 1 < self.moved).map_or(0.0, |next| 0.5 * next.moved_length);
-        let fits = [0.0, way].into_iter().all(|x| {
-            let off = self.beside(&Spot { vertex: k, x });
+        let sparse = way > SPARSE * self.get(k).map_or(0.0, |vertex| vertex.width);
+        let is_well = |part: &f32| {
+            let off = self.beside(&Spot { vertex: k, x: part * way });
             self.is_inside(&off, &well, 1.0)
-        });
+        };
+        let fits = PLACES.iter().all(is_well) && (!sparse || BETWEEN_PLACES.iter().all(is_well));
         if fits || self.again >= AGAIN {
-            (self.checked, self.again) = (k + 1, 0);
+            self.checked = k + 1;
+            if self.checked > self.furthest {
+                (self.furthest, self.again) = (self.checked, 0);
+            }
             return true;
         }
         self.again += 1;
@@ -571,6 +584,8 @@ impl<const AXES: usize> Window<AXES> {
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
         self.narrow(first, last, LITTLE);
+        // Kernels that turn to the other side have less beside them now.
+        self.checked = first.max(1);
         true
     }
 
@@ -660,7 +675,7 @@ impl<const AXES: usize> Window<AXES> {
             vertex.width = min(vertex.width, 0.9 * away);
         }
         (self.wide, self.moved) = (self.wide.max(1), self.moved.max(1));
-        (self.checked, self.again) = (1, 0);
+        (self.checked, self.again, self.furthest) = (1, 0, 1);
         for k in 1..self.moved.min(3) {
             self.settle(k);
         }
@@ -674,6 +689,7 @@ impl<const AXES: usize> Window<AXES> {
         if self.vertices.pop_front().is_some() {
             (self.wide, self.moved) = (self.wide.saturating_sub(1), self.moved.saturating_sub(1));
             self.checked = self.checked.saturating_sub(1);
+            self.furthest = self.furthest.saturating_sub(1);
         }
     }
 }
