@@ -236,7 +236,15 @@ fn figures_are_those_of_the_accepted_tables() {
 
 #[test]
 fn files_that_papers_link_to_exist() {
-    for paper in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/overview.md", "boards/README.md"] {
+    let papers = [
+        "README.md",
+        "CONTRIBUTING.md",
+        "CHANGELOG.md",
+        "docs/overview.md",
+        "docs/limits.md",
+        "boards/README.md",
+    ];
+    for paper in papers {
         let folder = root().join(paper).parent().expect("a folder").to_owned();
         for link in read(paper).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let file = link.split('#').next().unwrap_or(link);
@@ -249,11 +257,11 @@ fn files_that_papers_link_to_exist() {
 
 #[test]
 fn numbers_in_the_text_are_those_of_the_code() {
-    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let limits = read("docs/limits.md").split_whitespace().collect::<Vec<_>>().join(" ");
     let pieces = glidepath::queue::PHASES;
-    assert!(readme.contains(&format!("A full queue holds {pieces} pieces")), "{pieces} pieces");
+    assert!(limits.contains(&format!("A full queue holds {pieces} pieces")), "{pieces} pieces");
     let lengths = glidepath::tick::SKIP_PER_TICK - 1;
-    assert!(readme.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
+    assert!(limits.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
 }
 
 /// Files below a folder whose text holds `what`.
