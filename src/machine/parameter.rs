@@ -17,6 +17,9 @@ pub struct Parameter<Target> {
     pub decimals: bool,
     /// Words that stand for 0, 1, … in the file; none: a number.
     pub words: &'static [&'static str],
+    /// Several of the words may be joined by a bar: they stand for 1, 2, 4, … and the sum of them. The first has to be
+    /// among them.
+    pub joined: bool,
     /// Stores a value given in thousandths of the unit and inside the range.
     pub set: fn(&mut Target, i64),
     /// Reads the value back, in thousandths of the unit.
@@ -28,7 +31,7 @@ macro_rules! parameters {
         => $field:ident $([$index:literal])?),+ ; $($more:expr),* $(,)?) => {
         &[$(Parameter {
             id: $id, name: $name, unit: $unit,
-            min_milli: $min * 1000, max_milli: $max * 1000, decimals: false, words: &[],
+            min_milli: $min * 1000, max_milli: $max * 1000, decimals: false, words: &[], joined: false,
             set: |t, milli| t.$field $([$index])? = (milli / 1000) as u32,
             get: |t| t.$field $([$index])? as i64 * 1000,
         }),+ $(, $more)*]
@@ -281,26 +284,13 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         )
     },
     Parameter {
-        words: &[
-            "FCT_DEFAULT",
-            "FCT_DEFAULT|FCT_PTP",
-            "FCT_DEFAULT|FCT_SURFACE",
-            "FCT_DEFAULT|FCT_PTP|FCT_SURFACE",
-            "FCT_DEFAULT | FCT_PTP",
-            "FCT_DEFAULT | FCT_SURFACE",
-            "FCT_DEFAULT | FCT_PTP | FCT_SURFACE",
-            "FCT_DEFAULT|FCT_SURFACE|FCT_PTP",
-            "FCT_DEFAULT | FCT_SURFACE | FCT_PTP",
-        ],
+        words: &["FCT_DEFAULT", "FCT_PTP", "FCT_SURFACE"],
+        joined: true,
         set: |t, milli| {
-            (t.ptp, t.surface) = match milli / 1000 {
-                0 => (false, false),
-                1 | 4 => (true, false),
-                2 | 5 => (false, true),
-                _ => (true, true),
-            };
+            let words = milli / 1000;
+            (t.ptp, t.surface) = (words & 2 != 0, words & 4 != 0);
         },
-        get: |t| t.ptp as i64 * 1000 + t.surface as i64 * 2000,
+        get: |t| (1 + t.ptp as i64 * 2 + t.surface as i64 * 4) * 1000,
         ..plain("P-CHAN-00600", "configuration.path_preparation.function", "", 0, 8000)
     },
     Parameter {
@@ -330,6 +320,7 @@ const fn plain<Target>(
         max_milli,
         decimals: false,
         words: &[],
+        joined: false,
         set: |_, _| {},
         get: |_| 0,
     }

@@ -260,7 +260,7 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
             "unit",
             "[axis.X]\n[channel.vector]\nacc_dec_unit = \"MM_S\"\n",
             3,
-            &["(P-CHAN-00351) = \"MM_S\": a wrong type", "\"MM_M2\" or \"MM_S2\""],
+            &["(P-CHAN-00351): unknown word \"MM_S\"", "\"MM_M2\" or \"MM_S2\""],
         ),
         (
             "vector",

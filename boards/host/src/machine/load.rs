@@ -426,17 +426,43 @@ impl Loader<'_> {
         parameter: &Parameter<Target>,
         target: &mut Target,
     ) {
-        let given = entry.value.get_ref().as_str();
-        match parameter.words.iter().position(|word| Some(*word) == given) {
-            Some(index) => (parameter.set)(target, index as i64 * 1000),
-            None => {
-                let span = entry.value.span();
-                let label = label(table, parameter.id, &entry.name);
-                let message = format!("{label} = {}: a wrong type of value", self.text(&span));
-                let words: Vec<String> = parameter.words.iter().map(|word| format!("\"{word}\"")).collect();
-                self.refuse(&span, message, &words.join(" or "));
+        let span = entry.value.span();
+        let label = label(table, parameter.id, &entry.name);
+        let quoted: Vec<String> = parameter.words.iter().map(|word| format!("\"{word}\"")).collect();
+        let Some(given) = entry.value.get_ref().as_str() else {
+            let message = format!("{label} = {}: a wrong type of value", self.text(&span));
+            self.refuse(&span, message, &quoted.join(" or "));
+            return;
+        };
+        let number = |given: &str| parameter.words.iter().position(|word| *word == given);
+        if !parameter.joined {
+            match number(given) {
+                Some(index) => (parameter.set)(target, index as i64 * 1000),
+                None => {
+                    self.refuse(&span, format!("{label}: unknown word \"{given}\""), &quoted.join(" or "))
+                }
             }
+            return;
         }
+        let mut all = 0;
+        for word in given.split('|').map(str::trim) {
+            let Some(index) = number(word) else {
+                let expected = format!("{}, joined by |", parameter.words.join(", "));
+                self.refuse(&span, format!("{label}: unknown word \"{word}\""), &expected);
+                return;
+            };
+            all |= 1 << index;
+        }
+        if all & 1 == 0 {
+            let first = parameter.words.first().copied().unwrap_or_default();
+            self.refuse(
+                &span,
+                format!("{label} = \"{given}\""),
+                &format!("{first} among them: nothing runs without"),
+            );
+            return;
+        }
+        (parameter.set)(target, all * 1000);
     }
 
     /// Ranges that depend on other parameters, which may be defaults.
@@ -598,6 +624,10 @@ mod tests {
             (true, false, 1)
         );
         let refused = |lines: &str| prepared(lines).err().map_or(0, |refused| refused.len());
+        // Names in any order, with blanks or without.
+        assert_eq!(enabled("function = \"FCT_SURFACE| FCT_PTP |FCT_DEFAULT\""), (true, true, 0));
+        assert_eq!(refused("function = \"FCT_SURFACE\""), 1);
+        assert_eq!(refused("function = \"FCT_DEFAULT|\""), 1);
         assert_eq!(refused("fct_enable = \"FCT_DEFAULT\""), 1);
         assert_eq!(refused("fct_enable = []"), 1);
         assert_eq!(refused("fct_enable = [\"FCT_SURFACES\"]"), 1);
