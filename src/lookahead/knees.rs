@@ -27,6 +27,9 @@ use crate::path::End;
 /// third of its length per tick it goes a third of it in a tick, and a 32nd part of its jerk.
 const SHORT: f32 = 0.05;
 
+/// Rounding of a speed at a knee, in `f32`.
+const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
+
 /// The level of the override may rise by so much between two blocks.
 const RISES: f32 = 2.0;
 
@@ -133,9 +136,10 @@ impl<const AXES: usize> Steps<AXES> {
         for (k, (up, down)) in self.up.iter().zip(&self.down).enumerate() {
             let step = v * exit.turn(entry, k);
             let (before, step) = if step > 0.0 { (*up, step) } else { (*down, -step) };
-            let left = dynamics.knee(k, rapid) - before;
+            // A knee that takes all of it may be more by rounding: what is next to nothing passes beside it.
+            let left = max(ROUNDED * dynamics.knee(k, rapid) - before, 0.0);
             if before > 0.0 && left < part * step {
-                part = max(left, 0.0) / step;
+                part = left / step;
             }
         }
         part

@@ -11,6 +11,9 @@ use super::limits::{BlockLimits, Machine, Turn};
 /// Such a block is shorter than that part of its jerk.
 const SHORT: f64 = 0.05;
 
+/// The library knows speeds at knees in `f32`: what is more by so little is not.
+const ROUNDED: f64 = 1.0 + 1.0 / 1_048_576.0;
+
 /// The block before a knee.
 pub struct Between<'a> {
     /// Its limits.
@@ -51,7 +54,11 @@ impl Knees {
         let sides = self.steps.iter().zip(new(v)).zip(&turns);
         let part = sides.flat_map(|((before, step), turn)| {
             [0, 1].map(|sign| {
-                if before[sign] > 0.0 { (turn.most - before[sign]).max(0.0) / step[sign] } else { 1.0 }
+                if before[sign] > 0.0 {
+                    (ROUNDED * turn.most - before[sign]).max(0.0) / step[sign]
+                } else {
+                    1.0
+                }
             })
         });
         let part = part.filter(|part| !part.is_nan()).fold(1.0, f64::min);
