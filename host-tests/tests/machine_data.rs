@@ -292,7 +292,7 @@ fn defaults_are_those_of_the_sources() {
         ("P-CHAN-00350", 0),
         ("P-CHAN-00110", 1000),
         ("P-CHAN-00239", 0),
-        ("P-CHAN-00600", 0),
+        ("P-CHAN-00600", 1000),
         ("P-CHAN-00451", 0),
         ("P-CHAN-00297", 0),
         ("P-ZERO-00002", 0),

@@ -76,9 +76,10 @@ impl Approach {
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
         let mut through = min(min(v1, v2), length * passes);
-        // With next to nothing beside it, the curve has to leave acceleration.
+        // With next to nothing beside it, the curve has to leave acceleration. STEP has the same in curves everywhere.
+        let has_jerk = self.along.iter().all(Option::is_some);
         let beside = self.room.iter().zip(distances).fold(f32::MAX, |least, (room, c)| min(least, room - c));
-        if beside < LITTLE * max(distances[0], distances[1]) {
+        if has_jerk && beside < LITTLE * max(distances[0], distances[1]) {
             through *= VARYING;
         }
         self.time(through, distances, length / through)
