@@ -1,4 +1,5 @@
 //! Formatting, clippy and documentation; every warning is an error.
+use crate::WITHOUT;
 use crate::shell::{cargo, root, run, step};
 use crate::toolchain::{TARGET, Toolchain, clippy_driver};
 use std::path::PathBuf;
@@ -18,14 +19,11 @@ const CORES: [&str; 5] = [
 /// Functions that a build may leave out: the library is checked with each alone.
 const FUNCTIONS: [&str; 7] = ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside"];
 
-/// A package of its own, which tests the library without its functions.
-const WITHOUT: &str = "host-tests/without";
-
 /// All of it.
 pub fn all() -> Result<(), String> {
     step("format");
     run(cargo(&root()).args(["fmt", "--all", "--check"]))?;
-    for folder in [FIRMWARE[0], FIRMWARE[1], WITHOUT] {
+    for folder in FIRMWARE.into_iter().chain([WITHOUT]) {
         run(cargo(&root().join(folder)).args(["fmt", "--all", "--check"]))?;
     }
     step("clippy, host");

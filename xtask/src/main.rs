@@ -16,7 +16,7 @@ mod toolchain;
 use std::process::ExitCode;
 
 /// Tests of a library without its functions.
-const WITHOUT: &str = "host-tests/without";
+pub(crate) const WITHOUT: &str = "host-tests/without";
 
 const USAGE: &str = "\
 cargo xtask COMMAND
