@@ -283,6 +283,15 @@ fn a_law_taken_back_can_reach_an_end_made_slower() {
     assert!(run.trace.row(run.trace.len() - 1).eq(end));
 }
 
+/// STEP with less deceleration below the change-over speed (P-AXIS-00221) than above it: what a higher override had
+/// planned above that speed is not possible at a part of its speed, below it.
+#[test]
+fn a_lower_override_finds_less_deceleration_below_the_change_over_speed() {
+    let (program, machine, _) = random_setup(3_002_796);
+    let acts = [(1083, Act::Reduced(true)), (1489, Act::Override(1040)), (2436, Act::Override(924))];
+    run(&program, &machine, &acts, 40);
+}
+
 /// Rapid motion has no feed to go beyond: above 100 % it stays as fast as the axes allow in curves too, and
 /// below it is slower.
 #[test]

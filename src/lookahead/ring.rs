@@ -147,9 +147,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     }
 
     /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
-    /// limits.
+    /// limits. At that part the planned motion is inside the limits of all blocks.
     fn lowers(&self, level: f32) -> i64 {
-        to_bits::<36>(level / self.level * LOWERS)
+        let (front, back) = self.blocks.as_slices();
+        let inside = |part, block: &Block| min(part, block.limits.part_inside());
+        let part = front.iter().chain(back).fold(level / self.level, inside);
+        to_bits::<36>(part * LOWERS)
     }
 
     /// Speeds are planned for a higher level. What was planned stays possible.
@@ -178,7 +181,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// Speeds are planned for a lower level; the first block is entered at `v_in`, at most
     /// [`Self::entry_for`]. What was planned stays possible at the part of its speed that the level is
-    /// lowered by: all accelerations are smaller then. Slow blocks get back what they have lent.
+    /// lowered by: all accelerations are smaller then ([`Limits::part_inside`]). Slow blocks get back what they have
+    /// lent.
     pub(super) fn lower(&mut self, level: f32, v_in: Speed) {
         let part = self.lowers(level);
         let before = core::mem::replace(&mut self.level, level);

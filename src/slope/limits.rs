@@ -191,6 +191,19 @@ impl Limits {
         limits
     }
 
+    /// Highest part of its speeds at which any motion inside the limits is inside them as well. Its accelerations are
+    /// the square of that part, so any will do, but with STEP where less acceleration is permitted below the change-over
+    /// speed than above: what was above may then be below. 0..=1, within 2^-22.
+    pub fn part_inside(&self) -> f32 {
+        match self.law {
+            SlopeLaw::JerkLimited { .. } => 1.0,
+            SlopeLaw::Stepped { a_up, a_down, .. } => {
+                let part = min(self.a_up / a_up, self.a_down / a_down);
+                if part < 1.0 { sqrt_f32(part) * ROUNDED } else { 1.0 }
+            }
+        }
+    }
+
     /// Whether one slowing down through both is about as fast as one after the other. With STEP, whose
     /// deceleration may change at any place; with another law it is.
     pub fn slows_alike(&self, other: &Self) -> bool {
