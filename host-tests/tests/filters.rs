@@ -236,6 +236,40 @@ fn what_a_fast_corner_leaves_of_ax_dev_slower_ones_and_a_hold_take() {
     }
 }
 
+/// Nor could a corner between long blocks have limits of its own, with longer ramps, which the lobes of a sinc answer
+/// less. With those a fast corner uses 0.9 of AX_DEV and more, and one hold at any tick keeps it or nearly so; but an
+/// override that swings by two percent, as a worn knob does, is beyond it: each change acts at once, with the limits of
+/// the block. The machine itself has these limits, as the planner would never give them.
+#[test]
+fn limits_for_an_isolated_corner_leave_nothing_to_an_override_that_swings() {
+    // Acceleration, mm/s², and ramps, µs; by how much the filter's negative taps lower both; ticks of half a swing.
+    for (order, a, ramp, gain, half) in
+        [(100, 887.0, 80_000, 1.21, 18), (128, 1077.0, 100_000, 1.309, 18), (200, 1209.0, 80_000, 1.489, 16)]
+    {
+        let mut machine = with_filter(machines::even::<3>(1000), FilterType::Sinc, order);
+        for axis in &mut machine.axes {
+            let a = (a * gain) as u32;
+            (axis.a_max, axis.a_beschl, axis.a_brems, axis.a_grenz) = (a, a, a, a);
+            machines::ramps(axis, ramp);
+            axis.tr_geom = ramp;
+        }
+        let with = |lines: &str, acts: &[(usize, Act)]| {
+            run(lines, &machine, acts, 1000).unwrap().largest(0, order.into()) / ONE * 1e3
+        };
+        let line = "#SLOPE [TYPE=TRAPEZ]\nG01 X100 F4000\nM30\n";
+        let corner = with(SQUARE, &[]);
+        let at = |feed: usize| with(&SQUARE.replace("F4000", &format!("F{feed}")), &[]);
+        let slower = [100, 150, 200, 300, 400, 700, 1200, 2000].map(at).into_iter().fold(0.0, f64::max);
+        let held = |tick: usize| with(line, &[(tick, Act::Hold), (tick + 500, Act::Resume)]);
+        let held = (4..200).step_by(4).map(held).fold(0.0, f64::max);
+        let swing = |k: usize| (300 + k * half, Act::Override(if k.is_multiple_of(2) { 980 } else { 1000 }));
+        let swung = with(line, &(0..32).map(swing).collect::<Vec<_>>());
+        println!("{order}: {corner} at a corner, {slower} at slower ones, {held} with a hold, {swung} swung");
+        assert!((0.9..1.0).contains(&corner) && held < 1.04, "{order}: {corner} {held}");
+        assert!(swung > 1.04 && swung > held, "{order}: {swung}");
+    }
+}
+
 #[test]
 fn without_ax_dev_the_deviation_doubles_with_order_cycle_and_feed() {
     // G-01, D3-224: where the corner is passed at the feed, N·T·v/8 of a mean.

@@ -44,8 +44,10 @@
 //! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
 //! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
 //!
-//! So larger limits would have to depend on the speed that a law changes to. A hold or a change of the override ends such a
-//! law at any tick, and would have to wait until it has ended, and then for the window of the filter.
+//! Longer ramps change that: with 80 to 100 ms, and limits with which a corner has 0.9, slower corners and one hold have at most
+//! 1.07. But then an override that swings by two percent, in time with the lobes, has 1.07 to 1.68. So larger limits would have
+//! to be those of the program's ramps alone, of an axis that rests on the other side of the joint, with the ones of now for all
+//! that a command changes.
 //!
 //! With knees (P-AXIS-00013) acceleration and step share AX_DEV, as either may have any sign: behind the order 100 and above a
 //! corner would use 0.9 only if acceleration had 0.1 of it, a ninth of what it has now.

@@ -613,7 +613,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.pending_dwell = self.put_rest(at, self.frontier.pending_dwell);
             return Ok(Some(Work::Working));
         }
-        self.orders.mode.uneven &= self.frontier.planned < self.committed.len();
         let all = self.frontier.planned == self.committed.len() && self.lookahead.ring.is_empty();
         if self.orders.mode.stopping && (self.frontier.speed == Speed::ZERO || all) {
             self.orders.mode.standing = true;

@@ -612,6 +612,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.frontier.planned += 1;
             return Ok(Work::Working);
         }
+        // All before it have a law, and this one had none before.
+        self.orders.mode.uneven = false;
         self.lay().map_err(|error| self.fail_to_plan(error))?;
         Ok(Work::Planned)
     }

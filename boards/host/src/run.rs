@@ -330,15 +330,14 @@ impl Recorder {
         let all = planner.curves();
         self.seen = if (all.wrapping_sub(self.seen) as i32) < 0 { all } else { self.seen };
         while self.seen != all {
-            let samples = (0..=CHORDS).filter_map(|i| planner.point(self.seen, (i << 16) / CHORDS));
-            let mut block = 0;
-            let points: Vec<Vec<f64>> = samples
-                .map(|(of, point)| {
-                    block = of;
-                    point.iter().map(|value| value.to_num()).collect()
-                })
-                .collect();
-            deviation.curve(block, &points);
+            let curve = self.seen;
+            let exact = |part: u32| {
+                let (_, point) = planner.point(curve, part)?;
+                Some(point.iter().map(|value| value.to_num()).collect::<Vec<f64>>())
+            };
+            let block = planner.point(curve, 0).map_or(0, |(block, _)| block);
+            let points: Vec<Vec<f64>> = (0..=CHORDS).filter_map(|i| exact((i << 16) / CHORDS)).collect();
+            deviation.curve(block, &points, &exact);
             self.seen = self.seen.wrapping_add(1);
         }
     }

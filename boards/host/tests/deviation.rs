@@ -40,6 +40,62 @@ fn the_deviation_is_that_of_the_set_points() {
     assert!(run.stdout.contains("7, 2.33 per motion block"), "{}", run.stdout);
 }
 
+/// Where the nearest block is another one, the deviation has a cusp. Here it is largest there, between two points at
+/// which the curve is looked at: 9 % more than at either of them.
+#[test]
+fn a_cusp_between_the_points_of_a_curve_counts() {
+    let corners = [
+        [0.0, 0.0],
+        [-0.937, 0.118],
+        [-1.165, 0.703],
+        [-1.009, 0.015],
+        [0.018, 0.718],
+        [-0.686, 0.294],
+        [-0.96, 0.029],
+    ];
+    let lines: String = corners.iter().skip(1).map(|[x, y]| format!("X{x} Y{y}\n")).collect();
+    let run = run("cusp", &written("cusp", &format!("#HSC ON [OPMODE=2]\nG01 F60\n{lines}M30\n")), None);
+    let points = points(&run);
+    let away = |q: &[f64; 2]| (q[0] - corners[2][0]).hypot(q[1] - corners[2][1]);
+    let from = |one: &(usize, f64), other: &(usize, f64)| one.1.total_cmp(&other.1);
+    let (third, _) = points.iter().map(away).enumerate().min_by(from).expect("points");
+    // Set points a micrometre apart, and places between them: of the way along the first two lines.
+    let mut largest: f64 = 0.0;
+    for two in points[..third].windows(2) {
+        for part in (0..32).map(|k| f64::from(k) / 32.0) {
+            let q = [0, 1].map(|k| two[0][k] + (two[1][k] - two[0][k]) * part);
+            let off = corners[..3].windows(2).map(|l| from_line(q, l[0], l[1]));
+            largest = largest.max(off.fold(f64::MAX, f64::min));
+        }
+    }
+    let told = number(&run.summary["deviation"]["value"]);
+    assert!((told - largest).abs() < 2e-5 && told > 0.0858, "{told} for {largest}");
+}
+
+/// So is the place where a curve is nearest to a corner: between its points it is further out than its chords.
+#[test]
+fn a_corner_is_as_far_off_as_the_curve_itself() {
+    for (name, pre, post, last) in [
+        ("off-long", 4.0, 1.0, [6.0, 6.0]),
+        ("off-short", 0.3, 2.0, [6.0, 6.0]),
+        ("off-flat", 1.0, 3.0, [10.0, 2.0]),
+    ] {
+        let text = format!(
+            "N10 #CONTOUR MODE [DIST PRE_DIST={pre} POST_DIST={post}]\nN20 G261 G01 X6 F60\nN30 X{} Y{}\nM30\n",
+            last[0], last[1]
+        );
+        let run = run(name, &written(name, &text), None);
+        let corners = [[0.0, 0.0], [6.0, 0.0], last];
+        let points = points(&run);
+        let off =
+            |q: &[f64; 2]| corners.windows(2).map(|l| from_line(*q, l[0], l[1])).fold(f64::MAX, f64::min);
+        let away = points.windows(2).map(|p| from_line(corners[1], p[0], p[1])).fold(f64::MAX, f64::min);
+        let largest = points.iter().map(off).fold(away, f64::max);
+        let told = number(&run.summary["deviation"]["value"]);
+        assert!((told - largest).abs() < 1e-6, "{name}: {told} for {largest}");
+    }
+}
+
 #[test]
 fn rotary_axes_have_a_deviation_of_their_own() {
     let text =

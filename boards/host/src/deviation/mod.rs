@@ -3,6 +3,10 @@
 //! Takes the blocks of the decoder and points of every curve that the planner hands on; gives the largest
 //! deviation of the main axes, that of every other axis, and the places where they are. The motion runs along
 //! these curves, so nothing depends on speed, override and cycle.
+//!
+//! Points a 16th of a curve apart tell where a deviation is largest; how large it is there the curve itself tells
+//! (`peak`), as between two points a deviation may have a cusp: where the nearest block is another one.
+mod peak;
 mod tell;
 
 use crate::machine::Machine;
@@ -25,8 +29,6 @@ const FAR: usize = 64;
 const BACK: usize = 1024;
 /// Parts of a path that are shown at most.
 const COLUMNS: usize = 4096;
-/// Places on each side of the middle of three points.
-const FINER: u8 = 16;
 
 /// Places of a helix among which the nearest one is looked for first.
 const PLACES_OF_A_HELIX: u32 = 32;
@@ -68,6 +70,19 @@ struct Foot {
     /// 0…1 along it.
     part: f64,
     distance: f64,
+}
+
+/// How far a point of the driven path is from the programmed one.
+struct Measured {
+    /// The point.
+    q: Point,
+    /// Where the programmed path is nearest to it.
+    seen: Foot,
+    /// Whether that is smoothed, and what is permitted.
+    smoothed: bool,
+    tolerance: Tolerance,
+    /// Of every axis that is no main axis.
+    track: Vec<Option<f64>>,
 }
 
 /// The largest deviation of a run.
@@ -177,12 +192,6 @@ fn point_of(all: &[f64], main: &[usize], beside: &[usize]) -> Point {
 
 fn between(a: &Point, b: &Point, part: f64) -> Point {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
-}
-
-/// The parabola through three points, −1…1.
-fn bent(three: &[Point], t: f64) -> Point {
-    let [a, b, c] = [0, 1, 2].map(|k| three.get(k).copied().unwrap_or_default());
-    std::array::from_fn(|k| b[k] + 0.5 * t * (c[k] - a[k]) + 0.5 * t * t * (a[k] - 2.0 * b[k] + c[k]))
 }
 
 /// Where a point is nearest to a straight line, 0…1.
@@ -359,8 +368,9 @@ impl Deviation {
         points
     }
 
-    /// Takes in a curve: its motion block, and points of all axes along it.
-    pub fn curve(&mut self, block: u32, points: &[Vec<f64>]) {
+    /// Takes in a curve: its motion block, points of all axes along it, [`CHORDS`] and one, and `exact`, which gives
+    /// the point at each 2^16th of its length.
+    pub fn curve(&mut self, block: u32, points: &[Vec<f64>], exact: &dyn Fn(u32) -> Option<Vec<f64>>) {
         self.curves += 1;
         if !self.smooths || self.blocks.is_empty() {
             return;
@@ -374,15 +384,19 @@ impl Deviation {
         }
         self.last = path.last().copied();
         let mut column = Column::default();
-        let mut at = block;
-        for (all, q) in points.iter().zip(&path) {
-            at = self.compare(block, all, q, &mut column);
+        let measured: Vec<Measured> = points.iter().map(|all| self.measure(block, all)).collect();
+        for one in &measured {
+            self.take(one, &mut column);
         }
-        self.pass(block, &path);
+        for one in self.peaks(block, &measured, exact) {
+            self.take(&one, &mut column);
+        }
+        self.pass(block, &path, exact);
         self.distance += path.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum::<f64>();
         column.distance = self.distance;
         self.show(column);
         self.keep(path);
+        let at = measured.last().map_or(block, |last| last.seen.block);
         self.before = at.min(block);
     }
 
@@ -393,62 +407,61 @@ impl Deviation {
         near.min_by(|one, other| one.distance.total_cmp(&other.distance)).map_or(block, |foot| foot.block)
     }
 
-    /// A point of the driven path. The block that it is at.
-    fn compare(&mut self, block: usize, all: &[f64], q: &Point, column: &mut Column) -> usize {
+    /// How far a point of the driven path, with all axes, is from the programmed one.
+    fn measure(&self, block: usize, all: &[f64]) -> Measured {
+        let q = point_of(all, &self.main, &self.beside);
         let (from, to) =
             (self.before.min(block).saturating_sub(NEAR), (block + NEAR).min(self.blocks.len() - 1));
-        let foot = |block: usize| self.blocks[block].foot(block, q);
+        let foot = |block: usize| self.blocks[block].foot(block, &q);
         let nearer = |best: Foot, other: Foot| if other.distance < best.distance { other } else { best };
-        let mut best = (from..=to).map(foot).fold(foot(block), nearer);
+        let mut seen = (from..=to).map(foot).fold(foot(block), nearer);
         for further in to + 1..self.blocks.len().min(to + FAR) {
-            if best.block + NEAR < further {
+            if seen.block + NEAR < further {
                 break;
             }
-            best = nearer(best, foot(further));
+            seen = nearer(seen, foot(further));
         }
-        let seen = best;
         let (smoothed, tolerance) = self.around(block);
-        if !smoothed {
-            return seen.block;
+        let mut track = Vec::new();
+        if smoothed {
+            // Each of them may be the one.
+            let last = to.max(seen.block + NEAR).min(self.blocks.len() - 1);
+            let near = (from..=last).map(foot);
+            let near: Vec<Foot> = near.filter(|foot| foot.distance <= seen.distance + NOTHING).collect();
+            track = self.follow(&near, all, tolerance);
         }
-        column.path = column.path.max(seen.distance);
-        column.path_used = column.path_used.max(tolerance.path.map_or(0.0, |most| seen.distance / most));
-        let foot = self.blocks[seen.block].at(seen.part);
-        self.see(
-            Largest { value: seen.distance, tolerance: tolerance.path, n: self.blocks[seen.block].n },
-            seen.block,
-            foot,
-            *q,
-        );
-        // Each of them may be the one.
-        let last = to.max(seen.block + NEAR).min(self.blocks.len() - 1);
-        let near = (from..=last).map(|block| self.blocks[block].foot(block, q));
-        let near = near.filter(|foot| foot.distance <= seen.distance + NOTHING).collect::<Vec<_>>();
-        self.follow((seen, &near), all, tolerance, column);
-        seen.block
+        Measured { q, seen, smoothed, tolerance, track }
     }
 
-    /// The other axes: at one of the feet they are nearest to what was programmed.
-    fn follow(
-        &mut self,
-        (seen, near): (Foot, &[Foot]),
-        all: &[f64],
-        tolerance: Tolerance,
-        column: &mut Column,
-    ) {
-        let n = self.blocks[seen.block].n;
-        for (axis, value) in all.iter().enumerate() {
+    /// The other axes: how far each is from what was programmed, at one of the feet it is nearest to; none where that
+    /// is not compared.
+    fn follow(&self, near: &[Foot], all: &[f64], tolerance: Tolerance) -> Vec<Option<f64>> {
+        let of = |(axis, value): (usize, &f64)| {
             let apart = self.main.contains(&axis) || self.beside.contains(&axis);
             let moves = |foot: &Foot| self.blocks[foot.block].moves(axis);
             if apart || tolerance.track.is_none() && !near.iter().any(moves) {
-                continue;
+                return None;
             }
-            let off = near.iter().map(|foot| self.blocks[foot.block].off(axis, *value, foot));
-            let Some(value) = off.reduce(f64::min) else { continue };
+            near.iter().map(|foot| self.blocks[foot.block].off(axis, *value, foot)).reduce(f64::min)
+        };
+        all.iter().enumerate().map(of).collect()
+    }
+
+    /// The deviations of a point count.
+    fn take(&mut self, measured: &Measured, column: &mut Column) {
+        let Measured { q, seen, smoothed, tolerance, track } = measured;
+        if !smoothed {
+            return;
+        }
+        column.path = column.path.max(seen.distance);
+        column.path_used = column.path_used.max(tolerance.path.map_or(0.0, |most| seen.distance / most));
+        let (n, foot) = (self.blocks[seen.block].n, self.blocks[seen.block].at(seen.part));
+        self.see(Largest { value: seen.distance, tolerance: tolerance.path, n }, seen.block, foot, *q);
+        for (known, value) in self.track.iter_mut().zip(track) {
+            let Some(value) = *value else { continue };
             column.track = column.track.max(value);
             column.track_used = column.track_used.max(tolerance.track.map_or(0.0, |most| value / most));
             let largest = Largest { value, tolerance: tolerance.track, n };
-            let known = &mut self.track[axis];
             if known.is_none_or(|known| largest.used() > known.used()) {
                 *known = Some(largest);
             }
@@ -477,31 +490,30 @@ impl Deviation {
     }
 
     /// The ends of blocks that the curve passes: how near it comes.
-    fn pass(&mut self, block: usize, path: &[Point]) {
+    fn pass(&mut self, block: usize, path: &[Point], exact: &dyn Fn(u32) -> Option<Vec<f64>>) {
         let from = self.before.min(block).saturating_sub(NEAR).max(self.done);
         let to = (block + NEAR).min(self.blocks.len() - 1);
         for index in from..=to {
             let end = self.blocks[index].ends[1];
-            let mut nearest = None;
-            for (k, pair) in path.windows(2).enumerate() {
-                let foot = between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1]));
-                let distance = apart(&end, &foot);
-                if distance < self.ends[index].0 {
-                    self.ends[index] = (distance, foot, self.distance);
-                    nearest = Some(k);
-                }
-            }
-            // The curve is outside its chords: three points of it tell how far.
-            let Some(three) = nearest.and_then(|k| path.windows(3).nth(k.min(path.len().saturating_sub(3))))
-            else {
+            let chord = |(k, pair): (usize, &[Point])| {
+                let distance = apart(&end, &between(&pair[0], &pair[1], along(&end, &pair[0], &pair[1])));
+                (distance, k, apart(&pair[0], &pair[1]))
+            };
+            let chords = path.windows(2).enumerate().map(chord);
+            let Some((distance, k, length)) = chords.min_by(|one, other| one.0.total_cmp(&other.0)) else {
                 continue;
             };
-            for k in 0..=2 * FINER {
-                let point = bent(three, f64::from(k) / f64::from(FINER) - 1.0);
-                let distance = apart(&end, &point);
-                if distance < self.ends[index].0 {
-                    self.ends[index] = (distance, point, self.distance);
-                }
+            // The curve is no further from its chord than that is long.
+            if distance - length >= self.ends[index].0 {
+                continue;
+            }
+            let point = |part: u32| exact(part).map(|all| point_of(&all, &self.main, &self.beside));
+            let near = |part: u32| -> Option<f64> { Some(-apart(&end, &point(part)?)) };
+            if let Some((part, distance)) = peak::around(k, k + 1, near)
+                && -distance < self.ends[index].0
+                && let Some(moved) = point(part)
+            {
+                self.ends[index] = (-distance, moved, self.distance);
             }
         }
         self.settle(from.saturating_sub(NEAR));
