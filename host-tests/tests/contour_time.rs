@@ -485,7 +485,8 @@ fn a_block_that_a_corner_takes_whole_leaves_nothing() {
         );
         let machine = quick::<3>(1000);
         let run = run_from(&text, [Position::ZERO; 3], &machine);
-        let limits = machine.axes.iter().map(|axis| permitted(axis, 3, false, true, true)).collect::<Vec<_>>();
+        let limits =
+            machine.axes.iter().map(|axis| permitted(axis, 3, false, true, true)).collect::<Vec<_>>();
         check::limits(&run.trace, &limits).unwrap_or_else(|fault| panic!("{last}: {fault}"));
         let most = (0..run.trace.len()).map(|i| run.trace.mm(i)[1]).fold(0.0, f64::max);
         assert!(most <= 2.0, "{most}");
