@@ -1,27 +1,34 @@
 //! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as
 //! many as wanted: `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED
-//! [stalls|chains]`; with `stalls` the planner gets no time now and then; `chains`: chains of short blocks with
-//! knees, each undisturbed and with stalls. `machines -- SEED` shows one seed, and what comes of
-//! it without an operator and without contour mode. Two threads.
+//! [stalls|chains] [long]`; with `stalls` the planner gets no time now and then; `chains`: chains of short blocks with
+//! knees, each undisturbed and with stalls; `long`: runs of up to twenty million ticks, not of one million (some
+//! gigabytes). `machines -- SEED` shows one seed, what comes of it without an operator and without contour mode, and
+//! the time of a standstill at the end of each block by the f64 reference. Two threads.
 use host_tests::chains;
-use host_tests::soak::{Outcome, plain, setup, soak};
+use host_tests::operate::{LONGEST, longest};
+use host_tests::soak::{Outcome, plain, setup, soak_within};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
 const THREADS: usize = 2;
 
-fn show<const AXES: usize>(seed: u64, stalls: bool) {
+/// Ticks of a long run.
+const LONG: usize = 20_000_000;
+
+fn show<const AXES: usize>(seed: u64, stalls: bool, most: usize) {
     let setup = setup::<AXES>(seed, stalls);
     println!("{:#?}\n{}\n{:?}, {} polls", setup.machine, setup.text(), setup.acts, setup.polls);
-    println!("without an operator: {:?}", plain::<AXES>(seed, false).run());
-    println!("without contour mode too: {:?}", plain::<AXES>(seed, true).run());
+    println!("without an operator: {:?}", plain::<AXES>(seed, false).run_within(most));
+    println!("without contour mode too: {:?}", plain::<AXES>(seed, true).run_within(most));
+    println!("with standstills at least: {:.0} ticks", longest(&setup.program, &setup.machine));
 }
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let stalls = arguments.iter().any(|word| word == "stalls");
     let chained = arguments.iter().any(|word| word == "chains");
+    let most = if arguments.iter().any(|word| word == "long") { LONG } else { LONGEST };
     let seeds: Vec<u64> = arguments.iter().filter_map(|word| word.parse().ok()).collect();
     let (first, last) = match seeds[..] {
         [seed] if chained => {
@@ -31,10 +38,10 @@ fn main() {
         }
         [seed] => {
             match seed % 4 {
-                0 => show::<3>(seed, stalls),
-                1 => show::<4>(seed, stalls),
-                2 => show::<5>(seed, stalls),
-                _ => show::<6>(seed, stalls),
+                0 => show::<3>(seed, stalls, most),
+                1 => show::<4>(seed, stalls, most),
+                2 => show::<5>(seed, stalls, most),
+                _ => show::<6>(seed, stalls, most),
             }
             (seed, seed + 1)
         }
@@ -54,10 +61,13 @@ fn main() {
                     if seed >= last {
                         break;
                     }
-                    let run = || if chained { chains::soak(seed) } else { soak(seed, stalls) };
+                    let run = || if chained { chains::soak(seed) } else { soak_within(seed, stalls, most) };
                     match std::panic::catch_unwind(run) {
                         Ok(Outcome::Good(count)) => _ = ticks.fetch_add(count as u64, Relaxed),
-                        Ok(Outcome::TooLong) => _ = too_long.fetch_add(1, Relaxed),
+                        Ok(Outcome::TooLong) => {
+                            too_long.fetch_add(1, Relaxed);
+                            println!("seed {seed}: longer");
+                        }
                         Ok(Outcome::Refused(_)) => _ = refused.fetch_add(1, Relaxed),
                         Ok(Outcome::Fault(fault)) => {
                             faults.fetch_add(1, Relaxed);
@@ -84,7 +94,7 @@ fn main() {
     });
     let faults = faults.into_inner();
     println!(
-        "{} programs, {} ticks, {faults} faults; {} refused (a block of more than 2^26 ticks), {} longer than a million ticks",
+        "{} programs, {} ticks, {faults} faults; {} refused (a block of more than 2^26 ticks), {} longer than {most} ticks",
         last - first,
         ticks.into_inner(),
         refused.into_inner(),

@@ -115,11 +115,11 @@ impl Text for &Wire<'_> {
 }
 
 /// Most ticks of a run, and most of rest between two commands.
-const LONGEST: usize = 1_000_000;
+pub const LONGEST: usize = 1_000_000;
 const RESTS: usize = 20_000;
 
 /// Why a run was given up that may be a good one.
-pub const TOO_LONG: &str = "longer than a million ticks";
+pub const TOO_LONG: &str = "longer than a run may be";
 
 /// Calls of the planner between two ticks: enough to keep up where no corners are rounded, or as many as it
 /// wants.
@@ -152,6 +152,20 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     acts: &[(usize, Act)],
     polls: usize,
 ) -> Result<Operated, String> {
+    operate_within::<AXES, BLOCKS>(text, start, machine, (acts, polls), LONGEST)
+}
+
+/// The same for so many ticks at most.
+///
+/// # Errors
+/// The same.
+pub fn operate_within<const AXES: usize, const BLOCKS: usize>(
+    text: &str,
+    start: [Position; AXES],
+    machine: &MachineData<AXES>,
+    (acts, polls): (&[(usize, Act)], usize),
+    longest: usize,
+) -> Result<Operated, String> {
     let wire = Wire::new(text);
     let (mut late_until, mut rate, mut stalled_until) = (0, text.len(), 0);
     let (mut answer, mut due) = (None, VecDeque::new());
@@ -168,7 +182,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     let mut acts = acts.iter().peekable();
     let mut held = false;
     let mut rests = 0;
-    for tick in 0..LONGEST {
+    for tick in 0..longest {
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
             act.give(&operator);
             match act {

@@ -8,7 +8,8 @@ use crate::cases::random::{Mix, Random, program};
 use crate::cases::{NM, Program, decimal, set_point};
 use crate::check::{self, Limits};
 use crate::operate::{
-    Act, Operated, POLLS, TOO_LONG, operate_text, random_acts, with_overrides, with_stalls, with_starvation,
+    Act, LONGEST, Operated, POLLS, TOO_LONG, operate_within, random_acts, with_overrides, with_stalls,
+    with_starvation,
 };
 use crate::properties::{axis_limits, permitted_at};
 use crate::reference::geometry::{Contour, Element};
@@ -384,9 +385,20 @@ impl<const AXES: usize> Setup<AXES> {
 
     /// Runs it before the judge.
     pub fn run(&self) -> Outcome {
+        self.run_within(LONGEST)
+    }
+
+    /// The same for so many ticks at most.
+    pub fn run_within(&self, longest: usize) -> Outcome {
         let start: [Position; AXES] =
             std::array::from_fn(|k| Position::from_bits(set_point(self.program.start[k])));
-        let run = operate_text::<AXES, 500>(&self.text(), start, &self.machine, &self.acts, self.polls);
+        let run = operate_within::<AXES, 500>(
+            &self.text(),
+            start,
+            &self.machine,
+            (&self.acts, self.polls),
+            longest,
+        );
         let verdict = run.and_then(|run| self.judge(&run).map(|()| run.trace.ticks()));
         match verdict {
             Ok(ticks) => Outcome::Good(ticks),
@@ -493,10 +505,15 @@ pub fn plain<const AXES: usize>(seed: u64, sharp: bool) -> Setup<AXES> {
 
 /// A seed, with the number of axes that belongs to it.
 pub fn soak(seed: u64, stalls: bool) -> Outcome {
+    soak_within(seed, stalls, LONGEST)
+}
+
+/// The same for so many ticks at most.
+pub fn soak_within(seed: u64, stalls: bool, longest: usize) -> Outcome {
     match seed % 4 {
-        0 => setup::<3>(seed, stalls).run(),
-        1 => setup::<4>(seed, stalls).run(),
-        2 => setup::<5>(seed, stalls).run(),
-        _ => setup::<6>(seed, stalls).run(),
+        0 => setup::<3>(seed, stalls).run_within(longest),
+        1 => setup::<4>(seed, stalls).run_within(longest),
+        2 => setup::<5>(seed, stalls).run_within(longest),
+        _ => setup::<6>(seed, stalls).run_within(longest),
     }
 }

@@ -1,12 +1,13 @@
 //! Contour mode over time: DIST_SOFT, PTP, and DEV with HSC.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
-use glidepath::nc::NcWarningKind;
+use glidepath::nc::{Contour, ContourMethod, NcWarningKind};
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
-use host_tests::cases::machines;
+use host_tests::cases::random::Random;
+use host_tests::cases::{Program, machines};
 use host_tests::check;
-use host_tests::corner::{judge, random};
+use host_tests::corner::{Piece, blocks, dev, judge, random, round};
 use host_tests::properties::permitted;
 use host_tests::rounded::{Run, quick, run_from};
 
@@ -421,4 +422,73 @@ fn acc_max_0_is_the_gentlest() {
     let [none, least, half, all] = [0, 1, 50, 100].map(time);
     assert_eq!(none, least);
     assert!(least > half && half > all, "{least} {half} {all}");
+}
+
+/// Lines of nanometres beside which a rotary axis turns up to 300 degrees per millimetre: where a curve ends is rounded
+/// on the axes that the path is measured along, and the direction behind it must not follow from that.
+#[test]
+fn elements_over_time_go_as_far_as_the_directions_of_their_ends_say() {
+    let machine = machines::machine::<4>(141, |_, axis| {
+        (axis.vb_max, axis.vb_eilgang) = (50_000, 50_000);
+        machines::accelerations(axis, 1, 1);
+        machines::ramps(axis, 100);
+        axis.tr_geom = 100;
+    });
+    let mut timed = 0;
+    for seed in 0..40 {
+        let mut r = Random::new(seed);
+        let mut program = Program::new(format!("steep {seed}"), 4);
+        let (mut at, steepest) = ([0.0; 4], r.magnitude(1.0, 300.0));
+        for _ in 0..20 {
+            let length = f64::from(1 + (r.bits() % 9) as u32) * 1e-6;
+            at[(r.bits() % 2) as usize] += length;
+            at[3] += (length * steepest * r.between(-1.0, 1.0) * 1e6).round() * 1e-6;
+            program = program.line(&at, 1000.0);
+        }
+        let method = if seed % 2 == 0 { ContourMethod::Ptp } else { ContourMethod::Dev };
+        let contour = Contour { method: Some(method), check_jerk: Some(0), ..dev(1000) };
+        for piece in round(&blocks(&program, &machine), &machine, &contour) {
+            timed += u32::from(is_timed(&piece));
+            goes_as_far_as_it_says(&piece).unwrap_or_else(|fault| panic!("{seed}: {fault}"));
+        }
+    }
+    assert!(timed > 400, "{timed}");
+}
+
+fn is_timed(piece: &Piece<4>) -> bool {
+    piece.out.element.bounds.is_some_and(|bounds| bounds.is_timed())
+}
+
+/// Over time a direction changes to one side: its mean is between those of the ends, but for the rounding of
+/// both ends.
+fn goes_as_far_as_it_says(piece: &Piece<4>) -> Result<(), String> {
+    let (from, to) = (piece.at(0.0), piece.at(1.0));
+    let [entry, exit] = [piece.out.element.entry, piece.out.element.exit].map(|end| end.tangent);
+    for k in 0..4 {
+        let [a, b] = [entry[k], exit[k]].map(|t| t as f64 / 2f64.powi(40) * piece.length());
+        let (way, rounding) = (to[k] - from[k], 3.0 / 2f64.powi(32));
+        if way < a.min(b) - rounding || way > a.max(b) + rounding {
+            let lsb = 2f64.powi(32);
+            return Err(format!("axis {k}: {} LSB, {} to {} by its ends", way * lsb, a * lsb, b * lsb));
+        }
+    }
+    Ok(())
+}
+
+/// With DIST_WEIGHT a corner takes all of a block whose other neighbour is a nanometre.
+#[test]
+fn a_block_that_a_corner_takes_whole_leaves_nothing() {
+    for last in [1e-6, 1e-5, 1e-4] {
+        let text = format!(
+            "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=-1 ACC_MIN=1 DIST_WEIGHT=100]\nN10 G01 X1000 F20000\nN20 Y1\nN30 X{:.6}\nN40 G260 Y2\nM30\n",
+            1000.0 + last
+        );
+        let machine = quick::<3>(1000);
+        let run = run_from(&text, [Position::ZERO; 3], &machine);
+        let limits =
+            machine.axes.iter().map(|axis| permitted(axis, 3, false, true, true)).collect::<Vec<_>>();
+        check::limits(&run.trace, &limits).unwrap_or_else(|fault| panic!("{last}: {fault}"));
+        let most = (0..run.trace.len()).map(|i| run.trace.mm(i)[1]).fold(0.0, f64::max);
+        assert!(most <= 2.0, "{most}");
+    }
 }

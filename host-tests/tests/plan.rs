@@ -1,6 +1,6 @@
 //! The plan: the reference's own is a permitted motion, and the library's is that of the reference.
 use glidepath::machine::MachineData;
-use host_tests::cases::knees::{beside, turning};
+use host_tests::cases::knees::{beside, chain, turning};
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named, set_point};
 use host_tests::properties::axis_limits;
@@ -213,6 +213,30 @@ fn the_library_plans_what_the_reference_plans_of_knees_within_a_tick() {
         }
     }
     assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
+/// Chains whose axes turn back within blocks of nanometres to micrometres. Some of these are so short beside their jerk that
+/// what their neighbours do shows together with a knee at one end. Speeds near zero follow from differences; times do
+/// not.
+#[test]
+fn the_library_takes_the_time_of_the_reference_over_chains_of_knees() {
+    let mut chains = 0;
+    for seed in 0..1000 {
+        let (program, machine) = chain(seed);
+        if machine.channel.slope_profile == 3 {
+            continue;
+        }
+        chains += 1;
+        permitted(&program, &machine).unwrap_or_else(|fault| panic!("chain {seed}: {fault}"));
+        let run = run::<4, 120>(&program, &machine).unwrap();
+        let library: f64 = run.blocks.iter().map(|block| block.time.to_bits() as f64 / 2f64.powi(36)).sum();
+        let (contour, axes) = merged_for(&program, &machine);
+        let profiles = plan(&blocks_of(&contour, &axes, &run.blocks), machine.channel.look_ahead as usize);
+        let reference: f64 = profiles.iter().map(Profile::time).sum();
+        let off = (library / reference - 1.0).abs();
+        assert!(off <= tolerance::PLAN, "chain {seed}: {library} ticks, reference {reference}");
+    }
+    assert!(chains > 600, "{chains}");
 }
 
 #[test]

@@ -91,11 +91,6 @@ impl<const AXES: usize> Straight<AXES> {
         (shape, End { tangent, curvature: [0.0; AXES] })
     }
 
-    /// Either end of it.
-    pub(crate) fn end(&self) -> End<AXES> {
-        End { tangent: self.tangent, curvature: [0.0; AXES] }
-    }
-
     /// A line becomes this one, in place.
     pub(crate) fn assign_to(&self, line: &mut Element<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
@@ -107,6 +102,26 @@ impl<const AXES: usize> Straight<AXES> {
     pub(crate) fn element(&self) -> Element<AXES> {
         let (shape, ends) = self.parts();
         Element { shape, entry: ends, exit: ends, circle: None, bounds: None }
+    }
+}
+
+impl<const AXES: usize> Element<AXES> {
+    /// A line becomes what is left of it behind `from`, which is `cut` (LSB 2^-44 mm) from its start: so much
+    /// less path, in the same direction. `from` is rounded to an LSB of a position on each axis: a path measured
+    /// from there would be off by that, and the direction of every axis by the same part.
+    pub(crate) fn shorten(&mut self, cut: i64, from: &[Position; AXES], to: &[Position; AXES]) {
+        let rest = self.shape.length.to_bits() - cut;
+        if rest <= 0 || from == to {
+            return;
+        }
+        let mut travel = [0; AXES];
+        for (travel, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
+            *travel = to.to_bits().wrapping_sub(from.to_bits());
+        }
+        let shape = &mut self.shape;
+        shape.length = Distance::from_bits(rest);
+        shape.shift = Shape::<AXES>::shift_of(shape.length);
+        shape.set_gains(&travel);
     }
 }
 

@@ -1,6 +1,10 @@
 //! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless
 //! both sides are alike: then the blocks have one law.
 //!
+//! A block between a knee and a standstill may be *hasty*: so short beside its jerk that it takes less than two ticks.
+//! Then the block on its other side leaves the knee a part too. A hasty block that has left no knee a part at its
+//! start has none at its end: the motion stands still there.
+//!
 //! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is
 //! handed on; then it is filled again; long lines fill it sooner. At the end of the program all that is left
 //! is handed on.
@@ -30,6 +34,17 @@ pub struct Block {
     pub through: bool,
 }
 
+/// A block of so many times the jerk of its steepest ramp may take less than two ticks between a knee and a standstill.
+const HASTY: f64 = 0.4;
+
+impl Block {
+    /// Whether it may take so little that what its neighbours do shows together with a knee at one end of it.
+    fn is_hasty(&self) -> bool {
+        let steepest = self.limits.j.into_iter().fold(0.0, f64::max);
+        self.limits.slope != 0 && self.length < HASTY * steepest
+    }
+}
+
 /// Blocks of a contour with their limits, joints included.
 pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     decided(contour, machine, |_, _, standing| standing)
@@ -48,6 +63,8 @@ pub fn decided(
     let mut knees = Knees::default();
     // The last one that takes more than next to nothing.
     let mut behind: Option<&Element> = None;
+    // The last one has left the joint at its start a part.
+    let mut left = false;
     for (number, element) in contour.elements.iter().enumerate() {
         let length = path_length(element);
         let mut limits = machine.block(element);
@@ -55,6 +72,7 @@ pub fn decided(
         limits.v = limits.v.min(row.take(length, machine.overridden(element)));
         let mut v_start = 0.0;
         let mut through = false;
+        let mut shared = false;
         if let (Some(before), Some(last)) = (before, blocks.last_mut())
             && !before.stop
         {
@@ -69,7 +87,9 @@ pub fn decided(
                 }
             }
             let unseen = if limits.slope == 0 { 0.0 } else { cap.min(machine.unseen(before, element)) };
+            let unseen = unseen.min(joint.unwrap_or(unseen));
             let standing = match joint {
+                Some(_) if !left && last.is_hasty() => true,
                 Some(v) if v < cap && machine.is_corner(before, element) => {
                     match worth([(last.limits, last.length), (limits, length)], v) {
                         Worth::Passing => false,
@@ -87,6 +107,11 @@ pub fn decided(
                 v_start = v_start.min(joint.unwrap_or(v_start));
                 last.limits.share();
                 limits.share();
+                shared = true;
+            }
+            if !shared && left && last.is_hasty() {
+                limits.share();
+                shared = true;
             }
             if limits.slope != 0 {
                 let highest = if standing { unseen } else { joint.unwrap_or(f64::INFINITY).min(2.0 * cap) };
@@ -115,6 +140,7 @@ pub fn decided(
             through,
         });
         before = Some(element);
+        left = shared;
     }
     blocks
 }

@@ -336,25 +336,18 @@ impl<const AXES: usize> HeldBlock<AXES> {
             return Ok(self.block.element.entry);
         }
         match self.block.form {
-            Form::Line => {
-                let rest = straight_line(from, &self.block.to, measure)?;
-                Ok(rest.map_or(self.block.element.entry, |rest| rest.end()))
-            }
+            Form::Line => Ok(self.block.element.entry),
             Form::Arc { .. } => Ok(self.rest_of_arc(from, measure)?.entry),
         }
     }
 
-    /// Becomes the rest of the block from a point on it.
-    pub fn renew(&mut self, from: &[Position; AXES], measure: &Measure) -> Result<(), PathError> {
+    /// Becomes the rest of the block from a point on it, which is `cut` (LSB 2^-44 mm) from its start.
+    pub fn renew(&mut self, from: &[Position; AXES], cut: i64, measure: &Measure) -> Result<(), PathError> {
         if *from == self.block.from {
             return Ok(());
         }
         match self.block.form {
-            Form::Line => {
-                if let Some(rest) = straight_line(from, &self.block.to, measure)? {
-                    rest.assign_to(&mut self.block.element);
-                }
-            }
+            Form::Line => self.block.element.shorten(cut, from, &self.block.to),
             Form::Arc { .. } => self.block.element = self.rest_of_arc(from, measure)?,
         }
         self.block.from = *from;

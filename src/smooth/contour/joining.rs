@@ -24,6 +24,9 @@ const SLIVER: u32 = 14;
 /// what its rounding needs.
 const SCRAP: u32 = 18;
 
+/// Least that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four of a position.
+const LEFT: i64 = 1 << 14;
+
 /// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
 const HALVED: i64 = 64;
 
@@ -644,7 +647,7 @@ impl Room {
             if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
                 length / 2
             } else if rule.weighs() {
-                to_i64(distances[i] * ONE_44)
+                to_i64(distances[i] * ONE_44).min(weighed(length))
             } else {
                 to_i64(distances[i] * ONE_44).min(length / 2)
             }
@@ -657,6 +660,11 @@ impl Room {
         }
         Some((Cut { before, behind }, slack))
     }
+}
+
+/// What a corner takes at most of a block that its neighbours divide: all of it would leave a line without motion.
+fn weighed(length: i64) -> i64 {
+    (length - (length >> SCRAP).max(LEFT)).max(length / 2)
 }
 
 impl Cut {
@@ -674,9 +682,12 @@ impl Cut {
         mut reach: i64,
     ) -> (Self, i64) {
         let left = held.block.element.shape.length.to_bits();
-        let half = if rule.weighs() { next.length } else { next.length / 2 };
+        let half = if rule.weighs() { weighed(next.length) } else { next.length / 2 };
         // What rounding leaves of a block between two curves would be too short for their speed.
         let slack = if rule.weighs() { 0 } else { half >> SCRAP };
+        if rule.weighs() {
+            reach = reach.min(half);
+        }
         for all in [half, left] {
             let more = all - reach;
             if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
@@ -722,7 +733,7 @@ impl<const AXES: usize> Ends<AXES> {
         measure: &Measure,
     ) -> Option<Self> {
         let position = Self::begin(next, cut);
-        next.renew(&position, measure).ok()?;
+        next.renew(&position, cut.behind, measure).ok()?;
         let to = Knot { position, end: next.block.element.entry };
         Some(Self { cut, from: Self::leave(held, cut), to })
     }
@@ -755,7 +766,7 @@ impl Cut {
         [from, to]: [&Knot<AXES>; 2],
         setting: &Setting<'_, AXES>,
     ) -> Option<Passage> {
-        next.renew(&to.position, setting.measure).ok()?;
+        next.renew(&to.position, self.behind, setting.measure).ok()?;
         Some(self.leave(held, next, from, setting))
     }
 

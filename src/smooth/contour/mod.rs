@@ -6,8 +6,8 @@
 //! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the
 //! corner cuts from it only shortens its path length: the curve of the block stays the same to the last bit.
 //! Its end is then between two steps of a position, and the corner's curve begins on the nearest one, half a
-//! step of each axis beside it at most. The block behind the corner is made anew from where the corner's
-//! curve ends.
+//! step of each axis beside it at most. The block behind the corner begins on the step nearest to where the
+//! corner's curve ends: an arc is made anew from there; a line keeps its direction, and has so much less path.
 //!
 //! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last
 //! relevant block to the first one that ends beyond the limit. A short line to begin with is joined to the
