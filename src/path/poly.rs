@@ -303,8 +303,10 @@ impl<const AXES: usize> Draft<AXES> {
 /// How far an axis goes. `None` where the formats cannot hold it.
 #[inline(always)]
 fn travel(from: Position, to: Position) -> Option<i64> {
-    let travel = to.to_bits().saturating_sub(from.to_bits());
-    (travel.saturating_abs() < LONGEST >> FINER).then_some(travel)
+    const MOST: i64 = (LONGEST >> FINER) - 1;
+    let travel = to.to_bits().checked_sub(from.to_bits())?;
+    // From -MOST to MOST.
+    (travel.wrapping_add(MOST) as u64 <= 2 * MOST as u64).then_some(travel)
 }
 
 /// Whether an axis is at rest: all of it is zero.
@@ -404,7 +406,7 @@ impl Scale {
     }
 
     /// A cubic, likewise: its slope at the begin, and what comes to that.
-    #[inline(always)]
+    #[inline(never)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<(f32, Scaled<2>)> {
         let slopes = self.slopes(tangents);
         let point = self.point(travel, most(&slopes))?;

@@ -301,9 +301,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// begins; so may a block with a spline or a curve of POS.
     pub fn moved(&self, motion: &Motion<AXES>) -> u32 {
         let turned = match motion.kind {
-            MotionKind::Arc { plane, .. } => {
-                plane.main_axes().map(|place| self.measure.main.get(place).copied().flatten())
-            }
+            MotionKind::Arc { plane, .. } => plane.main_axes().map(|place| self.measure.main.get(place)),
             _ => [None; 2],
         };
         let ends = motion.target.iter().zip(&self.intake.programmed);

@@ -336,6 +336,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let portion = self.portion(i);
         let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
         let element = Quintic::new(&a, &b, length);
+        let is_first = portion.is_first;
+        let counts = !self.any && self.path.is_none();
+        if counts && element.is_uneven(&self.measure.main, length, even) {
+            self.seam = Seam { of: i, is_first, site: a };
+            return false;
+        }
         let is_near =
             |t: f32| portion.curve.is_near(&self.measure.main, &element.point(t), portion.at(t), slack);
         let (mut is_fine, mut seen) = (false, None);
@@ -343,12 +349,10 @@ impl<const AXES: usize> CornerCurve<AXES> {
             let [above, below] = self.unevenness(&element, length);
             let is_even = max(above, below) <= even;
             // Over its own parameter an element is a part of the curve.
-            is_fine = self.any
-                || self.path.is_some()
-                || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
+            is_fine =
+                !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
         }
-        let is_first = portion.is_first;
         if let (Some(kept), Some(seen)) = (self.seen.get_mut(i as usize), seen) {
             *kept = seen;
         }

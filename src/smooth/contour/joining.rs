@@ -576,8 +576,8 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in setting.measure.main.iter().zip(rule.point) {
-            let (Some(k), Some(value)) = (*k, value) else { continue };
+        for (k, value) in setting.measure.main.places().into_iter().zip(rule.point) {
+            let (Some(k), Some(value)) = (k, value) else { continue };
             if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }

@@ -39,7 +39,7 @@ pub fn along(measure: &Measure, axes: usize) -> Main {
         return measure.main;
     }
     let mut feed = (0..axes).filter(|k| measure.feeds(*k));
-    [feed.next(), feed.next(), feed.next()]
+    Main::new([feed.next(), feed.next(), feed.next()])
 }
 
 /// What the axes travel, mm.
