@@ -358,6 +358,35 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
+    /// Whether [`Self::polynomial`] surely gives that speed (mm/tick) or more to an element of a constant one, whose
+    /// derivatives are no more than those.
+    pub fn permits(
+        &self,
+        v: f32,
+        [first, second, third]: &[[f32; AXES]; 3],
+        (feed, fastest): (Option<f32>, f32),
+        check: u8,
+    ) -> bool {
+        let rapid = feed.is_none();
+        let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / fastest);
+        // With the level of an override above 1 the feed is raised by what the limits leave.
+        if self.slope == SlopeType::Step
+            || self.level > 1.0
+            || min(self.path.speed(rapid), feed * self.level) < v
+        {
+            return false;
+        }
+        let [normal_part, curve_part, _] = parts(Passage::Constant, false, false);
+        let derivatives = first.iter().zip(second).zip(third);
+        self.axes.iter().zip(derivatives).all(|(axis, ((first, second), third))| {
+            let set = axis.set(rapid);
+            let budget = set.curving_budget(check);
+            v * first <= SURELY * set.v
+                && v * v * second <= SURELY * min(set.least(), normal_part * axis.a_max)
+                && (budget == f32::MAX || v * v * v * third <= SURELY * (curve_part * budget))
+        })
+    }
+
     /// The highest speed of a curve that acceleration passes, with these second and third derivatives.
     pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
         let [normal_part, curve_part, _] = THROUGH_PARTS;

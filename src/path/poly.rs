@@ -300,13 +300,22 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
+/// A path length in mm as an element has it. `None` where the formats cannot hold it.
+#[inline(always)]
+pub fn distance(length: f32) -> Option<Distance> {
+    let bits = to_bits::<44>(length);
+    (bits > 0 && bits < LONGEST).then(|| Distance::from_bits(bits))
+}
+
 /// How far an axis goes. `None` where the formats cannot hold it.
 #[inline(always)]
 fn travel(from: Position, to: Position) -> Option<i64> {
-    const MOST: i64 = (LONGEST >> FINER) - 1;
-    let travel = to.to_bits().checked_sub(from.to_bits())?;
-    // From -MOST to MOST.
-    (travel.wrapping_add(MOST) as u64 <= 2 * MOST as u64).then_some(travel)
+    const MOST: i64 = LONGEST >> FINER;
+    let upper = |x: Position| (x.to_bits() >> 32) as i32;
+    upper(to).checked_sub(upper(from))?;
+    let travel = to.to_bits().wrapping_sub(from.to_bits());
+    // From -MOST to less than MOST.
+    (travel.wrapping_add(MOST) as u64 >> (MOST.trailing_zeros() + 1) == 0).then_some(travel)
 }
 
 /// Whether an axis is at rest: all of it is zero.
@@ -319,11 +328,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// Gets that length, mm.
     #[inline(always)]
     fn measure(&mut self, length: f32) -> Option<()> {
-        let bits = to_bits::<44>(length);
-        if bits <= 0 || bits >= LONGEST {
-            return None;
-        }
-        self.length = Distance::from_bits(bits);
+        self.length = distance(length)?;
         self.shift = Self::shift_of(self.length);
         Some(())
     }
