@@ -28,6 +28,7 @@ impl Braking {
 
     /// Less than `left`, where that is less than `self`: where both meet if they go on as from `before`, what was
     /// tried then and what was left of it; by as much again, or by a part, at first. `None` where all of it is left.
+    #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
             return None;

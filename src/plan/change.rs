@@ -54,6 +54,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
     /// from its start. `None`, and nothing has changed, if that came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
+        self.make_change(k, at, descent.as_ref())?;
+        self.secure_change().then_some(Work::Working)
+    }
+
+    /// The first pieces of it. Not inlined: what it has on the stack is gone when the way behind them is made.
+    #[inline(never)]
+    fn make_change(&mut self, k: usize, at: u32, descent: Option<&Descent>) -> Option<()> {
         let committed = *self.committed.get(k)?;
         if self.queue.phases.room() < PIECES + 2 || self.queue.clock.has_left() {
             return None;
@@ -64,7 +71,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.planned = k;
         self.orders.mode.uneven = true;
         let mut made = Ok(());
-        if let Some(descent) = &descent {
+        if let Some(descent) = descent {
             self.frontier.emitter.resume_at(0);
             self.go_down(k, descent);
             self.hand_out();
@@ -100,7 +107,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.undo();
             return None;
         }
-        self.secure_change().then_some(Work::Working)
+        Some(())
     }
 
     /// From here on new pieces, from the instant `at` on, do not count before [`Self::hand_over`]. There is

@@ -391,45 +391,34 @@ impl<const AXES: usize> Quintic<AXES> {
         magnitude(off) > 2.01 * even + 4e-6
     }
 
-    /// Square of the way from a point to the place `u`, over the main axes.
+    /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
+    /// half of the change of that.
     #[inline(always)]
-    fn apart(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
+    fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
-        main.of::<AXES>().fold(0.0, |sum, k| {
-            let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
-            let [c1, c2, c3, c4, c5] = [get(p1), get(p2), get(p3), get(p4), get(p5)];
-            let away = get(p0) + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))) - get(point);
-            sum + away * away
-        })
-    }
-
-    /// Of that square, half of its change over u, and half of the change of that.
-    #[inline(always)]
-    fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 2] {
-        let [p0, p1, p2, p3, p4, p5] = &self.power;
-        let [mut along, mut slope, mut bend] = [0.0; 3];
+        let [mut square, mut along, mut slope, mut bend] = [0.0; 4];
         for k in main.of::<AXES>() {
             let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
             let [c1, c2, c3, c4, c5] = [get(p1), get(p2), get(p3), get(p4), get(p5)];
             let away = get(p0) + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))) - get(point);
             let first = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)));
             let second = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5));
+            square += away * away;
             along += away * first;
             slope += first * first;
             bend += away * second;
         }
-        [along, slope + bend]
+        [square, along, slope + bend]
     }
 
     /// The parameter of the curve's point nearest to `point`, beginning to search at `u`. `None` where a place is
     /// seen whose distance has at most the square `most`.
     fn search(&self, main: &Main, point: &[f32; AXES], mut u: f32, most: f32) -> Option<f32> {
         for _ in 0..NEAREST_STEPS {
-            // That alone is a third of the work.
-            if most > 0.0 && self.apart(main, point, u) <= most {
+            let [square, along, slope] = self.seen(main, point, u);
+            if square <= most {
                 return None;
             }
-            let [along, slope] = self.seen(main, point, u);
             let next = if slope > 0.0 { min(max(u - along / slope, 0.0), 1.0) } else { u };
             let is_near = max(next - u, u - next) <= NEAR;
             u = next;
