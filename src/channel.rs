@@ -265,7 +265,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// By reference: a command is large.
+    /// By reference: a command is large. Not inlined: what it has on the stack is not there while text is decoded.
+    #[inline(never)]
     fn perform(&mut self, step: &Result<Step<AXES>, NcError>) -> Result<Progress, Error> {
         let result = match step {
             Ok(Step::Working) => Ok(Progress::Working),
