@@ -147,6 +147,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B,
     ///
     /// at most what the slope permits. `None` where nothing is left.
+    #[inline(never)]
     pub fn stopping(&self, bounds: &Bounds<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         let stage = passed.stage;
         let kinds = [false, true].into_iter().filter(|kind| passed.rapid.is_none_or(|rapid| rapid == *kind));

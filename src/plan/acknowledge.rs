@@ -32,6 +32,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Looks at acknowledgements, and goes on with what they began.
+    #[inline(never)]
     pub(super) fn answer(&mut self) -> Option<Work> {
         if self.task.joining {
             return self.join();

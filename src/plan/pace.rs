@@ -103,6 +103,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Laws of now in place of those in the queue, from the first one that differs on.
+    #[inline(never)]
     pub(super) fn adjust(&mut self) -> Option<Work> {
         let (at, later) = self.attempt()?;
         let mut left = false;

@@ -161,6 +161,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// With STEP: to half the speed in the first span, at least as hard as planned. What is planned behind it
     /// stays possible.
+    #[inline(never)]
     fn slow_inside(
         &mut self,
         begin: &Begin,
