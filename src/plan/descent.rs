@@ -369,6 +369,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many
     /// spans. `short`: its limits are those of the axes on its way.
+    #[inline(never)]
     pub(super) fn verify(
         &self,
         start: Cursor,

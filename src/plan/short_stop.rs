@@ -210,17 +210,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             nearest = if nearest > 0.0 { nearest } else { needs };
             let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
             let brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
-            let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
-            for (k, part) in parts.iter_mut().enumerate() {
-                let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
-                let until = if k + 1 < PARTS {
-                    brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
-                } else {
-                    brake.end
-                };
-                let change = [v - to, from - speeds[PARTS] * v];
-                *part = Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until };
-            }
+            self.part(&brake, (speeds, *v), &mut parts);
             let left = self.permitted(begin, span, motion, &parts, braking).ok_or(No::Law)?;
             let Some(less) = braking.less(&left, before.as_ref()) else {
                 return Ok((brake, limits, needs / nearest));
@@ -229,6 +219,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             braking = less;
         }
         Err(No::Law)
+    }
+
+    /// The parts of the way of a law that is in the profile.
+    #[inline(never)]
+    fn part(&self, brake: &Brake, (speeds, v): (&Speeds, f32), parts: &mut [Part; PARTS]) {
+        let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
+        for (k, part) in parts.iter_mut().enumerate() {
+            let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
+            let until = if k + 1 < PARTS {
+                brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
+            } else {
+                brake.end
+            };
+            let change = [v - to, from - speeds[PARTS] * v];
+            *part = Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until };
+        }
     }
 
     /// The first stretch, its end and the path distance up to which a deceleration may go on, and how much path a

@@ -147,6 +147,24 @@ impl<const AXES: usize> Side<AXES> {
         site
     }
 
+    /// The same without direction and curvature.
+    pub fn point(&self, s: f32) -> [f32; AXES] {
+        let mut point = self.tangent.map(|t| t * s);
+        if let Some(plane) = self.plane {
+            let (half, other) = sine(0.5 * (self.rate * s));
+            let along = 2.0 * half * other / self.rate;
+            let across = 2.0 * half * half / (self.rate * self.rate);
+            for k in plane {
+                if let (Some(x), Some(t), Some(c)) =
+                    (point.get_mut(k), self.tangent.get(k), self.curvature.get(k))
+                {
+                    *x = t * along + c * across;
+                }
+            }
+        }
+        point
+    }
+
     /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
     /// Where it is surely no more than `most`, it may be any that is not.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], (guess, side): (f32, f32), most: f32) -> f32 {
@@ -500,7 +518,7 @@ impl Deviation {
         if !self.inward.is_found() {
             self.inward.climb(INWARD, |place, top| {
                 let (side, s) = block(place);
-                let point = side.at(s).offset;
+                let point = side.point(s);
                 let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
                 curve.distance(main, &point, 0.5 + 0.5 * place, top)
             });
