@@ -196,28 +196,11 @@ impl<const AXES: usize> Interpreter<AXES> {
         [waiting.first, waiting.next].map(usize::from)
     }
 
-    /// An axis bracket command puts itself into `single`; whether there is one.
-    #[inline(never)]
-    fn single_here(
-        &mut self,
-        c: &mut Cursor<'_>,
-        line: &Line,
-        axis: usize,
-        mark: usize,
-    ) -> Result<bool, Fault> {
-        let command = self.axis_command(c, line, axis, mark)?;
-        let is_there = command.is_some();
-        if let Some(command) = command {
-            self.single = Some(Cell::new(command));
-        }
-        Ok(is_there)
-    }
-
     /// Reads one word. An axis bracket command puts itself into `single`; its span comes back.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         if let Some(axis) = self.axis_here(c) {
-            if c.peek() == b'[' && self.single_here(c, line, axis, mark)? {
+            if c.peek() == b'[' && self.axis_command(c, line, axis, mark)? {
                 return Ok(Some(c.since(mark)));
             }
             let given = self.value(c, mark)?;

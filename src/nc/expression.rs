@@ -8,6 +8,7 @@ use super::number::Number;
 use super::parameter::{Parameters, index};
 use super::{Fault, NcErrorKind, real};
 use crate::machine::functions;
+use core::mem::take;
 use heapless::Vec;
 
 /// Operators (and operands) that may wait at the same time.
@@ -216,17 +217,19 @@ impl Evaluation<'_> {
 
     /// Goes on in another call, from `at` on.
     #[inline(never)]
-    fn lay_aside(&self, calculator: &Calculator, start: usize, at: usize) {
-        let stacks = Stacks { values: self.values.clone(), ops: self.ops.clone() };
+    fn lay_aside(&mut self, calculator: &Calculator, start: usize, at: usize) {
+        let stacks = Stacks { values: take(&mut self.values), ops: take(&mut self.ops) };
         calculator.lay_aside(start, Aside { at, stacks });
     }
 
     /// Takes up what was laid aside, and says where it goes on.
     #[inline(never)]
     fn take_up(&mut self, calculator: &Calculator) -> Option<usize> {
-        let Aside { at, stacks } = calculator.take_aside()?;
-        (self.values, self.ops) = (stacks.values, stacks.ops);
-        Some(at)
+        let Some(Aside { at, stacks: Stacks { values, ops } }) = &mut calculator.take_aside() else {
+            return None;
+        };
+        (self.values, self.ops) = (take(values), take(ops));
+        Some(*at)
     }
 
     /// Takes the value on top; the parser never pushes an operator without its operands.
