@@ -234,6 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// What is left of a dwell goes, if nothing but that is left.
+    #[inline(never)]
     fn end_rest(&mut self) {
         self.frontier.pending_dwell = 0;
         self.trim();
