@@ -67,6 +67,7 @@ pub struct Window<const AXES: usize> {
 
 impl<const AXES: usize> Window<AXES> {
     /// No points; path counts along these axes.
+    #[inline(always)]
     pub const fn new(axes: Main) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
         let points = [Vertex { at: [Position::ZERO; AXES], data }; POINTS];
