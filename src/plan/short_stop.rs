@@ -100,13 +100,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         motion: &Instant,
         surely: bool,
     ) -> Result<Descent, No> {
-        let (begin, ends, way) = self.begin_short(cursor, span, motion, surely)?;
+        // By reference, here and below: as a whole it would be there twice.
+        let begun = self.begin_short(cursor, span, motion, surely);
+        let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
         let stepped = begin.is_stepped();
         let [_, end] = ends;
-        let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
+        let stands = self.come_down(begin, span, motion, (&STANDS, end, way));
         if stepped
             && !matches!(stands, Ok((.., needs)) if needs <= NEARLY)
-            && let Some(descent) = self.slow_inside(&begin, span, motion, ends)
+            && let Some(descent) = self.slow_inside(begin, span, motion, ends)
         {
             return Ok(descent);
         }
@@ -194,7 +196,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let v = speed * v;
             *part = Part { v, change: [0.0, v], ramps: [true; 2], gains: true, until: here };
         }
-        let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST).ok_or(No::Law)?;
+        let mut braking = self.permitted(begin, span, motion, &parts, &Braking::WIDEST).ok_or(No::Law)?;
         let mut nearest = 0.0;
         let mut before = None;
         for _round in 0..ROUNDS {
@@ -209,13 +211,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             nearest = if nearest > 0.0 { nearest } else { needs };
             let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
-            let brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
-            self.part(&brake, (speeds, *v), &mut parts);
-            let left = self.permitted(begin, span, motion, &parts, braking).ok_or(No::Law)?;
-            let Some(less) = braking.less(&left, before.as_ref()) else {
-                return Ok((brake, limits, needs / nearest));
+            let Some(brake) = &Brake::down_to(&mut self.profile, motion, end, law, to) else {
+                return Err(No::Law);
             };
-            before = Some([braking, left]);
+            self.part(brake, (speeds, *v), &mut parts);
+            let Some(left) = &self.permitted(begin, span, motion, &parts, &braking) else {
+                return Err(No::Law);
+            };
+            let Some(less) = braking.less(left, before.as_ref()) else {
+                return Ok((*brake, limits, needs / nearest));
+            };
+            before = Some([braking, *left]);
             braking = less;
         }
         Err(No::Law)
@@ -286,8 +292,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         span: &mut ReleasedSpan,
         motion: &Instant,
         parts: &[Part; PARTS],
-        mut braking: Braking,
+        braking: &Braking,
     ) -> Option<Braking> {
+        let mut braking = *braking;
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
         let [mut start, second] = begin.curve_starts;
         let mut at = motion.distance;
