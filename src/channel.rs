@@ -255,8 +255,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
             let step = self.decoder.step();
-            if !matches!(step, Ok(Step::Working)) {
-                return self.perform(&step);
+            match step {
+                Ok(Step::Working) => {}
+                Ok(Step::Late) => return Ok(self.go_without()),
+                _ => return self.perform(&step),
             }
             if !self.decoder.has_done_little() {
                 break;
@@ -265,17 +267,23 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// By reference: a command is large.
+    /// The text is not there yet.
+    #[inline(never)]
+    fn go_without(&mut self) -> Progress {
+        match self.planning.go_without() {
+            Work::Waiting => Progress::Waiting,
+            Work::Starved => Progress::Starved,
+            _ => Progress::Working,
+        }
+    }
+
+    /// By reference: a command is large. Not inlined: what it has on the stack is not there while text is decoded.
+    #[inline(never)]
     fn perform(&mut self, step: &Result<Step<AXES>, NcError>) -> Result<Progress, Error> {
         let result = match step {
-            Ok(Step::Working) => Ok(Progress::Working),
+            Ok(Step::Working | Step::Late) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
             Ok(Step::Command(command)) => self.execute(command),
-            Ok(Step::Late) => Ok(match self.planning.go_without() {
-                Work::Waiting => Progress::Waiting,
-                Work::Starved => Progress::Starved,
-                _ => Progress::Working,
-            }),
             Ok(Step::End) => {
                 self.end();
                 Ok(Progress::Working)

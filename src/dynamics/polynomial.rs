@@ -188,6 +188,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.law = self.law(change_over);
         let [normal_part, curve_part, slope_part] = parts(bounds.passage, curving.near.way <= 0.0, stepped);
         let trades = bounds.trades() && !stepped;
+        let peak = match &limits.law {
+            SlopeLaw::JerkLimited { shape, .. } => shape.peak_jerk(),
+            SlopeLaw::Stepped { .. } => 1.0,
+        };
+        // Jerk left to the slope.
+        let mut left = f32::MAX;
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
             if *first > 0.0 {
@@ -196,19 +202,24 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             if *second > 0.0 {
                 let normal = min(set.least(), normal_part * a_max(axis));
-                limits.v = min(limits.v, sqrt_f32(normal / second));
+                // Roots only where they may be lower.
+                if limits.v * limits.v * second >= SURELY * normal {
+                    limits.v = min(limits.v, sqrt_f32(normal / second));
+                }
             }
             let budget = budget_of(set);
             if budget < f32::MAX {
-                if *third > 0.0 {
-                    limits.v = min(limits.v, cbrt_f32(curve_part * budget / third));
+                let v = limits.v;
+                if *third > 0.0 && v * v * v * third >= SURELY * (curve_part * budget) {
+                    limits.v = min(v, cbrt_f32(curve_part * budget / third));
                 }
-                if let (true, SlopeLaw::JerkLimited { shape, j, .. }) =
-                    (*first > 0.0 && !trades && !bounds.passes(), &mut limits.law)
-                {
-                    lower(j, [slope_part / shape.peak_jerk() * budget / first; 4]);
+                if *first > 0.0 {
+                    left = min(left, slope_part / peak * budget / first);
                 }
             }
+        }
+        if let (true, SlopeLaw::JerkLimited { j, .. }) = (!trades && !bounds.passes(), &mut limits.law) {
+            lower(j, [left; 4]);
         }
         let mut slow = false;
         if bounds.flows() {
@@ -345,6 +356,35 @@ impl<const AXES: usize> Dynamics<AXES> {
                 a
             });
         }
+    }
+
+    /// Whether [`Self::polynomial`] surely gives that speed (mm/tick) or more to an element of a constant one, whose
+    /// derivatives are no more than those.
+    pub fn permits(
+        &self,
+        v: f32,
+        [first, second, third]: &[[f32; AXES]; 3],
+        (feed, fastest): (Option<f32>, f32),
+        check: u8,
+    ) -> bool {
+        let rapid = feed.is_none();
+        let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / fastest);
+        // With the level of an override above 1 the feed is raised by what the limits leave.
+        if self.slope == SlopeType::Step
+            || self.level > 1.0
+            || min(self.path.speed(rapid), feed * self.level) < v
+        {
+            return false;
+        }
+        let [normal_part, curve_part, _] = parts(Passage::Constant, false, false);
+        let derivatives = first.iter().zip(second).zip(third);
+        self.axes.iter().zip(derivatives).all(|(axis, ((first, second), third))| {
+            let set = axis.set(rapid);
+            let budget = set.curving_budget(check);
+            v * first <= SURELY * set.v
+                && v * v * second <= SURELY * min(set.least(), normal_part * axis.a_max)
+                && (budget == f32::MAX || v * v * v * third <= SURELY * (curve_part * budget))
+        })
     }
 
     /// The highest speed of a curve that acceleration passes, with these second and third derivatives.

@@ -28,6 +28,7 @@ impl Braking {
 
     /// Less than `left`, where that is less than `self`: where both meet if they go on as from `before`, what was
     /// tried then and what was left of it; by as much again, or by a part, at first. `None` where all of it is left.
+    #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
             return None;
@@ -146,6 +147,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B,
     ///
     /// at most what the slope permits. `None` where nothing is left.
+    #[inline(never)]
     pub fn stopping(&self, bounds: &Bounds<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         let stage = passed.stage;
         let kinds = [false, true].into_iter().filter(|kind| passed.rapid.is_none_or(|rapid| rapid == *kind));

@@ -8,6 +8,7 @@ use super::number::Factor;
 use super::{Command, Fault, Head, NcErrorKind, Span};
 use crate::machine::{AxisKind, functions};
 use crate::quantity::Position;
+use core::cell::Cell;
 
 /// Words of OSC.
 #[derive(Default)]
@@ -164,41 +165,62 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
     }
 
-    /// The command in brackets behind the name of an axis, if there is one; else the cursor stays.
+    /// The command in brackets behind the name of an axis puts itself into `single`, if there is one; else the
+    /// cursor stays. Whether there is one.
     pub fn axis_command(
         &mut self,
         c: &mut Cursor<'_>,
         line: &Line,
         axis: usize,
         mark: usize,
-    ) -> Result<Option<Command<AXES>>, Fault> {
+    ) -> Result<bool, Fault> {
         let bracket = c.mark();
         if !c.eat(b'[') {
-            return Ok(None);
+            return Ok(false);
         }
         let word = c.identifier(24);
         let is_command = word.is("OSC") || word.is("INDP_SYN") || word.is("INDP_ASYN") || word.is("INDP");
         if is_command && !functions::BESIDE.is_built() {
             c.since(mark).needs(functions::BESIDE)?;
-            return Ok(None);
+            return Ok(false);
         }
         if word.is("OSC") {
-            return self.oscillation(c, line, axis, mark).map(Some);
+            self.oscillation(c, line, axis, mark)?;
+            return Ok(true);
         }
-        if word.is("INDP_SYN") || word.is("INDP_ASYN") || word.is("INDP") {
-            let mut target = IndependentWords::default();
-            target.words.axis = axis;
-            target.words.synchronous = !word.is("INDP_ASYN");
-            list_inside(c, &self.calculator, self.units(axis), &mut target)?;
-            let words = self.independent(target, c.since(mark))?;
-            return Ok(Some(Command::Independent(self.head_of(line, c.since(mark)), words)));
+        if is_command {
+            self.motion_beside(c, line, (axis, !word.is("INDP_ASYN")), mark)?;
+            return Ok(true);
         }
         c.back_to(bracket);
-        Ok(None)
+        Ok(false)
+    }
+
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    #[inline(never)]
+    fn motion_beside(
+        &mut self,
+        c: &mut Cursor<'_>,
+        line: &Line,
+        (axis, synchronous): (usize, bool),
+        mark: usize,
+    ) -> Result<(), Fault> {
+        let mut target = IndependentWords::default();
+        (target.words.axis, target.words.synchronous) = (axis, synchronous);
+        list_inside(c, &self.calculator, self.units(axis), &mut target)?;
+        self.move_beside(&target, line, c.since(mark))
+    }
+
+    #[inline(never)]
+    fn move_beside(&mut self, target: &IndependentWords, line: &Line, span: Span) -> Result<(), Fault> {
+        let words = self.independent(target, span)?;
+        self.single = Some(Cell::new(Command::Independent(self.head_of(line, span), words)));
+        Ok(())
     }
 
     /// The motion of an independent axis, its end in machine coordinates.
-    fn independent(&self, target: IndependentWords, span: Span) -> Result<Independent, Fault> {
+    fn independent(&self, target: &IndependentWords, span: Span) -> Result<Independent, Fault> {
         let mut words = target.words;
         if let Some(word) = target.other {
             return span.fault(NcErrorKind::NotAvailable(word));
@@ -233,18 +255,23 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(words)
     }
 
+    #[inline(never)]
     fn oscillation(
         &mut self,
         c: &mut Cursor<'_>,
         line: &Line,
         axis: usize,
         mark: usize,
-    ) -> Result<Command<AXES>, Fault> {
+    ) -> Result<(), Fault> {
         let mut w = OscWords::default();
         list_inside(c, &self.calculator, self.units(axis), &mut w)?;
-        let span = c.since(mark);
+        self.oscillate(&w, line, axis, c.since(mark))
+    }
+
+    #[inline(never)]
+    fn oscillate(&mut self, w: &OscWords, line: &Line, axis: usize, span: Span) -> Result<(), Fault> {
         let action = if w.on {
-            self.oscillation_on(&w, axis, span)?
+            self.oscillation_on(w, axis, span)?
         } else if w.off {
             match (w.feed, w.instant) {
                 (Some(_), true) => return span.fault(NcErrorKind::Conflict("INSTANT and FEED")),
@@ -259,7 +286,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             // It ends there, however it ends (but OFF INSTANT: the planner knows better then).
             *slot = second;
         }
-        Ok(Command::Oscillation(self.head_of(line, span), Oscillation { axis, action }))
+        let head = self.head_of(line, span);
+        self.single = Some(Cell::new(Command::Oscillation(head, Oscillation { axis, action })));
+        Ok(())
     }
 
     fn oscillation_on(&self, w: &OscWords, axis: usize, span: Span) -> Result<OscillationAction, Fault> {

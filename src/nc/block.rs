@@ -148,12 +148,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut w = Words::new();
         let mut first = c.mark();
         // Looked at first: it is large.
-        if self.waiting.is_some()
-            && let Some(waiting) = self.waiting.take()
-        {
-            let waiting = waiting.into_inner();
-            (w, first) = (waiting.words, usize::from(waiting.first));
-            c.back_to(usize::from(waiting.next));
+        if self.waiting.is_some() {
+            let next;
+            [first, next] = self.take_up(&mut w);
+            c.back_to(next);
         } else {
             self.before = Before::All(self.modal);
             self.queue.clear();
@@ -166,8 +164,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.calculator.halt()
             };
             if self.calculator.is_halted() {
-                let waiting = Waiting { words: w, first: first as u16, next: mark as u16 };
-                self.waiting = Some(Cell::new(waiting));
+                self.lay_aside(&mut w, [first, mark]);
                 return self.calculator.halt();
             }
             if let Some(single) = result? {
@@ -182,14 +179,28 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.finish(&mut w, line)
     }
 
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// The block goes on in another call: where its first word begins, and the next one.
+    #[inline(never)]
+    fn lay_aside(&mut self, words: &mut Words<AXES>, [first, next]: [usize; 2]) {
+        let words = core::mem::replace(words, Words::new());
+        self.waiting = Some(Cell::new(Waiting { words, first: first as u16, next: next as u16 }));
+    }
+
+    /// The block that waited.
+    #[inline(never)]
+    fn take_up(&mut self, words: &mut Words<AXES>) -> [usize; 2] {
+        let Some(waiting) = self.waiting.take().map(Cell::into_inner) else { return [0; 2] };
+        *words = waiting.words;
+        [waiting.first, waiting.next].map(usize::from)
+    }
+
     /// Reads one word. An axis bracket command puts itself into `single`; its span comes back.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         if let Some(axis) = self.axis_here(c) {
-            if c.peek() == b'['
-                && let Some(command) = self.axis_command(c, line, axis, mark)?
-            {
-                self.single = Some(Cell::new(command));
+            if c.peek() == b'[' && self.axis_command(c, line, axis, mark)? {
                 return Ok(Some(c.since(mark)));
             }
             let given = self.value(c, mark)?;

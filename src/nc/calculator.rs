@@ -126,12 +126,11 @@ impl Calculator {
         Span::default().fault(NcErrorKind::Endless)
     }
 
-    /// Lays the expression aside that begins at `start`.
+    /// Lays the expression aside that begins at `start`. The line then halts.
     #[inline(never)]
-    pub fn lay_aside<V>(&self, start: usize, aside: Aside) -> Result<V, Fault> {
+    pub fn lay_aside(&self, start: usize, aside: Aside) {
         self.aside.set(Some(aside));
         self.aside_start.set(start);
-        self.halt()
     }
 
     /// Whether an expression may be laid aside: what was complete before it has to be known.

@@ -12,6 +12,7 @@ use core::cell::Cell;
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H.
+    #[inline(never)]
     pub fn finish(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<Next, Fault> {
         if let Some(given) = w.spindle.take() {
             if w.consumer == Use::Dwell {

@@ -8,6 +8,7 @@ use super::number::Number;
 use super::parameter::{Parameters, index};
 use super::{Fault, NcErrorKind, real};
 use crate::machine::functions;
+use core::mem::take;
 use heapless::Vec;
 
 /// Operators (and operands) that may wait at the same time.
@@ -212,6 +213,25 @@ impl Evaluation<'_> {
         self.ops.push(op).map_err(|_| NcErrorKind::ExpressionTooDeep)
     }
 
+    // What is laid aside is not copied by who evaluates: it would be on its stack all the time.
+
+    /// Goes on in another call, from `at` on.
+    #[inline(never)]
+    fn lay_aside(&mut self, calculator: &Calculator, start: usize, at: usize) {
+        let stacks = Stacks { values: take(&mut self.values), ops: take(&mut self.ops) };
+        calculator.lay_aside(start, Aside { at, stacks });
+    }
+
+    /// Takes up what was laid aside, and says where it goes on.
+    #[inline(never)]
+    fn take_up(&mut self, calculator: &Calculator) -> Option<usize> {
+        let Some(Aside { at, stacks: Stacks { values, ops } }) = &mut calculator.take_aside() else {
+            return None;
+        };
+        (self.values, self.ops) = (take(values), take(ops));
+        Some(*at)
+    }
+
     /// Takes the value on top; the parser never pushes an operator without its operands.
     fn pop(&mut self) -> f64 {
         self.values.pop().unwrap_or(0.0)
@@ -336,10 +356,9 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
     let mut e = Evaluation { parameters, values: Vec::new(), ops: Vec::new() };
     let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
     if calculator.has_aside(start)
-        && let Some(Aside { at, stacks }) = calculator.take_aside()
+        && let Some(at) = e.take_up(calculator)
     {
         c.back_to(at);
-        (e.values, e.ops) = (stacks.values, stacks.ops);
     } else {
         operand(c, &mut e, start)?;
     }
@@ -348,8 +367,8 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
         let operator = loop {
             let mark = c.mark();
             if !calculator.affords(e.due(c.peek() == b']')) && calculator.knows_all() {
-                let stacks = Stacks { values: e.values, ops: e.ops };
-                return calculator.lay_aside(start, Aside { at: mark, stacks });
+                e.lay_aside(calculator, start, mark);
+                return calculator.halt();
             }
             if c.peek() == b']' && e.ops.iter().any(|op| matches!(op, Op::Open(_))) {
                 c.bump();

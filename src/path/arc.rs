@@ -2,6 +2,7 @@
 //!
 //! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The
 //! radius then changes linearly with the angle from the one to the other.
+use super::measure::Main;
 use super::{
     Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,
 };
@@ -317,9 +318,9 @@ const LSB_28: f32 = 1.0 / (1u64 << 28) as f32;
 const LSB_60: f32 = 1.0 / (1u64 << 60) as f32;
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
-fn plane_axes(plane: Plane, main: &[Option<usize>; 3]) -> Result<[usize; 2], PathError> {
+fn plane_axes(plane: Plane, main: &Main) -> Result<[usize; 2], PathError> {
     let [p, q] = plane.main_axes();
-    match (main.get(p).copied().flatten(), main.get(q).copied().flatten()) {
+    match (main.get(p), main.get(q)) {
         (Some(p), Some(q)) => Ok([p, q]),
         _ => Err(PathError::NoPlane(plane)),
     }
@@ -337,7 +338,7 @@ pub fn centre_of_radius<const AXES: usize>(
     radius: Position,
     plane: Plane,
     clockwise: bool,
-    main: &[Option<usize>; 3],
+    main: &Main,
 ) -> Result<[Position; 2], PathError> {
     let axes = plane_axes(plane, main)?;
     let from = axes.map(|k| start.get(k).map_or(0, |x| x.to_bits()));

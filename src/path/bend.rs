@@ -37,6 +37,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// Takes the largest derivatives of every axis between two distances from its start (2^-44 mm) into
     /// `bounds`: those of a line, of a polynomial what its hull shows
     /// ([`hull`]), of an arc what its axes show there.
+    #[inline(never)]
     pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
         for (axis, gain) in self.gain.iter().enumerate().filter(|(_, gain)| **gain != 0) {

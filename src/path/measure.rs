@@ -21,11 +21,54 @@ use super::{FINER, travelled};
 use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
 
+/// Places of up to three axes in a vector over all axes: the main axes, in the order of their names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Main([u8; 3]);
+
+impl Main {
+    /// No axis has that place.
+    const NONE: u8 = u8::MAX;
+
+    /// Of the axes that there are.
+    pub fn new(places: [Option<usize>; 3]) -> Self {
+        Self(places.map(|place| place.and_then(|k| u8::try_from(k).ok()).unwrap_or(Self::NONE)))
+    }
+
+    /// The first, second or third of them, counted from 0, if there is one.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Option<usize> {
+        self.0.get(i).filter(|k| **k != Self::NONE).map(|k| usize::from(*k))
+    }
+
+    /// One after the other, with a gap where there is none.
+    pub fn places(&self) -> [Option<usize>; 3] {
+        [self.get(0), self.get(1), self.get(2)]
+    }
+
+    /// Those that there are in vectors of so many axes.
+    #[inline(always)]
+    pub fn of<const AXES: usize>(&self) -> impl Iterator<Item = usize> {
+        self.0.into_iter().map(usize::from).filter(|k| *k < AXES)
+    }
+
+    /// Whether this axis is one of them.
+    #[inline(always)]
+    pub fn contains(&self, axis: usize) -> bool {
+        self.0.iter().any(|k| usize::from(*k) == axis)
+    }
+
+    /// Whether they are the first three axes in their order.
+    #[inline(always)]
+    pub fn lead(&self) -> bool {
+        self.0 == [0, 1, 2]
+    }
+}
+
 /// Main axes, feed axes and master axis of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measure {
     /// The main axes: they span the space.
-    pub main: [Option<usize>; 3],
+    pub main: Main,
     /// The feed axes where they are others, bit k for axis k.
     feed: Option<u32>,
     master: Option<usize>,
@@ -55,7 +98,7 @@ impl Measure {
         };
         let only = feed.count_ones() == 1 && feed & bits(marked) != 0;
         let master = only.then_some(feed.trailing_zeros() as usize);
-        Self { main, feed: (feed != space).then_some(feed), master }
+        Self { main: Main::new(main), feed: (feed != space).then_some(feed), master }
     }
 
     /// By what the paths of a machine are measured.
@@ -84,7 +127,7 @@ impl Measure {
     /// Whether the feed counts along this axis.
     pub fn feeds(&self, axis: usize) -> bool {
         match self.feed {
-            None => self.main.contains(&Some(axis)),
+            None => self.main.contains(axis),
             Some(feed) => axis < FEED_AXES && feed >> axis & 1 == 1,
         }
     }
@@ -105,7 +148,7 @@ impl Measure {
                 return along;
             }
         }
-        travelled(self.main.iter().flatten().filter_map(|k| travel.get(*k)).copied())
+        travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
     }
 
     #[inline(never)]

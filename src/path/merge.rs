@@ -106,7 +106,7 @@ impl<const AXES: usize> Stretch<AXES> {
         let bounds = self.low.iter_mut().zip(&mut self.high);
         let tangents = self.line.tangent.iter().zip(&line.tangent);
         for (k, ((low, high), (old, new))) in bounds.zip(tangents).enumerate() {
-            let room = to_bits::<40>(if measure.main.contains(&Some(k)) { room } else { room * wide(*old) });
+            let room = to_bits::<40>(if measure.main.contains(k) { room } else { room * wide(*old) });
             (*low, *high) = ((*low).max(old.wrapping_sub(room)), (*high).min(old.wrapping_add(room)));
             if *new < *low || *new > *high {
                 return None;

@@ -174,11 +174,29 @@ fn fixed(x: f32, n: i32) -> i64 {
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// x·2^-n, rounded to nearest, for n in 1..64.
+/// x·2^-n, rounded to nearest, for n in 1..64. The words of 64 bits are shifted by what all have in common.
 #[inline(always)]
-fn rounded(x: i64, n: u32) -> i32 {
-    let size = ((x.unsigned_abs() >> ((n - 1) & 63)) as u32).wrapping_add(1) >> 1;
-    if x < 0 { -(size as i32) } else { size as i32 }
+fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
+    let (n, high) = ((n - 1) & 31, n > 32);
+    x.map(|x| {
+        let size = x.unsigned_abs();
+        let (upper, lower) = ((size >> 32) as u32, size as u32);
+        let size = if high { upper >> n } else { (upper << 1) << (31 - n) | lower >> n };
+        let size = size.wrapping_add(1) >> 1;
+        if x < 0 { -(size as i32) } else { size as i32 }
+    })
+}
+
+/// x·2^n, for n in 0..64, likewise.
+#[inline(always)]
+fn raised<const N: usize>(x: [i64; N], n: u32) -> [i64; N] {
+    let (n, high) = (n & 31, n > 31);
+    x.map(|x| {
+        let (upper, lower) = ((x >> 32) as u32, x as u32);
+        let [upper, lower] =
+            if high { [lower << n, 0] } else { [upper << n | (lower >> 1) >> (31 - n), lower << n] };
+        (u64::from(upper) << 32 | u64::from(lower)) as i64
+    })
 }
 
 /// A polynomial that is made a few axes at a time.
@@ -300,11 +318,22 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
+/// A path length in mm as an element has it. `None` where the formats cannot hold it.
+#[inline(always)]
+pub fn distance(length: f32) -> Option<Distance> {
+    let bits = to_bits::<44>(length);
+    (bits > 0 && bits < LONGEST).then(|| Distance::from_bits(bits))
+}
+
 /// How far an axis goes. `None` where the formats cannot hold it.
 #[inline(always)]
 fn travel(from: Position, to: Position) -> Option<i64> {
-    let travel = to.to_bits().saturating_sub(from.to_bits());
-    (travel.saturating_abs() < LONGEST >> FINER).then_some(travel)
+    const MOST: i64 = LONGEST >> FINER;
+    let upper = |x: Position| (x.to_bits() >> 32) as i32;
+    upper(to).checked_sub(upper(from))?;
+    let travel = to.to_bits().wrapping_sub(from.to_bits());
+    // From -MOST to less than MOST.
+    (travel.wrapping_add(MOST) as u64 >> (MOST.trailing_zeros() + 1) == 0).then_some(travel)
 }
 
 /// Whether an axis is at rest: all of it is zero.
@@ -317,11 +346,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// Gets that length, mm.
     #[inline(always)]
     fn measure(&mut self, length: f32) -> Option<()> {
-        let bits = to_bits::<44>(length);
-        if bits <= 0 || bits >= LONGEST {
-            return None;
-        }
-        self.length = Distance::from_bits(bits);
+        self.length = distance(length)?;
         self.shift = Self::shift_of(self.length);
         Some(())
     }
@@ -404,7 +429,7 @@ impl Scale {
     }
 
     /// A cubic, likewise: its slope at the begin, and what comes to that.
-    #[inline(always)]
+    #[inline(never)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<(f32, Scaled<2>)> {
         let slopes = self.slopes(tangents);
         let point = self.point(travel, most(&slopes))?;
@@ -421,7 +446,7 @@ impl Scale {
             return Some(Scaled { coefficients: [0; N], down: 0, powers: [0.0; N] });
         }
         // To the full width, and over τ.
-        let (a, point) = (a.map(|a| a << ((zeros - 1) & 63)), point + zeros - 1);
+        let (a, point) = (raised(a, (zeros - 1) as u32), point + zeros - 1);
         let unit = power_of_two(32 - point);
         let powers = a.map(|a| (a >> 32) as i32 as f32 * unit);
         let mut b = a;
@@ -436,7 +461,7 @@ impl Scale {
             return None;
         }
         let less = (behind - scale).min(63) as u32;
-        let coefficients = b.map(|b| rounded(b, less));
+        let coefficients = rounded(b, less);
         Some(Scaled { coefficients, down: (scale - POINT) as u8, powers })
     }
 }
@@ -467,7 +492,9 @@ fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
 
 /// The largest magnitude of some values.
 fn most(x: &[f32]) -> f32 {
-    x.iter().fold(0.0, |top, x| max(top, magnitude(*x)))
+    let mut sizes = x.iter().map(|x| magnitude(*x));
+    let first = sizes.next().unwrap_or(0.0);
+    sizes.fold(first, max)
 }
 
 /// Largest magnitude of the first derivative over 0..1, and what rounding here may hide.

@@ -32,6 +32,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Looks at acknowledgements, and goes on with what they began.
+    #[inline(never)]
     pub(super) fn answer(&mut self) -> Option<Work> {
         if self.task.joining {
             return self.join();
@@ -98,8 +99,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The last span ends at the speed `v_out`, if its law can be changed in time.
     fn join_at(&mut self, v_out: Speed) -> bool {
         self.trim();
-        let Some(k) = self.committed.len().checked_sub(1) else { return false };
-        let Some(&committed) = self.committed.get(k) else { return false };
+        match self.make_join(v_out) {
+            Some(true) => self.join_change(),
+            Some(false) => {
+                self.undo();
+                false
+            }
+            None => false,
+        }
+    }
+
+    /// The first pieces of that law, if they are as the motion at hand; `None` where nothing has begun. Not
+    /// inlined: what it has on the stack is gone when the way behind them is made.
+    #[inline(never)]
+    fn make_join(&mut self, v_out: Speed) -> Option<bool> {
+        let k = self.committed.len().checked_sub(1)?;
+        let committed = *self.committed.get(k)?;
         let now = self.queue.clock.now();
         let at = now.wrapping_add(clock::TICK * REACTION);
         let at = if clock::is_before(at, committed.first) { committed.first } else { at };
@@ -112,9 +127,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || !room
             || !idle
         {
-            return false;
+            return None;
         }
-        let Some(motion) = self.motion_at(at).filter(|_| !self.queue.clock.has_left()) else { return false };
+        let motion = self.motion_at(at).filter(|_| !self.queue.clock.has_left())?;
         self.begin_change(at, Some((k, committed)));
         if let Some(committed) = self.committed.get_mut(k) {
             committed.span.v_out = v_out;
@@ -131,10 +146,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.put(rest);
             self.hand_out();
             self.frontier.rests = false;
-            return self.join_change();
+            return Some(true);
         }
-        self.undo();
-        false
+        Some(false)
     }
 
     /// The law just begun at the instant `at`: the motion there, and the piece from there on.

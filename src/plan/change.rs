@@ -54,21 +54,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
     /// from its start. `None`, and nothing has changed, if that came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
-        let committed = *self.committed.get(k)?;
-        if self.queue.phases.room() < PIECES + 2 || self.queue.clock.has_left() {
-            return None;
-        }
+        self.make_change(k, at, descent.as_ref())?;
+        self.secure_change().then_some(Work::Working)
+    }
+
+    /// The first pieces of it. Not inlined: what it has on the stack is gone when the way behind them is made.
+    #[inline(never)]
+    fn make_change(&mut self, k: usize, at: u32, descent: Option<&Descent>) -> Option<()> {
         let drops = at != self.frontier.end;
-        self.begin_change(at, Some((k, committed)));
-        self.frontier.end = at;
-        self.frontier.planned = k;
-        self.orders.mode.uneven = true;
+        self.open_change(k, at)?;
         let mut made = Ok(());
-        if let Some(descent) = &descent {
+        if let Some(descent) = descent {
             self.frontier.emitter.resume_at(0);
             self.go_down(k, descent);
             self.hand_out();
         } else {
+            let committed = self.committed.get(k)?;
             self.frontier.emitter.resume_at(committed.next);
             self.frontier.speed = committed.enters;
         }
@@ -90,7 +91,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 .checked_sub(1)
                 .filter(|last| *last >= k)
                 .and_then(|last| self.committed.get(last));
-            let in_span = self.committed.get(k).map_or(committed.start, |committed| committed.start);
+            let in_span = self.committed.get(k).map_or(self.handed, |committed| committed.start);
             let in_span = ended.map_or(in_span, |ended| Distance::from_bits(ended.end()));
             let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
@@ -100,7 +101,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.undo();
             return None;
         }
-        self.secure_change().then_some(Work::Working)
+        Some(())
+    }
+
+    /// What it touches is kept. `None`, and nothing has changed, where there is no room for it.
+    #[inline(never)]
+    fn open_change(&mut self, k: usize, at: u32) -> Option<()> {
+        let committed = *self.committed.get(k)?;
+        if self.queue.phases.room() < PIECES + 2 || self.queue.clock.has_left() {
+            return None;
+        }
+        self.begin_change(at, Some((k, committed)));
+        self.frontier.end = at;
+        self.frontier.planned = k;
+        self.orders.mode.uneven = true;
+        Some(())
     }
 
     /// From here on new pieces, from the instant `at` on, do not count before [`Self::hand_over`]. There is

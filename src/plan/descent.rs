@@ -103,6 +103,17 @@ pub(super) struct Stretch {
     v_out: Speed,
 }
 
+/// So many spans from the motion on: what they permit to a slowing down, and the end of the last one.
+struct Row {
+    limits: Limits,
+    end: i64,
+    spans: usize,
+    /// Where the last one begins, if they are those looked at.
+    last: Option<Cursor>,
+    /// A standstill fits into them.
+    fits: bool,
+}
+
 impl Stretch {
     #[inline(always)]
     fn new(span: &ReleasedSpan, v_in: Speed, end: i64, fall: Option<&Fall>) -> Self {
@@ -182,8 +193,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.descend_to(Cursor { k, ahead: Ahead::NONE, fall: None }, motion)
     }
 
-    fn descend_to(&mut self, start: Cursor, motion: &Instant) -> Option<Descent> {
-        let (mut start, mut cursor) = (start, start);
+    fn descend_to(&mut self, mut start: Cursor, motion: &Instant) -> Option<Descent> {
         let mut blank = ReleasedSpan::BLANK;
         let span = &mut blank;
         let wanted = !self.reserve.is_made();
@@ -194,57 +204,90 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 Err(no) => again = no == No::Shorter,
             }
         }
-        let mut first = self.ahead(&mut cursor, span, false)?;
-        if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
-            start.fall = Some(fall);
-            if let Some(descent) = self.fall_inside(start, span, motion, &fall) {
-                return Some(descent);
-            }
-            cursor = start;
-            first = self.ahead(&mut cursor, span, false)?;
-        }
-        let (mut limits, mut end, mut spans) = (first.limits, first.end, 1);
-        let mut last = Some(start);
-        let mut fits = Brake::fits(motion, end, &limits, CLOSE);
-        while !fits && spans < SPANS {
-            // A deceleration that a span does not permit ends before it.
-            let goes_on = |next: &Stretch| {
-                let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
-                passes && limits.slows_alike(&next.limits)
-            };
-            let at = cursor;
-            let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
-            last = Some(at);
-            limits.go_on_braking(&next.entered());
-            (end, spans) = (next.end, spans + 1);
-            fits = Brake::fits(motion, end, &limits, CLOSE);
-        }
-        if fits
-            && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)
-        {
-            match self.verify(start, span, motion, (&brake, &limits), false) {
-                Ok(descent) => return Some(descent),
-                Err(whole) => (last, spans) = (last.filter(|_| whole == spans), whole),
-            }
-        }
-        if fits
+        let mut row = match self.look_along(&mut start, span, motion)? {
+            Ok(descent) => return Some(descent),
+            Err(row) => row,
+        };
+        if row.fits
             && again
             && let Ok(descent) = self.stand_short(start, span, motion, true)
         {
             return Some(descent);
         }
-        // To the end of so many spans: fewer of them if the law is too fast before.
+        self.step_down(start, span, motion, &mut row)
+    }
+
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// A standstill that the limits of the spans permit by one law; else what is known of them. From there on the
+    /// limits are known for `start`.
+    #[inline(never)]
+    fn look_along(
+        &mut self,
+        start: &mut Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+    ) -> Option<Result<Descent, Row>> {
+        let mut cursor = *start;
+        let mut first = self.ahead(&mut cursor, span, false)?;
+        if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
+            start.fall = Some(fall);
+            if let Some(descent) = self.fall_inside(*start, span, motion, &fall) {
+                return Some(Ok(descent));
+            }
+            cursor = *start;
+            first = self.ahead(&mut cursor, span, false)?;
+        }
+        let (limits, end) = (first.limits, first.end);
+        let fits = Brake::fits(motion, end, &limits, CLOSE);
+        let mut row = Row { limits, end, spans: 1, last: Some(*start), fits };
+        while !row.fits && row.spans < SPANS {
+            // A deceleration that a span does not permit ends before it.
+            let goes_on = |next: &Stretch| {
+                let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
+                passes && row.limits.slows_alike(&next.limits)
+            };
+            let at = cursor;
+            let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
+            row.last = Some(at);
+            row.limits.go_on_braking(&next.entered());
+            (row.end, row.spans) = (next.end, row.spans + 1);
+            row.fits = Brake::fits(motion, row.end, &row.limits, CLOSE);
+        }
+        let Row { limits, end, .. } = &row;
+        if row.fits
+            && let Some(brake) = Brake::down_to(&mut self.profile, motion, *end, (limits, limits.a_down), 0)
+        {
+            match self.verify(*start, span, motion, (&brake, limits), false) {
+                Ok(descent) => return Some(Ok(descent)),
+                Err(whole) => {
+                    (row.last, row.spans) = (row.last.filter(|_| whole == row.spans), whole);
+                }
+            }
+        }
+        Some(Err(row))
+    }
+
+    /// To the end of so many spans: fewer of them if the law is too fast before.
+    #[inline(never)]
+    fn step_down(
+        &mut self,
+        start: Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        Row { limits, end, spans, last, .. }: &mut Row,
+    ) -> Option<Descent> {
         loop {
             // Of as many as were looked at, of which the last begins there, only the speed at their end is not known.
             let v_out;
             if let Some(mut last) = last.take() {
                 v_out = self.ahead(&mut last, span, true)?.v_out;
             } else {
-                (limits, end, v_out) = self.together(start, span, spans)?;
+                (*limits, *end, v_out) = self.together(start, span, *spans)?;
             }
-            let braking = (&limits, limits.a_down);
-            let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
-            if spans == 1 {
+            let braking = (&*limits, limits.a_down);
+            let brake = Brake::plan(&mut self.profile, motion, *end, v_out.to_bits(), braking, 0);
+            if *spans == 1 {
                 let brake = brake?;
                 let spans = usize::from(end.wrapping_sub(brake.end) <= NOTHING);
                 let mut cursor = start;
@@ -253,9 +296,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 }
                 return Some(Descent { brake, spans, ahead: cursor.ahead });
             }
-            spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, &limits), false)) {
+            *spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, limits), false)) {
                 Some(Ok(descent)) => return Some(descent),
-                Some(Err(whole)) => whole.min(spans - 1),
+                Some(Err(whole)) => whole.min(*spans - 1),
                 None => 1,
             };
         }
@@ -326,6 +369,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many
     /// spans. `short`: its limits are those of the axes on its way.
+    #[inline(never)]
     pub(super) fn verify(
         &self,
         start: Cursor,

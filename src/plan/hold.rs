@@ -160,7 +160,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.orders.yields { Some(Work::Working) } else { work }
     }
 
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
     /// On the way to a standstill, and in it.
+    #[inline(never)]
     fn hold(&mut self, commands: &Commands) -> Option<Work> {
         if commands.abort {
             self.end_rest();
@@ -231,6 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// What is left of a dwell goes, if nothing but that is left.
+    #[inline(never)]
     fn end_rest(&mut self) {
         self.frontier.pending_dwell = 0;
         self.trim();
@@ -286,6 +290,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The way to a standstill takes the place of what is in the queue.
+    #[inline(never)]
     fn stop(&mut self, abort: bool) -> Option<Work> {
         let (at, later) = self.attempt()?;
         let mut next = later;

@@ -10,7 +10,7 @@ use crate::math::float::to_f32;
 use crate::nc::{
     ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType, Spline,
 };
-use crate::path::{self, Element, PathError, Piece};
+use crate::path::{self, Element, PathError, Piece, Straight};
 use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
 use crate::smooth::{Before, Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, SplineError};
@@ -175,9 +175,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                     let pass = self.pass(motion, feed)?;
                     if !self.intake.smoothing.is_idle() {
                         Self::in_time(self.dynamics.speed_of_line(line.tangent(), feed), line.length())?;
-                        let mut block = self.programmed(Form::Line, motion, feed);
-                        line.assign_to(&mut block.element);
-                        self.round(&block);
+                        self.round_line(&line, motion, feed);
                     } else if self.join_held(&line, &motion.target, &pass) {
                         self.functions.settle(true, false);
                     } else {
@@ -200,6 +198,14 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             }
         }
         Ok(())
+    }
+
+    /// Not inlined: arcs would have it on the stack.
+    #[inline(never)]
+    fn round_line(&mut self, line: &Straight<AXES>, motion: &Motion<AXES>, feed: Option<f32>) {
+        let mut block = self.programmed(Form::Line, motion, feed);
+        line.assign_to(&mut block.element);
+        self.round(&block);
     }
 
     /// Not inlined: lines would pay for its registers.
@@ -301,9 +307,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// begins; so may a block with a spline or a curve of POS.
     pub fn moved(&self, motion: &Motion<AXES>) -> u32 {
         let turned = match motion.kind {
-            MotionKind::Arc { plane, .. } => {
-                plane.main_axes().map(|place| self.measure.main.get(place).copied().flatten())
-            }
+            MotionKind::Arc { plane, .. } => plane.main_axes().map(|place| self.measure.main.get(place)),
             _ => [None; 2],
         };
         let ends = motion.target.iter().zip(&self.intake.programmed);

@@ -83,34 +83,38 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         committed.pace != self.orders.pace.key() && (v != committed.limit || slower())
     }
 
+    /// A slowing down inside the span `k` from the instant `at` on, to the pace of now.
+    #[inline(never)]
+    fn slower_from(&mut self, k: usize, at: u32) -> Option<Brake> {
+        let motion = self.motion_at(at)?;
+        let committed = self.committed.get_mut(k)?;
+        committed.look(motion.distance);
+        let v = self.orders.pace.limit(&committed.span);
+        let target = speed_bits(v);
+        // It slows down as it is, unless that takes many times longer.
+        let crawls = v > CRAWL * committed.limit;
+        if motion.accel < 0 && motion.speed <= target && !crawls {
+            return None;
+        }
+        let (end, v_out) = (committed.end(), committed.span.v_out.to_bits());
+        let brake = Brake::plan(&mut self.profile, &motion, end, v_out, committed.span.braking(), target)?;
+        let goes = motion.accel >= 0 || motion.speed > target || brake.ends_at_once(&motion, end);
+        goes.then_some(brake)
+    }
+
     /// Laws of now in place of those in the queue, from the first one that differs on.
+    #[inline(never)]
     pub(super) fn adjust(&mut self) -> Option<Work> {
         let (at, later) = self.attempt()?;
         let mut left = false;
         let mut next = later;
-        if let Some((k, committed)) = later.checked_sub(1).and_then(|k| Some((k, *self.committed.get(k)?))) {
+        if let Some((k, committed)) = later.checked_sub(1).and_then(|k| Some((k, self.committed.get(k)?))) {
             if committed.first == at {
                 next = k;
-            } else if self.differs(&committed) && at != self.frontier.end {
+            } else if self.differs(committed) && at != self.frontier.end {
                 left = true;
-                if let Some(motion) = self.motion_at(at) {
-                    let committed = self.committed.get_mut(k)?;
-                    committed.look(motion.distance);
-                    let committed = *committed;
-                    let v = self.orders.pace.limit(&committed.span);
-                    let target = speed_bits(v);
-                    // It slows down as it is, unless that takes many times longer.
-                    let crawls = v > CRAWL * committed.limit;
-                    let slows = motion.accel < 0 && motion.speed <= target && !crawls;
-                    let (end, v_out) = (committed.end(), committed.span.v_out.to_bits());
-                    let limits = committed.span.braking();
-                    if !slows
-                        && let Some(brake) =
-                            Brake::plan(&mut self.profile, &motion, end, v_out, limits, target)
-                        && (motion.accel >= 0 || motion.speed > target || brake.ends_at_once(&motion, end))
-                    {
-                        return self.change(k, at, Some(Descent::inside(brake)));
-                    }
+                if let Some(brake) = self.slower_from(k, at) {
+                    return self.change(k, at, Some(Descent::inside(brake)));
                 }
             }
         }

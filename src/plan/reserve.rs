@@ -249,15 +249,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         self.queue.reserve.begin();
-        let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
-        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None });
+        self.set_aside();
+        let mode = &self.orders.mode;
+        let halts = mode.halting;
+        let inside = mode.passed.and_then(|passed| passed.stands);
         // The way through the look-ahead is known when its plan is complete.
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.orders.mode = mode.stop();
         (self.reserve.as_planned, self.reserve.stands) = (stands || stops, None);
-        if stops && mode.halting {
-            let inside = mode.passed.and_then(|passed| passed.stands);
+        if stops && halts {
             self.reserve.stands = inside.or(self.reserve.behind);
         } else if self.frontier.emitter.has_piece() && !stops {
             self.slow_down();
@@ -268,7 +269,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
+    /// What is to be as it was when it is over. Not inlined, as the next: of what each has on the stack, only
+    /// one is there at a time.
+    #[inline(never)]
+    fn set_aside(&mut self) {
+        let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
+        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None });
+    }
+
     /// From within the law with the emitter.
+    #[inline(never)]
     fn slow_down(&mut self) {
         let mut phase = Phase::BLANK;
         self.frontier.emitter.step(&mut phase);
@@ -360,6 +370,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The law of the next span: of one that has been handed on, or of the look-ahead.
+    #[inline(never)]
     fn lay_next(&mut self) -> bool {
         let Some(Aside { spans, touched, .. }) = &self.reserve.aside else { return false };
         let (spans, touched) = (*spans, touched.as_ref().map(|(k, _)| *k));

@@ -45,6 +45,11 @@ struct Part {
     until: i64,
 }
 
+impl Part {
+    /// None yet.
+    const BLANK: Self = Self { v: 0.0, change: [0.0; 2], ramps: [true; 2], gains: true, until: 0 };
+}
+
 /// Why there is no such way.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum No {
@@ -61,6 +66,7 @@ struct Begin {
     curve: u32,
     /// Where that starts, and the next one.
     curve_starts: [i64; 2],
+    is_line: bool,
     /// Near the start of its first span.
     starts: bool,
     /// Limits of its first span.
@@ -75,6 +81,13 @@ struct Begin {
     left: Cell<usize>,
 }
 
+impl Begin {
+    /// With STEP.
+    const fn is_stepped(&self) -> bool {
+        matches!(self.planned.law, SlopeLaw::Stepped { .. })
+    }
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The way down from `motion` by one law that the axes permit on its own part of the path. The law is in the
     /// profile. An error where there is none, or where the dynamics have changed since those blocks came in;
@@ -87,6 +100,42 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         motion: &Instant,
         surely: bool,
     ) -> Result<Descent, No> {
+        // By reference, here and below: as a whole it would be there twice.
+        let begun = self.begin_short(cursor, span, motion, surely);
+        let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
+        let stepped = begin.is_stepped();
+        let [_, end] = ends;
+        let stands = self.come_down(begin, span, motion, (&STANDS, end, way));
+        if stepped
+            && !matches!(stands, Ok((.., needs)) if needs <= NEARLY)
+            && let Some(descent) = self.slow_inside(begin, span, motion, ends)
+        {
+            return Ok(descent);
+        }
+        let (mut brake, limits, needs) = stands?;
+        let most = if stepped && begin.is_line { NEARLY } else { FAIRLY };
+        if needs > most && (stepped || way == f32::MAX) {
+            return Err(No::Law);
+        }
+        if stepped {
+            // The profile had another one.
+            brake =
+                Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0).ok_or(No::Law)?;
+        }
+        self.verify(cursor, span, motion, (&brake, &limits), true).map_err(|_| No::Law)
+    }
+
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// Where such a way begins, and what [`Self::as_planned`] has.
+    #[inline(never)]
+    fn begin_short(
+        &mut self,
+        cursor: Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        surely: bool,
+    ) -> Result<(Begin, [i64; 2], f32), No> {
         let curve = self.curve_at(motion.distance).ok_or(No::Law)?;
         let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
         let curve_starts = [curve, curve.wrapping_add(1)].map(|curve| self.queue.segments.start(curve));
@@ -107,31 +156,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
         let gains = if stepped { 0.0 } else { max(accel, 0.0) };
-        let begin =
-            Begin { cursor, curve, curve_starts, starts, planned, v, begun, gains, left: Cell::new(CURVES) };
-        let [_, end] = ends;
-        let stands = self.come_down(&begin, span, motion, (&STANDS, end, way));
-        if stepped
-            && !matches!(stands, Ok((.., needs)) if needs <= NEARLY)
-            && let Some(descent) = self.slow_inside(&begin, span, motion, ends)
-        {
-            return Ok(descent);
-        }
-        let (mut brake, limits, needs) = stands?;
-        let most = if stepped && is_line { NEARLY } else { FAIRLY };
-        if needs > most && (stepped || way == f32::MAX) {
-            return Err(No::Law);
-        }
-        if stepped {
-            // The profile had another one.
-            brake =
-                Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0).ok_or(No::Law)?;
-        }
-        self.verify(cursor, span, motion, (&brake, &limits), true).map_err(|_| No::Law)
+        let left = Cell::new(CURVES);
+        let begin = Begin { cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains, left };
+        Ok((begin, ends, way))
     }
 
     /// With STEP: to half the speed in the first span, at least as hard as planned. What is planned behind it
     /// stays possible.
+    #[inline(never)]
     fn slow_inside(
         &mut self,
         begin: &Begin,
@@ -156,19 +188,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Begin { planned, v, begun, gains, .. } = begin;
         // Of each stage of STEP something.
         let mut here = motion.distance;
-        let parts = core::array::from_fn(|k| {
+        let mut parts = [Part::BLANK; PARTS];
+        for (k, (part, speed)) in parts.iter_mut().zip(speeds).enumerate() {
             if k % STAGE == 0 && k <= STAGE {
                 here = here.wrapping_add(SHORT);
             }
-            Part {
-                v: speeds[k] * v,
-                change: [0.0, speeds[k] * v],
-                ramps: [true; 2],
-                gains: true,
-                until: here,
-            }
-        });
-        let mut braking = self.permitted(begin, span, motion, &parts, Braking::WIDEST).ok_or(No::Law)?;
+            let v = speed * v;
+            *part = Part { v, change: [0.0, v], ramps: [true; 2], gains: true, until: here };
+        }
+        let mut braking = self.permitted(begin, span, motion, &parts, &Braking::WIDEST).ok_or(No::Law)?;
         let mut nearest = 0.0;
         let mut before = None;
         for _round in 0..ROUNDS {
@@ -183,26 +211,36 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             nearest = if nearest > 0.0 { nearest } else { needs };
             let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
-            let brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
-            let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
-            let parts = core::array::from_fn(|k| {
-                let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
-                let until = if k + 1 < PARTS {
-                    brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
-                } else {
-                    brake.end
-                };
-                let change = [v - to, from - speeds[PARTS] * v];
-                Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until }
-            });
-            let left = self.permitted(begin, span, motion, &parts, braking).ok_or(No::Law)?;
-            let Some(less) = braking.less(&left, before.as_ref()) else {
-                return Ok((brake, limits, needs / nearest));
+            let Some(brake) = &Brake::down_to(&mut self.profile, motion, end, law, to) else {
+                return Err(No::Law);
             };
-            before = Some([braking, left]);
+            self.part(brake, (speeds, *v), &mut parts);
+            let Some(left) = &self.permitted(begin, span, motion, &parts, &braking) else {
+                return Err(No::Law);
+            };
+            let Some(less) = braking.less(left, before.as_ref()) else {
+                return Ok((*brake, limits, needs / nearest));
+            };
+            before = Some([braking, *left]);
             braking = less;
         }
         Err(No::Law)
+    }
+
+    /// The parts of the way of a law that is in the profile.
+    #[inline(never)]
+    fn part(&self, brake: &Brake, (speeds, v): (&Speeds, f32), parts: &mut [Part; PARTS]) {
+        let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
+        for (k, part) in parts.iter_mut().enumerate() {
+            let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
+            let until = if k + 1 < PARTS {
+                brake.from.wrapping_add(to_bits::<44>(brake.passes(&self.profile, to)))
+            } else {
+                brake.end
+            };
+            let change = [v - to, from - speeds[PARTS] * v];
+            *part = Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until };
+        }
     }
 
     /// The first stretch, its end and the path distance up to which a deceleration may go on, and how much path a
@@ -254,8 +292,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         span: &mut ReleasedSpan,
         motion: &Instant,
         parts: &[Part; PARTS],
-        mut braking: Braking,
+        braking: &Braking,
     ) -> Option<Braking> {
+        let mut braking = *braking;
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
         let [mut start, second] = begin.curve_starts;
         let mut at = motion.distance;

@@ -192,6 +192,7 @@ impl Brake {
 
     /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v`
     /// for good, mm.
+    #[inline(never)]
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
         let down = &profile.down;
         let [v0, va, vb, v1] = down.speeds.map(speed_f32);

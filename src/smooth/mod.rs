@@ -395,8 +395,8 @@ impl<const AXES: usize> Smoothing<AXES> {
     /// of POS, or by a vector at an end of a spline.
     #[inline(never)]
     pub fn swung(&self) -> u32 {
-        let swings = self.measure.main.iter().zip(self.rounding().swings());
-        let swung = swings.filter(|(_, swings)| *swings).filter_map(|(axis, _)| *axis);
+        let swings = self.measure.main.places().into_iter().zip(self.rounding().swings());
+        let swung = swings.filter(|(_, swings)| *swings).filter_map(|(axis, _)| axis);
         let given = (0..AXES).filter(|k| self.selected == Selected::Spline && self.spline.leans(*k));
         swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }

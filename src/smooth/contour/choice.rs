@@ -300,7 +300,7 @@ pub fn passes<const AXES: usize>(
 
 /// Whether other than main axes change their direction.
 fn tracks<const AXES: usize>(main: &Main, change: &[f32; AXES]) -> bool {
-    change.iter().enumerate().any(|(k, x)| *x != 0.0 && !main.contains(&Some(k)))
+    change.iter().enumerate().any(|(k, x)| *x != 0.0 && !main.contains(k))
 }
 
 /// A jerk that is none, mm/tick³.

@@ -37,6 +37,9 @@ const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
+/// Both halves, the part of each that belongs to the course, and mm per u of both.
+type Halves<const AXES: usize> = ([(Quintic<AXES>, [f32; 2]); 2], [f32; 2]);
+
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
@@ -73,6 +76,25 @@ struct Seam<const AXES: usize> {
     /// The one before belongs to the first half.
     is_first: bool,
     site: Site<AXES>,
+}
+
+/// An element before it is made.
+pub struct Rehearsal<const AXES: usize> {
+    /// It belongs to the block before the corner.
+    pub is_first: bool,
+    /// Path length, mm.
+    pub length: f32,
+    /// Speed along it per path speed at most.
+    pub fastest: f32,
+    ends: [Site<AXES>; 2],
+}
+
+impl<const AXES: usize> Rehearsal<AXES> {
+    /// Its derivatives at most: see [`Quintic::hull`].
+    pub fn hull(&self) -> [[f32; AXES]; 3] {
+        let [from, to] = &self.ends;
+        Quintic::new(from, to, self.length).hull(self.length)
+    }
 }
 
 /// What an element is of the curve of its half.
@@ -167,17 +189,17 @@ pub enum Fit {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// The curve between two knots; offsets are from `origin`. Through `interim` if that is given. `lead`:
-    /// the path between both, where a master axis is the path. `None` where it cannot be made. Before it is
-    /// handed out: [`Self::fit`].
-    pub fn new(
+    /// Both halves of the curve between two knots; offsets are from `origin`. Through `interim` if that is given.
+    /// `lead`: the path between both, where a master axis is the path. `None` where it cannot be made.
+    #[inline(never)]
+    pub fn halves(
         measure: &Measure,
         spaces_per_path: [f32; 2],
         origin: &[Position; AXES],
         [from, to]: [&Knot<AXES>; 2],
         interim: Option<&[f32; AXES]>,
         lead: Option<f32>,
-    ) -> Option<Self> {
+    ) -> Option<Halves<AXES>> {
         let main = &measure.main;
         let [a, b] = [from, to].map(|knot| site_of(knot, origin));
         let space_per_path = mean(spaces_per_path);
@@ -199,27 +221,35 @@ impl<const AXES: usize> CornerCurve<AXES> {
             let u = if lead.is_some() { 0.5 } else { nearest() };
             ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
         };
-        let (at, last) = (*from, *to);
-        let given = interim.map(|_| Cuts::NEW);
-        let path = (!measure.is_space()).then_some(path);
-        let (parts, done, any) = (1, 0, false);
-        let seam = Seam { of: u32::MAX, is_first: true, site: b };
-        let (measure, origin) = (*measure, *origin);
-        Some(Self {
-            measure,
+        Some((halves, path))
+    }
+
+    /// The curve of these halves; `given`: through a given point. Before it is handed out: [`Self::fit`]. Inline:
+    /// it is made where it stays.
+    #[inline(always)]
+    pub fn new(
+        measure: &Measure,
+        spaces_per_path: [f32; 2],
+        origin: &[Position; AXES],
+        [from, to]: [&Knot<AXES>; 2],
+        (halves, path): &Halves<AXES>,
+        given: bool,
+    ) -> Self {
+        Self {
+            measure: *measure,
             spaces_per_path,
-            origin,
-            halves,
-            path,
-            at,
-            last,
-            parts,
-            done,
-            given,
-            any,
-            seam,
+            origin: *origin,
+            halves: *halves,
+            path: (!measure.is_space()).then_some(*path),
+            at: *from,
+            last: *to,
+            parts: 1,
+            done: 0,
+            given: given.then_some(Cuts::NEW),
+            any: false,
+            seam: Seam { of: u32::MAX, is_first: true, site: site_of(to, origin) },
             seen: [[0.0; 2]; SEEN],
-        })
+        }
     }
 
     /// Where it begins and ends, before it is handed out.
@@ -336,6 +366,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         let portion = self.portion(i);
         let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
         let element = Quintic::new(&a, &b, length);
+        let is_first = portion.is_first;
+        let counts = !self.any && self.path.is_none();
+        if counts && element.is_uneven(&self.measure.main, length, even) {
+            self.seam = Seam { of: i, is_first, site: a };
+            return false;
+        }
         let is_near =
             |t: f32| portion.curve.is_near(&self.measure.main, &element.point(t), portion.at(t), slack);
         let (mut is_fine, mut seen) = (false, None);
@@ -343,12 +379,10 @@ impl<const AXES: usize> CornerCurve<AXES> {
             let [above, below] = self.unevenness(&element, length);
             let is_even = max(above, below) <= even;
             // Over its own parameter an element is a part of the curve.
-            is_fine = self.any
-                || self.path.is_some()
-                || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
+            is_fine =
+                !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
         }
-        let is_first = portion.is_first;
         if let (Some(kept), Some(seen)) = (self.seen.get_mut(i as usize), seen) {
             *kept = seen;
         }
@@ -398,20 +432,30 @@ impl<const AXES: usize> CornerCurve<AXES> {
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// Length and bounds of element `i` but for the last bit of its ends, and whether it belongs to the block
-    /// before. `None` behind the last one, or where it cannot be made.
-    pub fn rehearse(&mut self, i: u32) -> Option<(bool, Distance, Bounds<AXES>)> {
+    /// The first element behind the joint of both halves.
+    pub fn behind_joint(&self) -> u32 {
+        match &self.given {
+            Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
+            None => self.parts,
+        }
+    }
+
+    /// Element `i` but for the last bit of its ends. `None` behind the last one.
+    pub fn rehearse(&mut self, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
         }
         let [length, above] = self.known(i);
         let portion = self.portion(i);
-        let (is_first, [from, to]) = (portion.is_first, self.sites(i, &portion));
-        let knots = [&from, &to].map(|site| knot_of(site, &self.origin));
-        self.seam = Seam { of: i + 1, is_first, site: to };
-        let [from, to] = &knots;
-        let (length, bounds) = Bounds::between(from, to, length, fastest(above))?;
-        Some((is_first, length, bounds))
+        let (is_first, ends) = (portion.is_first, self.sites(i, &portion));
+        self.seam = Seam { of: i + 1, is_first, site: ends[1] };
+        Some(Rehearsal { is_first, length, fastest: fastest(above), ends })
+    }
+
+    /// Its length and bounds. `None` where it cannot be made.
+    pub fn bounds(&self, element: &Rehearsal<AXES>) -> Option<(Distance, Bounds<AXES>)> {
+        let [from, to] = &element.ends.map(|site| knot_of(&site, &self.origin));
+        Bounds::between(from, to, element.length, element.fastest)
     }
 
     /// The next element, with its axes to be made.

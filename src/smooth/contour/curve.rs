@@ -4,6 +4,7 @@
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
+pub use crate::path::measure::Main;
 use crate::path::{Element, End, Measure};
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
@@ -12,18 +13,14 @@ const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const TURNS: f32 = 2.935_890_4e18;
 const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 
-/// Places of a vector that are main axes.
-pub type Main = [Option<usize>; 3];
-
 /// Scalar product over the main axes.
 pub fn dot<const AXES: usize>(main: &Main, a: &[f32; AXES], b: &[f32; AXES]) -> f32 {
-    let [x, y, z] = main;
-    // One after the other: as a loop it takes twice as many instructions.
-    let part = |k: &Option<usize>| match k {
-        Some(k) if *k < AXES => a[*k] * b[*k],
-        _ => 0.0,
-    };
-    part(x) + part(y) + part(z)
+    if main.lead()
+        && let ([a0, a1, a2, ..], [b0, b1, b2, ..]) = (a.as_slice(), b.as_slice())
+    {
+        return a0 * b0 + a1 * b1 + a2 * b2;
+    }
+    main.of::<AXES>().fold(0.0, |sum, k| sum + a[k] * b[k])
 }
 
 /// Length over the main axes.
@@ -52,7 +49,7 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
 
 /// The largest magnitude of any axis but the main ones.
 pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
-    let others = a.iter().enumerate().filter(|(k, _)| !main.contains(&Some(*k)));
+    let others = a.iter().enumerate().filter(|(k, _)| !main.contains(*k));
     others.fold(0.0, |most, (_, x)| max(most, magnitude(*x)))
 }
 
@@ -150,8 +147,27 @@ impl<const AXES: usize> Side<AXES> {
         site
     }
 
+    /// The same without direction and curvature.
+    pub fn point(&self, s: f32) -> [f32; AXES] {
+        let mut point = self.tangent.map(|t| t * s);
+        if let Some(plane) = self.plane {
+            let (half, other) = sine(0.5 * (self.rate * s));
+            let along = 2.0 * half * other / self.rate;
+            let across = 2.0 * half * half / (self.rate * self.rate);
+            for k in plane {
+                if let (Some(x), Some(t), Some(c)) =
+                    (point.get_mut(k), self.tangent.get(k), self.curvature.get(k))
+                {
+                    *x = t * along + c * across;
+                }
+            }
+        }
+        point
+    }
+
     /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
-    pub fn distance(&self, main: &Main, point: &[f32; AXES], guess: f32, side: f32) -> f32 {
+    /// Where it is surely no more than `most`, it may be any that is not.
+    pub fn distance(&self, main: &Main, point: &[f32; AXES], (guess, side): (f32, f32), most: f32) -> f32 {
         let inside = |s: f32| side * max(side * s, 0.0);
         if self.rate == 0.0 {
             let square = self.space_per_path * self.space_per_path;
@@ -163,6 +179,9 @@ impl<const AXES: usize> Side<AXES> {
         for _ in 0..FOOT_STEPS {
             let site = self.at(s);
             away = plus(point, -1.0, &site.offset);
+            if dot(main, &away, &away) <= SURELY * most * most {
+                return 0.0;
+            }
             let square = self.space_per_path * self.space_per_path;
             let bent = square - dot(main, &away, &site.curvature);
             let step = dot(main, &away, &site.tangent) / max(bent, 0.25 * square);
@@ -270,14 +289,37 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
+    /// Largest magnitudes of the derivatives over a path of that length (mm), which passes with u, or more: by
+    /// control points, and what rounding may hide of numbers that nearly cancel out.
+    pub fn hull(&self, length: f32) -> [[f32; AXES]; 3] {
+        let [_, p1, p2, p3, p4, p5] = &self.power;
+        let mut hull = [[0.0; AXES]; 3];
+        let [first, second, third] = &mut hull;
+        let powers = p1.iter().zip(p2).zip(p3.iter().zip(p4).zip(p5));
+        let rows = first.iter_mut().zip(second).zip(third);
+        let (per, rest) = (1.0 / length, length * HIDDEN);
+        for (((first, second), third), ((c1, c2), ((c3, c4), c5))) in rows.zip(powers) {
+            let [b0, b1, b2, b3] = [2.0 * c2, 2.0 * c3, 4.0 * c4, 20.0 * c5];
+            let [t0, t1, t2] = [6.0 * c3, 12.0 * c4, 60.0 * c5];
+            let sum =
+                [c1, &b0, &(3.0 * c3), &b2, &(5.0 * c5)].into_iter().map(|x| magnitude(*x)).sum::<f32>();
+            let bent = [b0, b0 + b1, b0 + 2.0 * b1 + b2, b0 + 3.0 * (b1 + b2) + b3];
+            let twisted = [t0, t0 + t1, t0 + 2.0 * t1 + t2];
+            *first = (sum + rest) * per;
+            *second = (bent.into_iter().map(magnitude).fold(0.0, max) + rest) * per * per;
+            *third = (twisted.into_iter().map(magnitude).fold(0.0, max) + rest) * per * per * per;
+        }
+        hull
+    }
+
     /// Squares of the speed over the main axes at some places.
     #[inline(always)]
     fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut sums = [0.0; N];
         // Axis by axis: what all places have in common is taken once.
-        for k in main.iter().flatten() {
-            let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
+        for k in main.of::<AXES>() {
+            let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
             let [c1, c2, c3, c4] = [get(p1), 2.0 * get(p2), 3.0 * get(p3), 4.0 * get(p4)];
             let c5 = get(p5);
             for (sum, u) in sums.iter_mut().zip(places) {
@@ -359,14 +401,22 @@ impl<const AXES: usize> Quintic<AXES> {
         [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
+    /// Whether the speed in the middle shows that [`Self::unevenness`] is more than `even`, which is little.
+    pub fn is_uneven(&self, main: &Main, speed: f32, even: f32) -> bool {
+        let [square] = self.squares(main, &[0.5]);
+        let off = square / (speed * speed) - 1.0;
+        // Of the squares twice as much; a little more is for rounding.
+        magnitude(off) > 2.01 * even + 4e-6
+    }
+
     /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
     /// half of the change of that.
     #[inline(always)]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
         let [mut square, mut along, mut slope, mut bend] = [0.0; 4];
-        for k in main.iter().flatten() {
-            let get = |p: &[f32; AXES]| p.get(*k).copied().unwrap_or(0.0);
+        for k in main.of::<AXES>() {
+            let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
             let [c1, c2, c3, c4, c5] = [get(p1), get(p2), get(p3), get(p4), get(p5)];
             let away = get(p0) + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))) - get(point);
             let first = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)));
@@ -454,8 +504,8 @@ impl Deviation {
         if !self.outward.is_found() {
             self.outward.climb(OUTWARD, |place, top| {
                 let (q, s) = (curve.point(0.5 + 0.5 * place), block(place).1);
-                let off_before = || before.distance(main, &q, min(s, 0.0), -1.0);
-                let off_behind = || behind.distance(main, &past(&q), max(s, 0.0), 1.0);
+                let off_before = || before.distance(main, &q, (min(s, 0.0), -1.0), top);
+                let off_behind = || behind.distance(main, &past(&q), (max(s, 0.0), 1.0), top);
                 // Where it is near to one of them, the others do not matter.
                 let mut off = if place < 0.0 { off_before() } else { off_behind() };
                 if off > top {
@@ -468,7 +518,7 @@ impl Deviation {
         if !self.inward.is_found() {
             self.inward.climb(INWARD, |place, top| {
                 let (side, s) = block(place);
-                let point = side.at(s).offset;
+                let point = side.point(s);
                 let point = gap.filter(|_| place > 0.0).map_or(point, |gap| plus(&point, 1.0, gap));
                 curve.distance(main, &point, 0.5 + 0.5 * place, top)
             });
@@ -555,6 +605,10 @@ const NEAR: f32 = 1.0 / 2048.0;
 /// Steps on each side of the corner, and places between them, where the distance from an arc is measured.
 const SAMPLES: u8 = 8;
 const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
+
+/// Of a path length, for the rounding of derivatives: products of coefficients up to 60 with sums of some that
+/// have 24 bits.
+const HIDDEN: f32 = 1.0 / 1024.0;
 
 /// Places between the ends where speed is looked at.
 const PLACES: [f32; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];

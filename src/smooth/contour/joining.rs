@@ -2,7 +2,7 @@
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
 use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
-use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit};
+use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
 use super::curve::Side;
 use super::held_block::{HeldBlock, Stray, travel};
 use super::kernel::kernel;
@@ -12,7 +12,7 @@ use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
 use crate::math::float::{max, min, to_bits, to_f32, to_i64};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
-use crate::path::poly::Knot;
+use crate::path::poly::{Knot, distance};
 use crate::path::{Measure, Passage};
 use crate::quantity::{Distance, Position};
 
@@ -105,8 +105,9 @@ enum JoinStep<const AXES: usize> {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Its elements are.
     Fitting { cut: Cut, slack: f32, smaller: u8 },
-    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known.
-    Timing { cut: Cut, element: u32, steady: Steady },
+    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known. `None`:
+    /// the one behind the joint comes first, where it turns most; it permits less than most others.
+    Timing { cut: Cut, element: Option<u32>, steady: Steady },
     /// They are: both blocks become what is left of them.
     Joining { cut: Cut, steady: Option<Steady> },
     /// A curve over time is made.
@@ -473,13 +474,13 @@ impl<const AXES: usize> Joining<AXES> {
             Fit::Failed => *stage = cut.smaller(slack, smaller),
             Fit::Ready if const_vel => {
                 let steady = Steady { length: 0.0, ..Steady::FREE };
-                *stage = JoinStep::Timing { cut, element: 0, steady };
+                *stage = JoinStep::Timing { cut, element: None, steady };
             }
             Fit::Ready => *stage = JoinStep::Joining { cut, steady: None },
         }
     }
 
-    /// Takes one of its elements into account for the speed of all of them.
+    /// Takes some of its elements into account for the speed of all of them, and one that may lower it.
     #[inline(never)]
     fn time(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -487,21 +488,52 @@ impl<const AXES: usize> Joining<AXES> {
         stage: &mut JoinStep<AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) {
-        let (JoinStep::Timing { cut, element: i, steady }, Some(course)) = (&mut *stage, even(turning))
-        else {
+        let (JoinStep::Timing { cut, element, steady }, Some(course)) = (&mut *stage, even(turning)) else {
             return;
         };
-        let Some((is_before, length, mut bounds)) = course.rehearse(*i) else {
-            *stage = JoinStep::Joining { cut: *cut, steady: Some(*steady) };
+        let feed = |part: &Rehearsal<AXES>| [held, next][usize::from(!part.is_first)].block.data.feed;
+        let Some(from) = *element else {
+            *element = Some(0);
+            let part = course.rehearse(course.behind_joint());
+            let known = part.and_then(|part| Self::permitted(course, &part, feed(&part), setting));
+            steady.v = known.map_or(steady.v, |(_, v)| v);
             return;
         };
-        let feed = if is_before { held.block.data.feed } else { next.block.data.feed };
-        let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE), near: Near::NONE };
+        for i in from..from + ELEMENTS as u32 {
+            let known = course.rehearse(i).and_then(|part| {
+                let (check, feed) = (setting.check_jerk, feed(&part));
+                if setting.dynamics.permits(steady.v, &part.hull(), (feed, part.fastest), check) {
+                    return Some((distance(part.length)?, None));
+                }
+                let (length, v) = Self::permitted(course, &part, feed, setting)?;
+                Some((length, Some(v)))
+            });
+            let Some((length, v)) = known else {
+                *stage = JoinStep::Joining { cut: *cut, steady: Some(*steady) };
+                return;
+            };
+            *element = Some(i + 1);
+            steady.length += to_f32(length.to_bits()) * LSB_44;
+            if let Some(v) = v {
+                steady.v = min(steady.v, v);
+                return;
+            }
+        }
+    }
+
+    /// Length of one of its elements, and the speed that it permits. `None` where it cannot be made.
+    #[inline(never)]
+    fn permitted(
+        course: &CornerCurve<AXES>,
+        part: &Rehearsal<AXES>,
+        feed: Option<f32>,
+        setting: &Setting<'_, AXES>,
+    ) -> Option<(Distance, f32)> {
+        let (length, mut bounds) = course.bounds(part)?;
         bounds.passage = Passage::Constant;
+        let curving = Curving { jerk: setting.check_jerk, constant: Some(Steady::FREE), near: Near::NONE };
         let (limits, ..) = setting.dynamics.polynomial(length, &bounds, feed, curving);
-        steady.v = min(steady.v, limits.v);
-        steady.length += to_f32(length.to_bits()) * LSB_44;
-        *i += 1;
+        Some((length, limits.v))
     }
 
     /// The curve over arc length, and both blocks without what it takes of them.
@@ -579,8 +611,8 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in setting.measure.main.iter().zip(rule.point) {
-            let (Some(k), Some(value)) = (*k, value) else { continue };
+        for (k, value) in setting.measure.main.places().into_iter().zip(rule.point) {
+            let (Some(k), Some(value)) = (k, value) else { continue };
             if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }
@@ -591,9 +623,14 @@ impl<const AXES: usize> Joining<AXES> {
         let path = || to_f32(before.saturating_add(behind)) * LSB_44;
         let lead = corner.follows_master(rule, setting.measure).then(path);
         let (spaces, knots) = (corner.spaces_per_path(), [&ends.from, &ends.to]);
-        let course = CornerCurve::new(setting.measure, spaces, &held.block.to, knots, interim, lead);
-        *turning = course.map(|course| Turning::new([held, next], Cornering::Even(course), setting));
-        turning.is_some()
+        let (measure, origin) = (setting.measure, &held.block.to);
+        *turning = None;
+        let Some(halves) = CornerCurve::halves(measure, spaces, origin, knots, interim, lead) else {
+            return false;
+        };
+        let course = CornerCurve::new(measure, spaces, origin, knots, &halves, interim.is_some());
+        *turning = Some(Turning::new([held, next], Cornering::Even(course), setting));
+        true
     }
 }
 

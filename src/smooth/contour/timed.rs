@@ -284,6 +284,32 @@ impl Form {
         if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
     }
 
+    /// Lengths of the pieces up to the middle of a course of this motion and the one behind it, which ends at `end`,
+    /// and how many they are: jerk changes between them. Changes closer than `least` become one.
+    #[inline(never)]
+    fn pieces(&self, end: i64, least: i64) -> ([f32; PIECES], u8) {
+        let Self { path, ramp, .. } = *self;
+        // The second half is the mirror image of the first.
+        let middle = end / 2;
+        let [a, b] = [path - ramp, path].map(|s| s.min(end - s));
+        let [first, b] = [ramp.min(b), ramp.max(b)];
+        let [a, b] = [a.min(b), a.max(b)];
+        let [first, second] = [first.min(a), first.max(a)];
+        let (mut lengths, mut count, mut at) = ([0.0; PIECES], 0, 0);
+        let mut next = lengths.iter_mut();
+        for s in [first, second, b, middle] {
+            if s - at < least || (s != middle && middle - s < least) {
+                continue;
+            }
+            let Some(length) = next.next() else { break };
+            // Lengths are rounded first, and places follow.
+            *length = to_f32(s - at) * LSB_44;
+            at += to_bits::<44>(*length);
+            count += 1;
+        }
+        (lengths, count)
+    }
+
     /// The sign of the jerk there.
     fn jerk(&self, s: i64) -> f32 {
         let left = self.path - s;
@@ -329,7 +355,8 @@ pub struct Timed<const AXES: usize> {
 
 impl<const AXES: usize> Timed<AXES> {
     /// The curve about the corner `origin` from one knot to the other, which are `reach` (LSB 2^-44 mm) from
-    /// it: as far as the motions go.
+    /// it: as far as the motions go. Inline: it is made where it stays.
+    #[inline(always)]
     pub fn new(
         origin: &[Position; AXES],
         Overlap { rise, time }: Overlap,
@@ -341,39 +368,21 @@ impl<const AXES: usize> Timed<AXES> {
         let common = if time < whole { share(path, time / whole).min(path) } else { path };
         let start = path - common;
         let end = start + path;
-        let mut timed = Self {
+        let (lengths, count) = form.pieces(end, to_bits::<44>(rise.v * LEAST));
+        Self {
             origin: *origin,
             tangents: [from.end.tangent, to.end.tangent],
             form,
             v: rise.v,
             start,
-            lengths: [0.0; PIECES],
-            count: 0,
+            lengths,
+            count,
             done: 0,
             at: 0,
             from: *from,
             to: *to,
             third: [0.0; AXES],
-        };
-        // Where jerk changes in the first half: the second one is its mirror image.
-        let (middle, least) = (end / 2, to_bits::<44>(rise.v * LEAST));
-        let [a, b] = [path - form.ramp, path].map(|s| s.min(end - s));
-        let [first, b] = [form.ramp.min(b), form.ramp.max(b)];
-        let [a, b] = [a.min(b), a.max(b)];
-        let [first, second] = [first.min(a), first.max(a)];
-        // Changes closer than that become one; lengths are rounded first, and places follow.
-        let mut at = 0;
-        let mut lengths = timed.lengths.iter_mut();
-        for s in [first, second, b, middle] {
-            if s - at < least || (s != middle && middle - s < least) {
-                continue;
-            }
-            let Some(length) = lengths.next() else { break };
-            *length = to_f32(s - at) * LSB_44;
-            at += to_bits::<44>(*length);
-            timed.count += 1;
         }
-        timed
     }
 
     /// The curve at a place.

@@ -179,8 +179,8 @@ pub fn curvature<const AXES: usize>(axes: &Main, first: &[f32; AXES], second: &[
     let speed = max(size(axes, first), f32::MIN_POSITIVE);
     let tangent = first.map(|x| x / speed);
     let mut along = 0.0;
-    for k in axes.iter().flatten() {
-        if let (Some(a), Some(b)) = (second.get(*k), tangent.get(*k)) {
+    for k in axes.of::<AXES>() {
+        if let (Some(a), Some(b)) = (second.get(k), tangent.get(k)) {
             along += a * b;
         }
     }

@@ -139,7 +139,8 @@ pub struct Splining<const AXES: usize> {
 }
 
 impl<const AXES: usize> Splining<AXES> {
-    /// On.
+    /// On. Inline: it is made where it stays.
+    #[inline(always)]
     pub fn new(measure: Measure, check_jerk: u8, start: &Start<AXES>) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
         let here = cut::at([Position::ZERO; AXES]);

@@ -207,9 +207,9 @@ pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Opti
         return None;
     }
     let mut slope = *vector;
-    for k in axes.iter().flatten() {
+    for k in axes.of::<AXES>() {
         // A tracking axis has its way per path way.
-        if let Some(x) = slope.get_mut(*k) {
+        if let Some(x) = slope.get_mut(k) {
             *x /= length;
         }
     }

@@ -52,7 +52,7 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
         }
     };
     lower(tolerance.path, size(axes, &step));
-    for (_, step) in step.iter().enumerate().filter(|(k, _)| !axes.contains(&Some(*k))) {
+    for (_, step) in step.iter().enumerate().filter(|(k, _)| !axes.contains(*k)) {
         lower(tolerance.track, magnitude(*step));
     }
     Some(reach)

@@ -39,7 +39,7 @@ pub fn along(measure: &Measure, axes: usize) -> Main {
         return measure.main;
     }
     let mut feed = (0..axes).filter(|k| measure.feeds(*k));
-    [feed.next(), feed.next(), feed.next()]
+    Main::new([feed.next(), feed.next(), feed.next()])
 }
 
 /// What the axes travel, mm.
@@ -67,6 +67,7 @@ pub struct Window<const AXES: usize> {
 
 impl<const AXES: usize> Window<AXES> {
     /// No points; path counts along these axes.
+    #[inline(always)]
     pub const fn new(axes: Main) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
         let points = [Vertex { at: [Position::ZERO; AXES], data }; POINTS];

@@ -100,7 +100,7 @@ pub struct Space(pub u32);
 
 impl Space {
     pub fn new(measure: &Measure) -> Self {
-        Self(measure.main.into_iter().flatten().filter(|k| *k < 32).fold(0, |bits, k| bits | 1 << k))
+        Self(measure.main.of::<32>().fold(0, |bits, k| bits | 1 << k))
     }
 
     /// Length of a vector in space.
