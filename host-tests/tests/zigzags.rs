@@ -28,6 +28,22 @@ impl Zigzag {
         Self { machine, turn, length, dev }
     }
 
+    /// On a machine whose first two axes accelerate unequally, each with ramps of its own. One of both is aside.
+    fn uneven(seed: u64) -> Self {
+        let mut zigzag = Self::new(seed);
+        let mut r = Random::new(seed ^ 0x51de);
+        zigzag.machine = machine(50_000, [3, 1, 2][seed as usize % 3]);
+        let weak = usize::from(!r.once_in(3));
+        for (k, axis) in zigzag.machine.axes.iter_mut().enumerate().take(2) {
+            let a = if k == weak { r.magnitude(100.0, 2000.0) } else { 2000.0 };
+            (axis.a_max, axis.tr_geom) = (a as u32, r.magnitude(20_000.0, 300_000.0) as u32);
+            machines::accelerations(axis, a as u32, a as u32);
+            machines::ramps(axis, axis.tr_geom);
+        }
+        zigzag.turn = r.magnitude(0.3, 60.0);
+        zigzag
+    }
+
     /// Ticks of 24 blocks, with 0: Surface, 1: DEV, 2: nothing.
     fn ticks(&self, feed: u32, mode: usize) -> f64 {
         let on = [
@@ -48,9 +64,14 @@ impl Zigzag {
 
 /// Largest ratio over the seeds, each named if it is above the limit.
 fn worst(what: &str, limit: f64, ratio: impl Fn(&Zigzag) -> f64) -> f64 {
+    worst_of(Zigzag::new, what, limit, ratio)
+}
+
+/// The same of other zigzags.
+fn worst_of(of: fn(u64) -> Zigzag, what: &str, limit: f64, ratio: impl Fn(&Zigzag) -> f64) -> f64 {
     let mut worst = 0.0;
     for seed in 0..1500 {
-        let zigzag = Zigzag::new(seed);
+        let zigzag = of(seed);
         let ratio = ratio(&zigzag);
         if ratio > limit {
             println!(
@@ -73,6 +94,39 @@ fn surface_is_hardly_slower_than_standstills_d3_159() {
     let limit = 1.16;
     let ratio = |z: &Zigzag| (z.ticks(30_000, 0) - TICKS) / z.ticks(30_000, 2);
     assert!(worst("Surface, of standstills", limit, ratio) <= limit);
+}
+
+/// An axis that accelerates little slows kernels down where the turn is slight, and the lines are long: there the corner
+/// is one of contour mode.
+#[test]
+fn surface_is_hardly_slower_than_standstills_with_unequal_axes_d3_159() {
+    let limit = 1.1;
+    let ratio = |z: &Zigzag| (z.ticks(30_000, 0) - TICKS) / z.ticks(30_000, 2);
+    assert!(worst_of(Zigzag::uneven, "Surface with unequal axes", limit, ratio) <= limit);
+}
+
+/// The worst that is known: 1.185 at 0.4° between lines of 70 µm, which are passed without a curve (seed 940).
+#[test]
+fn dev_is_hardly_slower_than_standstills_with_unequal_axes() {
+    let limit = 1.19;
+    let ratio = |z: &Zigzag| (z.ticks(30_000, 1) - TICKS) / z.ticks(30_000, 2);
+    assert!(worst_of(Zigzag::uneven, "DEV with unequal axes", limit, ratio) <= limit);
+}
+
+/// A part of a curve takes the speed that the curve permits, not the one with which it alone is faster by next to
+/// nothing.
+#[test]
+fn dev_with_step_is_hardly_slower_than_passing_the_corners() {
+    for (slow, [turn, length, dev], most) in
+        [(145, [0.48, 20.6, 0.095], 1.01), (110, [19.28, 1.5, 0.165], 1.2), (118, [27.51, 1.33, 0.11], 1.2)]
+    {
+        let mut machine = machine(50_000, 0);
+        machine.axes[0].a_max = slow;
+        machines::accelerations(&mut machine.axes[0], slow, slow);
+        let zigzag = zigzag(machine, [turn, length, dev]);
+        let [dev, stops] = [1, 2].map(|mode| zigzag.ticks(4000, mode));
+        assert!(dev < most * stops, "{turn}° of {length} mm: {dev} ticks, {stops} without a curve");
+    }
 }
 
 #[test]
@@ -107,8 +161,8 @@ fn built_in() -> MachineData<3> {
 fn kernels_that_nearly_touch_leave_no_sliver_between_them() {
     for machine in [machine(50_000, 3), machine(150_000, 3), built_in()] {
         let zigzag = zigzag(machine, [16.0, 1.0, 0.02]);
-        let [surface, dev] = [0, 1].map(|mode| zigzag.ticks(12_000, mode));
-        assert!(surface < 1.1 * dev, "{surface} ticks, {dev} with DEV");
+        let [surface, stops] = [0, 2].map(|mode| zigzag.ticks(12_000, mode));
+        assert!(surface < 0.46 * stops, "{surface} ticks, {stops} with standstills");
     }
 }
 
@@ -134,5 +188,42 @@ fn more_tolerance_makes_dev_hardly_slower() {
     {
         let [less, more] = [0.02, 0.1].map(|dev| zigzag(machine, [turn, length, dev]).ticks(12_000, 1));
         assert!(more < 1.1 * less, "{turn}° of {length} mm: {more} ticks, {less} with less tolerance");
+    }
+}
+
+/// Lines that are too short for the feed have a curve for what they reach.
+#[test]
+fn a_higher_feed_makes_dev_no_slower_where_lines_are_too_short_for_it() {
+    for (machine, shape) in [
+        (machine(150_000, 3), [25.0, 3.0, 0.1]),
+        (machine(50_000, 3), [40.0, 2.0, 0.1]),
+        (machine(50_000, 1), [40.0, 2.0, 0.1]),
+        (machine(150_000, 2), [25.0, 3.0, 0.1]),
+    ] {
+        let zigzag = zigzag(machine, shape);
+        let [low, high] = [2000, 60_000].map(|feed| zigzag.ticks(feed, 1));
+        assert!(high <= low, "{shape:?}: {high} ticks, {low} at a lower feed");
+    }
+}
+
+/// A curve between a line and an arc leaves a part of both where speed changes, if that is quicker.
+#[test]
+fn more_tolerance_beside_an_arc_is_no_slower() {
+    for radius in [5.0, 10.0, 20.0] {
+        for side in [1.0, -1.0] {
+            let mut before = f64::INFINITY;
+            for dev in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0] {
+                let (arc, x) = (if side > 0.0 { "G02" } else { "G03" }, 20.0 + side * radius);
+                let text = format!(
+                    "G01 F12000\n#CONTOUR MODE ON [DEV PATH_DEV={dev}]\nX20\n{arc} X{x} Y{radius} I{} J0\nG01 X{}\nM30\n",
+                    side * radius,
+                    x + side * 20.0
+                );
+                let run = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine(50_000, 1), 1);
+                let ticks = run.expect("runs").trace.ticks() as f64;
+                assert!(ticks <= before + TICKS, "radius {radius}, PATH_DEV {dev}: {ticks} after {before}");
+                before = before.min(ticks);
+            }
+        }
     }
 }

@@ -42,6 +42,8 @@ const NEARLY: f32 = 0.9;
 const SLOWER: f32 = 1.2;
 /// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature.
 const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.8, 0.0];
+/// With STEP a lower speed of an element is worth it if that takes so much of the time from rest to rest.
+const GAINS: f32 = 0.8;
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
@@ -125,10 +127,12 @@ impl Limits {
         let mut best = (f32::MAX, 0.0, 0.0);
         let mut v = self.v;
         let still = left_at(0.0, min(self.a_up, self.a_down));
+        // STEP has its acceleration at once, and passes more elements than it speeds up in.
+        let gains = if matches!(self.law, SlopeLaw::Stepped { .. }) { GAINS } else { 1.0 };
         for _ in 0..speeds {
             let a = left_at(v, min(self.a_up, self.a_down));
             let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
-            if time < best.0 {
+            if time < gains * best.0 {
                 best = (time, v, a);
             }
             // Slower there is no more acceleration, and no time to gain.

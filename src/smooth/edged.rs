@@ -93,9 +93,9 @@ impl<const AXES: usize> Edged<AXES> {
     /// Whether a block makes an edge with the last line of a row, which ends before that then. A call of its
     /// own: what is left of the line is large.
     #[inline(never)]
-    fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting) -> bool {
+    fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) -> bool {
         let Turn::Surface(surface) = &mut self.turn else { return false };
-        let Some((rest, half)) = surface.leave(block) else { return false };
+        let Some((rest, half)) = surface.leave(block, dynamics) else { return false };
         (self.last, self.half) = (Some((rest, Parting::None)), half);
         self.next = Some((*block, parting));
         true
@@ -110,7 +110,7 @@ impl<const AXES: usize> Edged<AXES> {
             return;
         };
         let edges = Edges::new(&self.parameters, &self.measure);
-        if parting != Parting::Awaited && edges.between(line, block) {
+        if parting != Parting::Awaited && edges.between(line, block, dynamics) {
             self.round(rapid, false, dynamics);
             self.last = Some((*block, parting));
             return;
@@ -197,7 +197,7 @@ impl<const AXES: usize> Smoother<AXES> for Edged<AXES> {
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
         if matches!(self.turn, Turn::Corner(_)) {
             self.follow(block, parting, dynamics);
-        } else if (parting == Parting::Awaited || !self.leave(block, parting))
+        } else if (parting == Parting::Awaited || !self.leave(block, parting, dynamics))
             && let Turn::Surface(surface) = &mut self.turn
         {
             surface.take(block, dynamics, parting);

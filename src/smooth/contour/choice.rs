@@ -75,14 +75,37 @@ impl Approach {
     /// its parameter is at most `passes`.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
-        let mut through = min(min(v1, v2), length * passes);
-        // With next to nothing beside it, the curve has to leave acceleration. STEP has the same in curves everywhere.
-        let has_jerk = self.along.iter().all(Option::is_some);
-        let beside = self.room.iter().zip(distances).fold(f32::MAX, |least, (room, c)| min(least, room - c));
-        if has_jerk && beside < LITTLE * max(distances[0], distances[1]) {
-            through *= VARYING;
+        let mut through = min(v1, v2);
+        if !self.is_tight(distances) {
+            through = min(through, length * passes);
+        } else if self.along.iter().all(Option::is_some) {
+            through = VARYING * min(through, length * passes);
+        } else {
+            through = min(through, VARYING_STEPPED * length * passes);
         }
         self.time(through, distances, length / through)
+    }
+}
+
+impl Approach {
+    /// The speed that can be reached from a standstill over the shorter part.
+    fn reached(&self) -> f32 {
+        let [v1, v2] = self.v;
+        min(min(v1, v2), self.slopes[0].reach(0.0, min(self.room[0], self.room[1])))
+    }
+
+    /// Whether next to nothing is left beside a curve with these distances: then it has to leave acceleration.
+    fn is_tight(&self, distances: [f32; 2]) -> bool {
+        let beside = self.room.iter().zip(distances).fold(f32::MAX, |least, (room, c)| min(least, room - c));
+        beside < LITTLE * max(distances[0], distances[1])
+    }
+
+    /// The part of these distances that leaves enough beside the curve, if all of them do not.
+    pub fn loosened(&self, distances: [f32; 2]) -> Option<f32> {
+        let beside = LITTLE * max(distances[0], distances[1]);
+        let sides = self.room.iter().zip(distances);
+        let part = sides.fold(SURELY, |part, (room, c)| min(part, SURELY * room / (c + beside)));
+        self.is_tight(distances).then_some(part)
     }
 }
 
@@ -91,9 +114,14 @@ const LITTLE: f32 = 0.25;
 /// Otherwise that is about the part of the highest speed that the curve is passed with: three of the steps of
 /// four fifths in which that is lowered.
 const VARYING: f32 = 0.512;
+/// STEP: the first of those steps, where the curve limits the speed at all.
+const VARYING_STEPPED: f32 = 0.8;
 
 /// For rounding.
 const SURELY: f32 = 0.999;
+
+/// Less than that part of a speed in the corner is not worth a curve that is passed with it.
+const SLOWEST: f32 = 0.25;
 
 /// The speed changes little where it changes by less than this part.
 const CLOSE: f32 = 40.0;
@@ -201,10 +229,18 @@ impl Candidate {
             };
             let way = overlap(brief);
             // Beyond their ramps both share what the axes have: less of the tolerance may be faster.
-            if way.is_brief() {
+            let way = if way.is_brief() {
                 way
             } else {
                 quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
+            };
+            // Where the lines are too short for their feed, so may less speed be: all of both motions overlap.
+            let slower = min(v, Rise::speed_of(off, a, j));
+            if slower < SLOWEST * approach.reached() {
+                way
+            } else {
+                let whole = Overlap::whole(Rise::within(min(most, reach), slower, a, j));
+                quickest(way, whole)
             }
         };
         way.is_long().then_some(Self { way, only: false })
@@ -245,10 +281,13 @@ impl Shallow {
         let way = way + to_f32(held.length) * LSB_44;
         let reached = base + approach.slopes[0].reach(base, way);
         let slow = if v < reached { [v, 0.0] } else { [base, way] };
-        approach.is_brief(min(v, reached)).then_some(Self { c, slow })
+        let slows = || v < SLOW * approach.reached();
+        (approach.is_brief(min(v, reached)) && !slows()).then_some(Self { c, slow })
     }
 }
 
+/// Below that part of the speed that its lines reach, a curve that acceleration passes slows the motion down.
+const SLOW: f32 = 0.55;
 /// Change of direction up to which a corner is shallow: where the block length binds, and where the tolerance
 /// does.
 const SHALLOW: f32 = 0.5;

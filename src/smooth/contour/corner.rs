@@ -295,6 +295,11 @@ impl<const AXES: usize> Reach<AXES> {
         Self { tolerance, search: Search::new(corner, distances, false), first: 1.0 }
     }
 
+    /// The same with other distances, nothing tried yet.
+    pub fn within(&self, corner: &Corner<'_, AXES>, distances: [f32; 2]) -> Self {
+        Self::new(corner, self.tolerance, distances)
+    }
+
     /// The curve with the part that was found, if it was the last one tried.
     pub fn curve(&self, part: f32) -> Option<&Quintic<AXES>> {
         (self.first * self.search.part == part).then_some(&self.search.curve)

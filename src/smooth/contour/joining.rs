@@ -400,7 +400,7 @@ impl<const AXES: usize> Joining<AXES> {
                 let Some(found) = reach.go_on(&corner).or_else(|| reach.go_on(&corner)) else { return };
                 let Rivals { approach, candidate, may_stop } = rivals;
                 let compares = Self::compares(rule, &corner, candidate, *may_stop);
-                let even = found.filter(|_| compares).map(|(part, _)| {
+                let even = |part: f32| {
                     let made;
                     let curve = match reach.curve(part) {
                         Some(curve) => curve,
@@ -410,7 +410,21 @@ impl<const AXES: usize> Joining<AXES> {
                         }
                     };
                     (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
-                });
+                };
+                let all = found.filter(|_| compares).map(|(part, _)| (part, even(part)));
+                if let Some((part, made)) = all {
+                    let reached = room.distances.map(|c| c * part);
+                    // More of the blocks than leaves them a way to change their speed is no gain.
+                    if let Some(less) = approach.loosened(reached) {
+                        let loose = reached.map(|c| c * less);
+                        if approach.even(even(part * less), loose) < approach.even(made, reached) {
+                            room.distances = loose;
+                            *reach = reach.within(&corner, loose);
+                            return;
+                        }
+                    }
+                }
+                let even = all.map(|(_, made)| made);
                 let rivals = (&*approach, &*candidate, *may_stop);
                 let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
                 stage.take([held, next], rule, &room, quickest);

@@ -68,6 +68,15 @@ impl Rise {
         Self::new(min(v, fastest * SHORTER), a, j)
     }
 
+    /// The speed of the rise that has gone as far as `off` at half its time, with the acceleration `a` and the jerk
+    /// `j`.
+    pub fn speed_of(off: f32, a: f32, j: f32) -> f32 {
+        let full = a * a / j;
+        let v = cbrt_f32(36.0 * off * off * j);
+        // Beyond its ramps: with the ramp r it is at a·(r²/6 + u·(r + u)/2) at half its time r + u.
+        if v <= full { v } else { 2.0 * sqrt_f32(2.0 * a * off - full * full * (1.0 / 12.0)) }
+    }
+
     /// A rise to the speed of this one in so many times its time.
     pub fn stretched(self, by: f32) -> Self {
         Self { ramp: self.ramp * by, hold: self.hold * by, v: self.v }

@@ -1,9 +1,10 @@
 //! Edges: corners between two lines that contour mode rounds. Kernels take no turn of more than 102 degrees:
 //! the path would be much shorter than its polygon. And where a line on both sides is long beside what the
-//! tolerance leaves of a kernel, the curve of a corner is faster: speed changes inside it.
+//! tolerance leaves of a kernel, or a kernel is slow, the curve of a corner is faster: speed changes inside it.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance};
 use super::window::{Programmed, Space};
+use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
 use crate::path::Measure;
 use crate::smooth::{Data, Form, ProgrammedBlock};
@@ -26,6 +27,12 @@ const SLIGHT: f32 = 0.6;
 const LONG_BESIDE_SLIGHT: f32 = 16.0;
 const LONG_BESIDE_SMOOTH: f32 = 18.0;
 
+/// A kernel slows the motion down where its speed is below that part of what the lines beside it permit. Then its
+/// corner is an edge from so many widths on, where kernels are apart, and a smooth curve through the ends would be
+/// nearly two tolerances beside the lines.
+const SLOW: f32 = 0.55;
+const APART: f32 = 2.5;
+
 /// What makes a corner an edge.
 #[derive(Clone, Copy)]
 pub struct Edges<'a> {
@@ -39,11 +46,16 @@ impl<'a> Edges<'a> {
     }
 
     /// Whether a block makes an edge with a chord before it.
-    pub fn parts<const AXES: usize>(&self, before: &Chord<AXES>, block: &ProgrammedBlock<AXES>) -> bool {
+    pub fn parts<const AXES: usize>(
+        &self,
+        before: &Chord<AXES>,
+        block: &ProgrammedBlock<AXES>,
+        dynamics: &Dynamics<AXES>,
+    ) -> bool {
         let Some(next) = self.chord(block).filter(|_| !before.arc) else { return false };
         let change = before.turn(&next);
         let turn = self.space.length(&change);
-        if turn <= LEAST || turn > BACK || self.parameters.is_beyond(turn) {
+        if turn <= 0.0 || turn > BACK || self.parameters.is_beyond(turn) {
             return false;
         }
         if turn > SHARPEST {
@@ -63,7 +75,37 @@ impl<'a> Edges<'a> {
             ..SLIGHT => LONG_BESIDE_SLIGHT,
             _ => LONG,
         };
-        min(before.length, next.length) > long * 6.0 * width
+        // As wide as the tolerance leaves it, and as it is.
+        let (length, most) = (min(before.length, next.length), 6.0 * width);
+        if turn > LEAST && length > long * most {
+            return true;
+        }
+        length > APART * most && {
+            let width = min(most, self.parameters.widest());
+            self.slows(&change.map(|x| x / width), width, length, (before, block), dynamics)
+        }
+    }
+
+    /// Whether a kernel of that width with this largest second derivative is much slower than the feed, and than what
+    /// a line of that length can reach from a standstill in either end: axes may differ, and one that accelerates
+    /// little slows down a slight turn. The override does not count.
+    #[inline(never)]
+    fn slows<const AXES: usize>(
+        &self,
+        second: &[f32; AXES],
+        width: f32,
+        length: f32,
+        (before, block): (&Chord<AXES>, &ProgrammedBlock<AXES>),
+        dynamics: &Dynamics<AXES>,
+    ) -> bool {
+        let feeds = [before.programmed.feed, block.data.feed];
+        let rapid = feeds.iter().all(Option::is_none);
+        let third = second.map(|x| x / width);
+        let v = dynamics.passing([second, &third], rapid, self.parameters.check_jerk());
+        let (limits, ..) = dynamics.element(&block.element, block.data.feed);
+        let fastest = feeds.iter().fold(limits.v, |v, feed| min(v, dynamics.programmed(*feed)));
+        let reached = limits.speed_up().reach(0.0, 0.5 * length);
+        v < SLOW * min(fastest, reached)
     }
 
     /// Whether two blocks make an edge.
@@ -71,8 +113,9 @@ impl<'a> Edges<'a> {
         &self,
         before: &ProgrammedBlock<AXES>,
         block: &ProgrammedBlock<AXES>,
+        dynamics: &Dynamics<AXES>,
     ) -> bool {
-        !before.data.stop && self.chord(before).is_some_and(|before| self.parts(&before, block))
+        !before.data.stop && self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
     /// What a curve in a corner may deviate; `rapid`: G00 on both sides.

@@ -227,10 +227,14 @@ impl<const AXES: usize> Surface<AXES> {
     /// What is left of the last line, in the middle of which the row ends, if the next block makes an edge with
     /// it: half of it, or all of it where the row has nothing else. And whether it is half. Only where a block may
     /// be taken.
-    pub(super) fn leave(&mut self, block: &ProgrammedBlock<AXES>) -> Option<(ProgrammedBlock<AXES>, bool)> {
+    pub(super) fn leave(
+        &mut self,
+        block: &ProgrammedBlock<AXES>,
+        dynamics: &Dynamics<AXES>,
+    ) -> Option<(ProgrammedBlock<AXES>, bool)> {
         let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
         let edges = Edges { parameters: &self.parameters, space: self.window.space };
-        if !edges.parts(pending, block) {
+        if !edges.parts(pending, block, dynamics) {
             return None;
         }
         let alone = self.window.len() == 0;
