@@ -49,8 +49,8 @@ pub enum Progress {
     /// once for each standstill.
     Late,
     /// The motion is slower than programmed: from a higher speed the way to a standstill, which is kept ready
-    /// for a planner without time, would have more than 126 pieces of time, or lead beyond what the interpolator
-    /// knows. Said when that begins, and again once the programmed speed has been possible in between.
+    /// for a planner without time, would have more than 126 pieces of time (62 in a build without Surface and splines), or lead beyond what the
+    /// interpolator knows. Said when that begins, and again once the programmed speed has been possible in between.
     Slower,
     /// The axis with this index was beyond AX_DEV of #FILTER, or had more than 0.25 mm per cycle² and passed its
     /// filter: a defect of the planner. Said once until #FILTER changes the filters;

@@ -12,7 +12,7 @@ const TOWER: [(&str, &str); 20] = [
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),
     ("control", "technology"),
-    ("queue", "math quantity technology path control"),
+    ("queue", "math quantity machine technology path control"),
     ("fir", "math quantity machine nc queue"),
     ("slope", "math quantity queue"),
     ("dynamics", "math quantity machine nc path fir slope"),

@@ -43,6 +43,10 @@ impl Function {
     }
 }
 
+/// A build without Surface and splines is one for little memory: where what is seldom needed takes much of it, it
+/// has less.
+pub const IS_SMALL: bool = !SURFACE.is_built() && !SPLINES.is_built();
+
 /// A constant for a feature, and what is said where it is off.
 macro_rules! functions {
     ($($(#[$doc:meta])* $constant:ident = $feature:literal: $what:literal;)*) => {$(

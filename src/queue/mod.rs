@@ -23,6 +23,7 @@ pub use status::{Display, Snapshot, Words};
 pub use time::{Change, Cut, NotNow, Pieces, Timeline, TooLate, renew};
 
 use crate::control::Control;
+use crate::machine::functions;
 use crate::math::wide::mul_u32;
 use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
@@ -32,7 +33,7 @@ use crate::technology::Action;
 /// blocks. Each takes the room of a curve in the channel, beside those of the look-ahead.
 pub const SEGMENTS: usize = 48;
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
-pub const PHASES: usize = 128;
+pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
 
 /// Events handed over.
 pub const EVENTS: usize = 32;
