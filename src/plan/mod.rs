@@ -111,6 +111,7 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
 /// [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
+    machine: &'a MachineData<AXES>,
     dynamics: &'a mut Dynamics<AXES>,
     intake: Intake<'a, AXES>,
     lookahead: Lookahead<'a, AXES, BLOCKS>,
@@ -311,7 +312,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     #[inline(always)]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
@@ -331,7 +332,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     #[inline(never)]
     fn with(
         large: Large<'a, AXES, BLOCKS>,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
@@ -344,6 +345,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
+            machine,
             dynamics,
             intake: Intake {
                 programmed: start,
