@@ -35,6 +35,12 @@ pub(super) struct Plan {
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
+    /// There is nothing to try without HSC.
+    pub tries: [Tries; functions::HSC.room(1)],
+}
+
+/// What is tried with two spans.
+pub(super) struct Tries {
     pub trial: Trial,
     /// What is tried to be cut.
     pub valley: Valley,
@@ -58,8 +64,7 @@ impl Plan {
         backward: Backward::NONE,
         forward: Forward::NONE,
         inside: Inside::NONE,
-        trial: Trial::NONE,
-        valley: Valley::NONE,
+        tries: [const { Tries { trial: Trial::NONE, valley: Valley::NONE } }; functions::HSC.room(1)],
     };
 
     /// Whether it is complete.
@@ -110,9 +115,8 @@ impl Plan {
                 Pass::Forward => ring.forward(self, &mut work),
                 Pass::Inside => ring.inside(self, &mut work),
                 Pass::Trial => {
-                    // Without HSC there is nothing to try.
-                    if !functions::HSC.is_built() || ring.trials(&mut self.trial, &mut self.valley, &mut work)
-                    {
+                    let tries = self.tries.first_mut();
+                    if tries.is_none_or(|tries| ring.trials(&mut tries.trial, &mut tries.valley, &mut work)) {
                         self.complete(ring);
                     }
                 }

@@ -227,7 +227,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let checked = match self.blocks.get(pass.from) {
                 Some(first) => first.is(Marks::CHECKED),
                 None if pass.last[0] > 1 && self.counts.untried > 0 => {
-                    plan.trial = Trial::new(pass.last[0]);
+                    if let Some(tries) = plan.tries.first_mut() {
+                        tries.trial = Trial::new(pass.last[0]);
+                    }
                     plan.pass = Pass::Trial;
                     return;
                 }
