@@ -434,18 +434,18 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
         self.intake.uniform.since = self.intake.taken;
-        self.dynamics.set_slope(self.machine, slope, optimised);
+        self.dynamics.set_slope(self.intake.machine, slope, optimised);
     }
 
     /// Weights the axes in the blocks that follow. Only after [`super::Work::Hungry`].
     pub fn weigh(&mut self, weight: &Weight<AXES>) {
-        let machine = self.machine;
+        let machine = self.intake.machine;
         self.dynamics().weigh(machine, weight);
     }
 
     /// The dynamics, without what filters take from them. Only after [`super::Work::Hungry`].
     pub fn unwatched(&mut self) -> &mut Dynamics<AXES> {
-        let machine = self.machine;
+        let machine = self.intake.machine;
         let dynamics = self.dynamics();
         dynamics.unwatch(machine);
         dynamics

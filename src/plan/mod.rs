@@ -111,7 +111,6 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
 /// [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
-    machine: &'a MachineData<AXES>,
     dynamics: &'a mut Dynamics<AXES>,
     intake: Intake<'a, AXES>,
     lookahead: Lookahead<'a, AXES, BLOCKS>,
@@ -132,6 +131,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// Where blocks come in.
 struct Intake<'a, const AXES: usize> {
+    machine: &'a MachineData<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
     /// Where the curves end that have gone into the look-ahead.
@@ -345,9 +345,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let pace = Pace::new(machine.channel.override_weight_prog_feed);
         Self {
             measure,
-            machine,
             dynamics,
             intake: Intake {
+                machine,
                 programmed: start,
                 entered: start,
                 taken: 0,
