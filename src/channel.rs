@@ -487,7 +487,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
             Command::Weight(head, weight) => {
                 self.look_ahead(head)?;
-                self.planning.dynamics().weigh(weight);
+                self.planning.weigh(weight);
                 self.watch_filters();
             }
             Command::VectorLimit(head, limit) => {

@@ -126,8 +126,9 @@ fn the_last_block_of_a_program_ends_where_it_should() {
 fn an_axis_given_away_does_not_move() {
     let text = b"N10 G01 X10 F1000\n#PUT AX [Z]\nN20 X20\nN30 Z1\nM30\n";
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let data = machines::even(1000);
     let Handles { mut planner, mut interpolator, .. } =
-        channel.split(&machines::even(1000), [Position::ZERO; 3], &text[..]).expect("machine data");
+        channel.split(&data, [Position::ZERO; 3], &text[..]).expect("machine data");
     let error = loop {
         match planner.poll() {
             Ok(Progress::Done) => panic!("accepted"),

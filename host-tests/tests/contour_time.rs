@@ -114,8 +114,9 @@ fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
         assert!(run.distance(corner) < 0.2, "{corner:?}");
     }
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let machine = machines::even(1000);
     let Handles { mut planner, .. } =
-        channel.split(&machines::even(1000), [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+        channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
     let error = loop {
         match planner.poll() {
             Ok(Progress::Working) => {}

@@ -40,13 +40,13 @@ struct Bench<'a, T: Text> {
 }
 
 impl<'a, T: Text> Bench<'a, T> {
-    fn new(memory: &'a mut Channel<3, BLOCKS>, machine: &MachineData<3>, text: T) -> Self {
+    fn new(memory: &'a mut Channel<3, BLOCKS>, machine: &'a MachineData<3>, text: T) -> Self {
         Self::at(memory, machine, [Position::ZERO; 3], text)
     }
 
     fn at(
         memory: &'a mut Channel<3, BLOCKS>,
-        machine: &MachineData<3>,
+        machine: &'a MachineData<3>,
         start: [Position; 3],
         text: T,
     ) -> Self {
@@ -106,7 +106,8 @@ impl<'a, T: Text> Bench<'a, T> {
 fn the_next_program_begins_where_the_axes_stand_with_everything_as_at_program_start() {
     let mut memory = Channel::new();
     let first = b"G54 G91 G70 G00 X1 Y1\nG131 50\n#CONTOUR MODE [DIST PRE_DIST=2]\nM30\n".as_slice();
-    let mut bench = Bench::new(&mut memory, &machine(), first);
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, first);
     assert_eq!(bench.run(), []);
     assert_eq!(bench.at_mm(), [25.4_f64, 25.4, 0.0].map(|x| mm(x).to_num::<f64>()));
     bench.agrees();
@@ -127,12 +128,14 @@ fn the_next_program_begins_where_the_axes_stand_with_everything_as_at_program_st
 fn a_program_takes_the_time_that_it_takes_after_power_up() {
     let text = b"G00 X5\nG01 X30 Y10 F3000\nG02 X40 Y20 I10\nG01 G61 X50\nY50\nX0 Y0\nM30\n".as_slice();
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), text);
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, text);
     bench.run();
     let alone = bench.ticks;
     for before in ["M30\n", "G131 30\n#SLOPE [TYPE=STEP]\nG261\n#VECTOR LIMIT ON [VEL=100]\nM30\n"] {
         let mut memory = Channel::new();
-        let mut bench = Bench::new(&mut memory, &machine(), before.as_bytes());
+        let data = machine();
+        let mut bench = Bench::new(&mut memory, &data, before.as_bytes());
         assert_eq!(bench.run(), []);
         let ticks = bench.ticks;
         bench.planner.load(text).unwrap();
@@ -144,7 +147,8 @@ fn a_program_takes_the_time_that_it_takes_after_power_up() {
 #[test]
 fn single_lines_keep_what_is_in_force() {
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), b"G54 G01 X1 F1000\n".as_slice());
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, b"G54 G01 X1 F1000\n".as_slice());
     bench.run();
     for (line, end) in
         [("G91", 6.0), ("X1", 7.0), ("P1=3", 7.0), ("X=P1", 10.0), ("G90 X1", 6.0), ("G53 X1", 1.0)]
@@ -163,7 +167,8 @@ fn single_lines_keep_what_is_in_force() {
 #[test]
 fn a_text_is_taken_at_rest_only() {
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), b"G00 X10\nM30\n".as_slice());
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, b"G00 X10\nM30\n".as_slice());
     assert_eq!(bench.planner.go_on(), Err(GoOnError::NothingRefused));
     bench.run_until(20);
     let other = b"G00 X0\n".as_slice();
@@ -185,7 +190,8 @@ fn a_text_is_taken_at_rest_only() {
 fn around(bad: &str, behind: &str) -> (Error, [f64; 3], [f64; 3]) {
     let text = format!("G01 X10 F1000\nY5\n{bad}\n{behind}\n");
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), text.as_bytes());
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, text.as_bytes());
     let errors = bench.run();
     assert_eq!(errors.len(), 1, "{bad}: {errors:?}");
     let stands = bench.at_mm();
@@ -237,7 +243,8 @@ fn a_line_refused_for_its_motion_changes_nothing_in_force() {
     let time = |bad: &str| {
         let text = format!("G01 X10 F1000\nG04 0.1\n{bad}\nG01 X40 F6000\nM30");
         let mut memory = Channel::new();
-        let mut bench = Bench::new(&mut memory, &machine(), text.as_bytes());
+        let data = machine();
+        let mut bench = Bench::new(&mut memory, &data, text.as_bytes());
         let refused = bench.run().len();
         if refused > 0 {
             bench.planner.go_on().unwrap();
@@ -258,7 +265,8 @@ fn a_line_refused_for_its_motion_changes_nothing_in_force() {
 fn control_blocks_around_a_refused_line_go_on() {
     let text = b"$FOR P1 = 1, 3, 1\nG00 X=P1\nG01 Q7\nY=P1\n$ENDFOR\n".as_slice();
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), text);
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, text);
     for round in 1..=3 {
         let errors = bench.run();
         assert_eq!((errors.len(), errors[0].place().line), (1, 3));
@@ -277,7 +285,8 @@ fn an_abort_leaves_the_axes_where_they_stand_and_the_next_program_begins_there()
     for ticks in [1, 7, 60, 150, 333, 700] {
         let mut memory = Channel::new();
         let text = b"G91 G54 G261\nG01 X30 F3000\nY20\nG02 X10 Y10 I10\nG00 X-70\nM30\n".as_slice();
-        let mut bench = Bench::new(&mut memory, &machine(), text);
+        let data = machine();
+        let mut bench = Bench::new(&mut memory, &data, text);
         bench.run_until(ticks);
         bench.operator.abort();
         bench.run();
@@ -309,7 +318,8 @@ fn an_abort_leaves_the_axes_where_they_stand_and_the_next_program_begins_there()
 fn what_does_not_move_stays_where_an_abort_left_the_axes() {
     for text in ["G01 X50 Y20 F6000\nM30\n", "G02 X50 I25 F6000\nM30\n"] {
         let mut memory = Channel::new();
-        let mut bench = Bench::new(&mut memory, &machine(), text.as_bytes());
+        let data = machine();
+        let mut bench = Bench::new(&mut memory, &data, text.as_bytes());
         bench.run_until(400);
         bench.operator.abort();
         bench.run();
@@ -329,7 +339,8 @@ fn is_send<T: Send>(_: &T) {}
 #[test]
 fn a_position_is_set_at_rest_and_nothing_moves() {
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), b"G01 X10 Y5 F1000\nM30\n".as_slice());
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, b"G01 X10 Y5 F1000\nM30\n".as_slice());
     assert_eq!(bench.planner.set_position(3, mm(0.0)), Err(PositionError::Range));
     assert_eq!(bench.planner.set_position(0, mm(100_000.5)), Err(PositionError::Range));
     assert_eq!(bench.planner.set_position(2, mm(-4.0)), Ok(()), "before the first program");
@@ -363,7 +374,8 @@ fn a_position_is_set_at_rest_and_nothing_moves() {
 #[test]
 fn an_abort_behind_a_position_that_was_set_keeps_it() {
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), b"G01 X10 F1000\nM30\n".as_slice());
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, b"G01 X10 F1000\nM30\n".as_slice());
     bench.run();
     bench.planner.set_position(0, mm(70.0)).unwrap();
     bench.planner.load(b"G01 X100 F1000\n".as_slice()).unwrap();
@@ -383,7 +395,8 @@ fn an_abort_behind_a_position_that_was_set_keeps_it() {
 fn offsets_and_positions_of_the_machine_hold_across_programs() {
     let mut memory = Channel::new();
     let start = [mm(7.0), mm(0.0), mm(0.0)];
-    let mut bench = Bench::at(&mut memory, &machine(), start, b"G91 G00 X1\nM30\n".as_slice());
+    let data = machine();
+    let mut bench = Bench::at(&mut memory, &data, start, b"G91 G00 X1\nM30\n".as_slice());
     bench.run();
     assert_eq!(bench.at_mm()[0], 8.0, "from the start position");
     bench.planner.set_zero_offset(1, 0, mm(20.0)).unwrap();
@@ -399,7 +412,8 @@ fn offsets_and_positions_of_the_machine_hold_across_programs() {
 fn the_same_text_may_hold_the_next_program() {
     let text = b"%one\nG00 X1\n$IF 1\nM30\n$ENDIF\n%two\nG91 G00 X1\nM30\nG00 X5\n".as_slice();
     let mut memory = Channel::new();
-    let mut bench = Bench::new(&mut memory, &machine(), text);
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, text);
     let mut ends = Vec::new();
     for _ in 0..5 {
         assert_eq!(bench.run(), []);
@@ -431,7 +445,8 @@ fn a_plan_that_failed_is_followed_by_a_program() {
 fn streamed(memory: &mut Channel<3, BLOCKS>, text: &str, bytes: usize) -> (Vec<Error>, [f64; 3], usize) {
     let mut window = Window::<256>::new();
     let (mut feeder, stream): (_, Stream<'_, 256>) = window.split();
-    let mut bench = Bench::new(memory, &machine(), stream);
+    let data = machine();
+    let mut bench = Bench::new(memory, &data, stream);
     let text = text.as_bytes().to_vec();
     let mut sent = 0;
     bench.before_tick = Box::new(move || {
@@ -504,7 +519,8 @@ fn what_is_left_of_an_aborted_program_is_passed_over() {
     let (mut feeder, stream) = window.split();
     let mut memory = Channel::new();
     feeder.push(b"G01 X50 F1000\nX60\nX70\nG04 5\nX80");
-    let mut bench = Bench::new(&mut memory, &machine(), stream);
+    let data = machine();
+    let mut bench = Bench::new(&mut memory, &data, stream);
     bench.run_until(50);
     bench.operator.abort();
     bench.run();

@@ -279,8 +279,9 @@ fn an_axis_outside_may_come_back_and_go_no_further() {
 fn a_refused_motion_leaves_no_trace_and_the_next_line_goes_on() {
     let mut memory = Channel::<4, BLOCKS>::new();
     let text = b"G01 X90 F3000\nG00 G91 X20 M5\nY10 X-1\nM30\n".as_slice();
+    let machine = machine();
     let Handles { mut planner, mut interpolator, operator } =
-        memory.split(&machine(), [Position::ZERO; 4], text).unwrap();
+        memory.split(&machine, [Position::ZERO; 4], text).unwrap();
     let (mut refusals, mut idle) = (0, 0);
     for _ in 0..100_000 {
         loop {
@@ -313,8 +314,9 @@ fn a_refused_plain_line_changes_nothing_in_force() {
     let ticks = |bad: &str| {
         let mut memory = Channel::<4, BLOCKS>::new();
         let text = format!("G01 X5 F600\nG04 0.01\n{bad}\nY20\n");
+        let machine = machine();
         let Handles { mut planner, mut interpolator, .. } =
-            memory.split(&machine(), [Position::ZERO; 4], text.as_bytes()).unwrap();
+            memory.split(&machine, [Position::ZERO; 4], text.as_bytes()).unwrap();
         let (mut ticks, mut refusals) = (0, 0);
         for _ in 0..100_000 {
             let mut done = false;

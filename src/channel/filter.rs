@@ -50,8 +50,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if !F::EXIST {
             return;
         }
-        let dynamics = self.planning.dynamics();
-        dynamics.unwatch();
+        let dynamics = self.planning.unwatched();
         for axis in 0..AXES {
             if let Some(watch) = self.filters.watch(axis) {
                 dynamics.watch(axis, &watch, |jerk| self.filters.corner(axis, jerk));

@@ -72,13 +72,14 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`.
+    /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`. The data of the
+    /// machine stay where they are, in flash if they are constant.
     ///
     /// # Errors
     /// Machine data out of range, or that this version cannot work with.
     pub fn split<'a, T: Text>(
         &'a mut self,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         text: T,
     ) -> Result<PlainHandles<'a, T, AXES, BLOCKS, OVERLAYS>, MachineError> {
@@ -96,7 +97,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
     pub fn split_filtered<'a, T: Text, const TAPS: usize>(
         &'a mut self,
         filters: &'a mut Filters<AXES, TAPS>,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         text: T,
     ) -> Result<FilteredHandles<'a, T, AXES, BLOCKS, TAPS, OVERLAYS>, MachineError> {
@@ -113,7 +114,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
     #[inline(never)]
     fn handles<'a, T: Text, P: FilterPlan<AXES>, I: FilterTick<AXES>>(
         &'a mut self,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         text: T,
         (filters, filtered): (P, I),

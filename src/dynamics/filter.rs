@@ -7,7 +7,7 @@
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
-use crate::machine::functions;
+use crate::machine::{MachineData, functions};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
@@ -151,9 +151,9 @@ impl Set {
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// The axes anew: none is filtered, so far.
-    pub fn unwatch(&mut self) {
+    pub fn unwatch(&mut self, machine: &MachineData<AXES>) {
         self.watched = Watched::NONE;
-        self.change();
+        self.change(machine);
     }
 
     /// The axis is filtered like that, in the elements that follow. Only behind what makes the axes anew.

@@ -75,13 +75,13 @@ const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 /// A jerk that is none, mm/tick³.
 const NO_LIMIT: f32 = 1e20;
 
-/// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them.
+/// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them. The machine
+/// data are not kept: whoever changes them gives those of [`Self::new`].
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
     /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the
     /// weights.
     before: Option<[[TransitionLimits; 2]; AXES]>,
-    machine: MachineData<AXES>,
     weights: Weights<AXES>,
     path: PathLimits,
     /// mm/tick of 1 mm/min.
@@ -92,6 +92,8 @@ pub struct Dynamics<const AXES: usize> {
     level: f32,
     /// An axis has a reduced speed.
     reduces: bool,
+    /// P-CHAN-00009.
+    bends_have_jerk: bool,
     /// Filters with AX_DEV.
     watched: Watched,
 }
@@ -116,13 +118,13 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut new = Self {
             axes: [Axis::BLANK; AXES],
             before: None,
-            machine: *machine,
             weights: Weights::new(),
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
             joins: Joins::of(slope, false),
             level: 1.0,
+            bends_have_jerk: machine.channel.corr_v_trans_jerk,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
             watched: Watched::NONE,
         };
@@ -135,38 +137,38 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Weights the axes in the elements that follow. The transition to the first of them belongs to both
     /// sides.
-    pub fn weigh(&mut self, weight: &Weight<AXES>) {
+    pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>) {
         self.weights.set(weight);
-        self.change();
+        self.change(machine);
     }
 
     /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
     /// `optimised`: NO_OPT=0, which only HSC knows.
-    pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
-        let slope = slope.unwrap_or(SlopeType::of_profile(self.machine.channel.slope_profile));
+    pub fn set_slope(&mut self, machine: &MachineData<AXES>, slope: Option<SlopeType>, optimised: bool) {
+        let slope = slope.unwrap_or(SlopeType::of_profile(machine.channel.slope_profile));
         self.joins = Joins::of(slope, optimised);
         if slope != self.slope {
             self.slope = slope;
-            self.change();
+            self.change(machine);
         }
     }
 
     /// As at program start: no weights, no limits along the path, the slope of P-CHAN-00071.
-    pub fn restart(&mut self) {
+    pub fn restart(&mut self, machine: &MachineData<AXES>) {
         self.weights = Weights::new();
-        self.path = PathLimits::new(&self.machine.channel);
-        self.slope = SlopeType::of_profile(self.machine.channel.slope_profile);
+        self.path = PathLimits::new(&machine.channel);
+        self.slope = SlopeType::of_profile(machine.channel.slope_profile);
         self.joins = Joins::of(self.slope, false);
-        self.change();
+        self.change(machine);
     }
 
     /// The axes anew, for the elements that follow.
-    fn change(&mut self) {
+    fn change(&mut self, machine: &MachineData<AXES>) {
         if self.before.is_none() {
             self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
         }
-        let channel = &self.machine.channel;
-        for (k, (axis, data)) in self.axes.iter_mut().zip(&self.machine.axes).enumerate() {
+        let channel = &machine.channel;
+        for (k, (axis, data)) in self.axes.iter_mut().zip(&machine.axes).enumerate() {
             *axis = Axis::new(&self.weights.apply(k, data, channel), channel, self.slope);
         }
     }
@@ -190,14 +192,15 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// times stay.
     pub fn single(
         &self,
+        machine: &MachineData<AXES>,
         axis: usize,
         rapid: bool,
         slope: Option<SlopeType>,
         percent: u32,
     ) -> Option<(Limits, f32)> {
-        let channel = &self.machine.channel;
+        let channel = &machine.channel;
         let slope = slope.unwrap_or(SlopeType::of_profile(channel.slope_profile));
-        let mut data = *self.machine.axes.get(axis)?;
+        let mut data = *machine.axes.get(axis)?;
         data.weigh(percent);
         let axis = Axis::new(&data, channel, slope).filtered_as(self.axes.get(axis)?, slope == self.slope);
         let set = axis.set(rapid);
@@ -350,7 +353,7 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope that knows jerk).
     pub fn limits_bends(&self) -> bool {
-        self.machine.channel.corr_v_trans_jerk && self.slope != SlopeType::Step
+        self.bends_have_jerk && self.slope != SlopeType::Step
     }
 
     /// The slope of the elements that follow.

@@ -5,6 +5,7 @@
 use super::block::Marks;
 use super::ease::Trial;
 use super::law::{faster, length_mm};
+use super::planned::Planned;
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
@@ -35,6 +36,12 @@ pub(super) struct Plan {
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
+    /// There is nothing to try without HSC.
+    pub tries: [Tries; functions::HSC.room(1)],
+}
+
+/// What is tried with two spans.
+pub(super) struct Tries {
     pub trial: Trial,
     /// What is tried to be cut.
     pub valley: Valley,
@@ -58,8 +65,7 @@ impl Plan {
         backward: Backward::NONE,
         forward: Forward::NONE,
         inside: Inside::NONE,
-        trial: Trial::NONE,
-        valley: Valley::NONE,
+        tries: [const { Tries { trial: Trial::NONE, valley: Valley::NONE } }; functions::HSC.room(1)],
     };
 
     /// Whether it is complete.
@@ -110,9 +116,8 @@ impl Plan {
                 Pass::Forward => ring.forward(self, &mut work),
                 Pass::Inside => ring.inside(self, &mut work),
                 Pass::Trial => {
-                    // Without HSC there is nothing to try.
-                    if !functions::HSC.is_built() || ring.trials(&mut self.trial, &mut self.valley, &mut work)
-                    {
+                    let tries = self.tries.first_mut();
+                    if tries.is_none_or(|tries| ring.trials(&mut tries.trial, &mut tries.valley, &mut work)) {
                         self.complete(ring);
                     }
                 }
@@ -149,8 +154,9 @@ impl Plan {
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
-            let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-            let v = faster(&brake, length_mm(block), v_out, block.cap());
+            let limits = block.limits();
+            let brake = share.map_or(limits, |share| limits.shared(share)).brake();
+            let v = Planned::below(faster(&brake, length_mm(block), v_out, block.cap()));
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
@@ -161,7 +167,7 @@ impl Plan {
                 return self.blocks_done(ring);
             }
             block.v_in = v;
-            v_out = v;
+            v_out = v.speed();
         }
         self.pass = Pass::Blocks(left, v_out);
         false
@@ -187,9 +193,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-        let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+        let limits = block.limits_by_call();
+        let brake = share.map_or(limits, |share| limits.shared(share)).brake();
         let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
-        block.v_in = v.max(block.v_in);
+        self.start = v.max(self.start);
     }
 
     /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.

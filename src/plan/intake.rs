@@ -9,6 +9,7 @@ use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
 use crate::nc::{
     ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType, Spline,
+    Weight,
 };
 use crate::path::{self, Element, PathError, Piece, Straight};
 use crate::quantity::{Distance, Position};
@@ -437,10 +438,24 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
         self.intake.uniform.since = self.intake.taken;
-        self.dynamics.set_slope(slope, optimised);
+        self.dynamics.set_slope(self.intake.machine, slope, optimised);
     }
 
-    /// The dynamics, for weights and path limits of the blocks that follow. Only after
+    /// Weights the axes in the blocks that follow. Only after [`super::Work::Hungry`].
+    pub fn weigh(&mut self, weight: &Weight<AXES>) {
+        let machine = self.intake.machine;
+        self.dynamics().weigh(machine, weight);
+    }
+
+    /// The dynamics, without what filters take from them. Only after [`super::Work::Hungry`].
+    pub fn unwatched(&mut self) -> &mut Dynamics<AXES> {
+        let machine = self.intake.machine;
+        let dynamics = self.dynamics();
+        dynamics.unwatch(machine);
+        dynamics
+    }
+
+    /// The dynamics, for path limits of the blocks that follow. Only after
     /// [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();

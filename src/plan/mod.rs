@@ -131,6 +131,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// Where blocks come in.
 struct Intake<'a, const AXES: usize> {
+    machine: &'a MachineData<AXES>,
     /// End of the last block taken in.
     programmed: [Position; AXES],
     /// Where the curves end that have gone into the look-ahead.
@@ -311,7 +312,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     #[inline(always)]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
@@ -331,7 +332,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     #[inline(never)]
     fn with(
         large: Large<'a, AXES, BLOCKS>,
-        machine: &MachineData<AXES>,
+        machine: &'a MachineData<AXES>,
         start: [Position; AXES],
         queue: Sender<'a, AXES>,
     ) -> Self {
@@ -346,6 +347,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             measure,
             dynamics,
             intake: Intake {
+                machine,
                 programmed: start,
                 entered: start,
                 taken: 0,

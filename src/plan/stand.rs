@@ -49,7 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         slope: Option<SlopeType>,
         percent: u32,
     ) -> Option<(Limits, f32)> {
-        self.dynamics.single(axis, rapid, slope, percent)
+        self.dynamics.single(self.intake.machine, axis, rapid, slope, percent)
     }
 
     /// A feed (mm/min) as speed, mm/tick.
@@ -83,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Weights, path limits, slope and contour mode as at program start. Only at rest.
     pub fn restart(&mut self) {
         self.intake.uniform.since = self.intake.taken;
-        self.dynamics.restart();
+        self.dynamics.restart(self.intake.machine);
         self.intake.smoothing.restart();
         self.lookahead.ring.forget_exit();
     }

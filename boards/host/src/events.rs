@@ -459,11 +459,14 @@ mod tests {
         assert_eq!(events[1].column, 7);
     }
 
-    fn operator(channel: &mut Channel<1, 10>) -> Operator<'_, 1> {
+    fn machine() -> MachineData<1> {
         let name = AxisName::new("X").expect("a letter");
         let channel_data = ChannelData { look_ahead: 10, ..ChannelData::new() };
-        let machine = MachineData { axes: [AxisData::new(name, AxisKind::Linear)], channel: channel_data };
-        match channel.split(&machine, [Position::ZERO], &b"M30"[..]) {
+        MachineData { axes: [AxisData::new(name, AxisKind::Linear)], channel: channel_data }
+    }
+
+    fn operator<'a>(channel: &'a mut Channel<1, 10>, machine: &'a MachineData<1>) -> Operator<'a, 1> {
+        match channel.split(machine, [Position::ZERO], &b"M30"[..]) {
             Ok(handles) => handles.operator,
             Err(error) => panic!("{error}"),
         }
@@ -475,7 +478,8 @@ mod tests {
             let events = read(text).unwrap_or_default();
             let mut schedule = Schedule::new(&events, 1000);
             let mut channel = Box::new(Channel::<1, 10>::new());
-            let operator = operator(&mut channel);
+            let machine = machine();
+            let operator = operator(&mut channel, &machine);
             while schedule.due(tick, &operator).is_some() {}
             let commands = operator.commands();
             (!schedule.goes_on(&commands), schedule.cause(&commands).map(|event| event.line))
@@ -494,7 +498,8 @@ mod tests {
         let events = read("0.01 stall 0.0021\n0.012 stall 0.004\n0.02 starve 0.001").unwrap_or_default();
         let mut schedule = Schedule::new(&events, 1000);
         let mut channel = Box::new(Channel::<1, 10>::new());
-        let operator = operator(&mut channel);
+        let machine = machine();
+        let operator = operator(&mut channel, &machine);
         let (mut stalled, mut starved) = (Vec::new(), Vec::new());
         for tick in 0..30 {
             while schedule.due(tick, &operator).is_some() {}

@@ -100,9 +100,10 @@ type Split<'a, const BLOCKS: usize> =
 fn split<'a, const BLOCKS: usize>(
     channel: &'a mut Channel<3, BLOCKS, OVERLAYS>,
     filters: &'a mut FilterMemory,
-    case: &BesideCase,
+    machine: &'a MachineData<3>,
+    text: &'static [u8],
 ) -> Split<'a, BLOCKS> {
-    channel.split_filtered(filters, &machine(case), [Position::ZERO; 3], case.text)
+    channel.split_filtered(filters, machine, [Position::ZERO; 3], text)
 }
 
 /// Runs a case.
@@ -116,7 +117,8 @@ pub fn beside<const BLOCKS: usize, W: Watch<3>>(
     watch: &mut W,
 ) -> Result<Outcome, Failure> {
     watch.starting();
-    let mut handles = split(channel, filters, case);
+    let machine = machine(case);
+    let mut handles = split(channel, filters, &machine, case.text);
     watch.started();
     match &mut handles {
         Ok(handles) => drive(handles, watch),

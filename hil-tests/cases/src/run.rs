@@ -191,7 +191,7 @@ where
 #[inline(never)]
 fn split<'a, const AXES: usize, const BLOCKS: usize>(
     channel: &'a mut Channel<AXES, BLOCKS>,
-    machine: &MachineData<AXES>,
+    machine: &'a MachineData<AXES>,
     text: &'static [u8],
 ) -> Split<'a, AXES, BLOCKS> {
     channel.split(machine, [Position::ZERO; AXES], text)
