@@ -184,7 +184,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// limits. At that part the planned motion is inside the limits of all blocks.
     fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
-        let inside = |part, block: &Block| min(part, block.limits.part_inside());
+        let inside = |part, block: &Block| min(part, block.limits().part_inside());
         let part = front.iter().chain(back).fold(level / self.level, inside);
         to_bits::<36>(part * LOWERS)
     }
