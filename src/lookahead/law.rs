@@ -1,6 +1,5 @@
 //! Spans of blocks, and the law of one: from one speed up to a peak and down to another.
 use super::block::{Block, Marks};
-use super::planned::settled;
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Speed, speed_bits, speed_f32};
@@ -52,17 +51,20 @@ impl Span {
     #[inline(always)]
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
-        let mut limits = block.limits();
-        if let Some(share) = share {
-            limits.share(share);
-        }
-        if self.length == 0 {
-            self.limits = limits;
-        } else {
-            self.limits.join(&limits);
+        match share {
+            None if self.length == 0 => self.limits = block.limits,
+            None => self.limits.join(&block.limits),
+            Some(share) => {
+                let limits = block.limits.shared(share);
+                if self.length == 0 {
+                    self.limits = limits;
+                } else {
+                    self.limits.join(&limits);
+                }
+            }
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
-        self.length += block.length();
+        self.length += block.length;
     }
 
     /// Takes in a piece of a block beside it.
@@ -209,14 +211,12 @@ impl Law {
 }
 
 /// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too
-/// short even for a standstill. One that can be planned ([`super::planned`]), or `v_in`. `kept`: the speed at its start may have been planned for another end speed.
+/// short even for a standstill. `kept`: the speed at its start may have been planned for another end speed.
 #[inline(always)]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
-        let v = faster(&limits.speed_up(), length, v_in, limits.v).min(next);
-        // Not below the speed that it is entered with: there may be no room for less.
-        return Some(if v > v_in { settled(v).max(v_in) } else { v });
+        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
@@ -233,7 +233,7 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
     // The speed was planned with a lower one here, where slowing down is quicker.
     let (mut low, mut high) = (0, next.to_bits());
     for _ in 0..LEAVE_STEPS {
-        let middle = settled(Speed::from_bits(low + (high - low) / 2)).to_bits();
+        let middle = low + (high - low) / 2;
         if possible(Speed::from_bits(middle)) {
             low = middle;
         } else {
@@ -282,5 +282,5 @@ fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
 
 /// Path length, mm.
 pub(super) fn length_mm(block: &Block) -> f32 {
-    to_f32(block.length()) * LSB_44
+    to_f32(block.length) * LSB_44
 }

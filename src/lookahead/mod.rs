@@ -24,7 +24,6 @@ mod knees;
 mod law;
 mod pace;
 mod plan;
-mod planned;
 mod release;
 mod ring;
 mod span;

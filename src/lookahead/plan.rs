@@ -5,7 +5,6 @@
 use super::block::Marks;
 use super::ease::Trial;
 use super::law::{faster, length_mm};
-use super::planned::Planned;
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
@@ -154,9 +153,8 @@ impl Plan {
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
-            let limits = block.limits();
-            let brake = share.map_or(limits, |share| limits.shared(share)).brake();
-            let v = Planned::below(faster(&brake, length_mm(block), v_out, block.cap()));
+            let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
+            let v = faster(&brake, length_mm(block), v_out, block.cap());
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
@@ -167,7 +165,7 @@ impl Plan {
                 return self.blocks_done(ring);
             }
             block.v_in = v;
-            v_out = v.speed();
+            v_out = v;
         }
         self.pass = Pass::Blocks(left, v_out);
         false
@@ -193,10 +191,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-        let limits = block.limits_by_call();
-        let brake = share.map_or(limits, |share| limits.shared(share)).brake();
+        let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
         let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
-        self.start = v.max(self.start);
+        block.v_in = v.max(block.v_in);
     }
 
     /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.

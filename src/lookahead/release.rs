@@ -2,7 +2,6 @@
 use super::block::{Block, Marks};
 use super::ease::Ease;
 use super::law;
-use super::planned::Planned;
 use super::ring::Ring;
 use crate::dynamics::{OverrideRange, Passing};
 use crate::math::float::{max, min, to_f32};
@@ -207,15 +206,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first
     /// block, `None` if there is none.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
-        Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
+        Self::span_of(self.blocks_from(0, self.blocks.len()), release, true)?;
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
         release.checked.now &= !self.scope.stale || release.blocks == 1;
         if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
             next.start_at(release.v_out);
         }
-        // The blocks of the span leave before it is asked for.
-        self.start = release.v_out;
         self.scope.stale = false;
         self.blocks.front()
     }
@@ -225,15 +222,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        let start = (at == 0).then_some(self.start);
-        Self::span_of(self.blocks_from(at, self.scope.end), release, true, start).is_some()
+        Self::span_of(self.blocks_from(at, self.scope.end), release, true).is_some()
     }
 
     /// As [`Self::planned`]; unless it `ends` there, [`ReleasedSpan::v_out`] is left open, which takes most of
     /// the work, and what holds for the whole ring is not told.
     pub fn scan(&self, at: usize, release: &mut ReleasedSpan, ends: bool) -> bool {
-        let start = (at == 0).then_some(self.start);
-        Self::span_of(self.blocks_from(at, self.scope.end), release, ends, start).is_some()
+        Self::span_of(self.blocks_from(at, self.scope.end), release, ends).is_some()
     }
 
     /// The blocks from the one `at` behind the front to before the one `end` behind it; no block is gone through
@@ -248,21 +243,18 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         front.iter().chain(back)
     }
 
-    /// The span at the front of these blocks; what the ring has for all of them is left open. `start`: speed at its
-    /// start, if that is not the planned one.
+    /// The span at the front of these blocks; what the ring has for all of them is left open.
     fn span_of<'a>(
         mut ring: impl Iterator<Item = &'a Block>,
         release: &mut ReleasedSpan,
         ends: bool,
-        start: Option<Speed>,
     ) -> Option<()> {
         let mut ease = Ease::NONE;
         let first = ring.next()?;
-        let v_in = start.unwrap_or(first.v_in.speed());
-        let (mut blocks, mut length, mut kept) = (1u16, first.length(), first.is(Marks::KEPT));
+        let (mut blocks, mut length, mut kept) = (1u16, first.length, first.is(Marks::KEPT));
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
-        let mut limits = first.limits_by_call();
+        let mut limits = first.limits;
         let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
             match ring.next() {
@@ -271,10 +263,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                         ease = block.ease();
                     }
                     v_least = min(v_least, min(block.cap, block.speed()));
-                    limits.join(&block.limits());
+                    limits.join(&block.limits);
                     override_range.join(block.override_range);
                     (any, all) = (any.or(block.joint), all.and(block.joint));
-                    length += block.length();
+                    length += block.length;
                     (blocks, kept) = (blocks + 1, true);
                 }
                 next => break next,
@@ -286,18 +278,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.
             release.slow.shared = v_least;
-            if first.is_continued() {
-                release.slow.shared = min(release.slow.shared, speed_f32(v_in.to_bits()));
+            if first.continued {
+                release.slow.shared = min(release.slow.shared, speed_f32(first.v_in.to_bits()));
             }
-            if let Some(next) = next.filter(|next| next.is_continued()) {
-                release.slow.shared = min(release.slow.shared, speed_f32(next.v_in.speed().to_bits()));
+            if let Some(next) = next.filter(|next| next.continued) {
+                release.slow.shared = min(release.slow.shared, speed_f32(next.v_in.to_bits()));
             }
         }
+        let v_in = first.v_in;
         let mut v_out = Speed::ZERO;
         release.next.v = 0.0;
         if let Some(next) = next {
-            (release.next.v, release.next.override_range) = (next.v(), next.override_range);
-            let planned = next.v_in.max(Planned::ZERO).speed();
+            (release.next.v, release.next.override_range) = (next.limits.v, next.override_range);
+            let planned = next.v_in.max(Speed::ZERO);
             v_out = planned;
             if ends || first.is(Marks::FLAT) {
                 v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
@@ -316,7 +309,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         release.checked.now = first.is(Marks::CHECKED) || blocks == 1;
         release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee(), first.joint.passing());
         let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
-        (release.trades, release.rapid) = (Trades { all: first.trades(), some: any.is_bought() }, rapid);
+        (release.trades, release.rapid) = (Trades { all: first.trades, some: any.is_bought() }, rapid);
         (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
         Some(())
     }

@@ -1,11 +1,10 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
-use super::block::{Block, Marks};
+use super::block::{Block, Marks, UNPLANNED};
 use super::blocks::Blocks;
 use super::brief::Row;
 use super::knees::Steps;
 use super::pace::Slowest;
-use super::planned::Planned;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
 use crate::path::End;
@@ -19,8 +18,6 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) depth: usize,
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
-    /// Speed at the start of the first block, if there is one: any, where all others are [`Planned`].
-    pub(super) start: Speed,
     pub(super) tail: Tail<AXES>,
     pub(super) scope: Scope,
     pub(super) counts: Counts,
@@ -111,39 +108,9 @@ impl Counts {
 /// A lower level takes more from planned speeds than rounding takes from limits.
 const LOWERS: f32 = 1.0 - 1.0 / 524_288.0;
 
-/// What rounding takes from one planned speed, as a part of it, LSB 2^-36.
-const LOST: i64 = 1 << 10;
-
-/// A speed at a part of itself, LSB 2^-36.
+/// A planned speed at a part of itself, LSB 2^-36; none stays none.
 fn scaled(v: Speed, part: i64) -> Speed {
-    Speed::from_bits(mul_shift(v.to_bits(), part, 36))
-}
-
-/// Planned speeds of anchors at a part of themselves, from the last to the first: each is rounded with what is lost
-/// behind it. So no span loses more speed than that part of what it has lost, for which it has room.
-struct Lowered {
-    part: i64,
-    /// The planned speed behind, and what it has become.
-    behind: [Speed; 2],
-}
-
-impl Lowered {
-    fn new(part: i64) -> Self {
-        Self { part, behind: [Speed::ZERO; 2] }
-    }
-
-    /// None stays none, and stands for a standstill.
-    fn take(&mut self, planned: &mut Planned) {
-        let [was, is] = self.behind;
-        let v = planned.speed().max(Speed::ZERO);
-        let more = Speed::from_bits((v.to_bits() - was.to_bits()).max(0));
-        let lower = Speed::from_bits(is.to_bits() + scaled(more, self.part).to_bits());
-        let lowered = Planned::below(scaled(v, self.part).min(lower));
-        self.behind = [v, lowered.speed()];
-        if planned.is_some() {
-            *planned = lowered;
-        }
-    }
+    if v < Speed::ZERO { v } else { Speed::from_bits(mul_shift(v.to_bits(), part, 36)) }
 }
 
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
@@ -156,7 +123,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
-        Self { blocks, depth, level: 1.0, start: Speed::ZERO, tail, scope, counts }
+        Self { blocks, depth, level: 1.0, tail, scope, counts }
     }
 
     /// Where the block taken in last ends, if its direction is known.
@@ -176,15 +143,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// The speed at which the first block has to be entered for a lower level, at most.
     pub fn entry_for(&self, level: f32) -> Speed {
-        let anchors = self.blocks.len().saturating_sub(self.counts.through) as i64;
-        scaled(self.first_speed(), self.lowers(level) - LOST * anchors)
+        self.blocks.front().map_or(Speed::ZERO, |first| scaled(first.v_in, self.lowers(level)))
     }
 
     /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
     /// limits. At that part the planned motion is inside the limits of all blocks.
     fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
-        let inside = |part, block: &Block| min(part, block.limits().part_inside());
+        let inside = |part, block: &Block| min(part, block.limits.part_inside());
         let part = front.iter().chain(back).fold(level / self.level, inside);
         to_bits::<36>(part * LOWERS)
     }
@@ -195,18 +161,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let (mut last, mut lent) = (0.0, false);
         for (k, block) in self.blocks.iter_mut().enumerate() {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
-            block.numbers.v = max(block.v(), block.v() * (by * ROUNDED));
+            block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
-            if !block.is(Marks::ANCHOR) && block.has_ease() {
+            if !block.is(Marks::ANCHOR) && block.v_reached > UNPLANNED {
                 // As the slow block whose speed it is.
-                block.keep_ease(block.ease().scaled(max(by * ROUNDED, 1.0)));
+                block.v_reached = block.ease().scaled(max(by * ROUNDED, 1.0)).kept();
             }
             // A valley stays as fast as it is.
             if k > 0 && !lent && !block.joint.is_lent() {
-                let fastest = min(block.highest, min(last, block.v()));
+                let fastest = min(block.highest, min(last, block.limits.v));
                 block.cap = max(block.cap, fastest * ROUNDED);
             }
-            (last, lent) = (block.v(), block.joint.is_lent());
+            (last, lent) = (block.limits.v, block.joint.is_lent());
         }
         if !self.blocks.is_empty() {
             self.scope.until = 0;
@@ -223,32 +189,29 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let (mut last, mut lent) = (f32::MAX, false);
         for block in self.blocks.iter_mut() {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
-            block.numbers.v *= by * ROUNDED;
+            block.limits.v *= by * ROUNDED;
             block.marks.set(Marks::CHECKED, false);
             block.marks.set(Marks::KEPT, true);
-            block.cap = min(block.highest, min(last, block.v()));
+            block.cap = min(block.highest, min(last, block.limits.v));
             let is_anchor = block.is(Marks::ANCHOR);
-            if (lent || block.joint.is_lent()) && !block.is_continued() {
+            if (lent || block.joint.is_lent()) && !block.continued {
                 // Where the slow block begins or ends.
                 self.counts.untried += usize::from(is_anchor && !block.joint.is_open());
                 block.joint.open();
             }
-            (last, lent) = (block.v(), block.joint.is_lent());
+            (last, lent) = (block.limits.v, block.joint.is_lent());
             block.joint.take_back();
-            if !is_anchor && block.has_ease() {
-                block.keep_ease(block.ease().scaled(by * ROUNDED));
+            for v in [&mut block.v_in, &mut block.v_old] {
+                *v = scaled(*v, part);
+            }
+            if is_anchor {
+                block.v_reached = scaled(block.v_reached, part);
+            } else if block.v_reached > UNPLANNED {
+                block.v_reached = block.ease().scaled(by * ROUNDED).kept();
             }
         }
-        let [mut planned, mut reached, mut old] = [(); 3].map(|()| Lowered::new(part));
-        for block in self.blocks.iter_mut().rev() {
-            if block.is(Marks::ANCHOR) {
-                planned.take(&mut block.v_in);
-                reached.take(&mut block.v_reached);
-                old.take(&mut block.v_old);
-            }
-        }
-        if !self.blocks.is_empty() {
-            self.start = v_in;
+        if let Some(first) = self.blocks.front_mut() {
+            first.v_in = v_in;
             self.scope.until = 0;
         }
     }
@@ -314,7 +277,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// Planned speed at the first block's start.
     pub fn first_speed(&self) -> Speed {
-        if self.blocks.is_empty() { Speed::ZERO } else { self.start }
+        self.blocks.front().map_or(Speed::ZERO, |block| block.v_in)
     }
 
     /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is
@@ -322,7 +285,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
-            self.start = v_in;
         }
         self.scope.stale = stale;
     }
@@ -330,7 +292,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// The first block begins at another speed than planned.
     pub fn restart(&mut self, v_in: Speed) {
         if let Some(first) = self.blocks.front_mut() {
-            self.start = v_in;
+            first.v_in = v_in;
             first.marks.set(Marks::CHECKED, false);
         }
         self.scope.until = 0;

@@ -10,11 +10,10 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end
 //! of a span is final, the slowing down before it counts. And when a ring is full of one span, it is cut
 //! where its slowing down would begin, or behind the first quarter.
-use super::block::Marks;
+use super::block::{Marks, UNPLANNED};
 use super::ease::Trial;
 use super::law::{LSB_44, Law, RISE, Span};
 use super::plan::{Pass, Plan, spend};
-use super::planned::Planned;
 use super::ring::Ring;
 use crate::math::float::to_f32;
 use crate::quantity::{Speed, speed_bits};
@@ -183,10 +182,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way. A
             // flat span goes on as the plan before had it: faster, the anchors that gave way would be needed
             // again.
-            let v = if block.is(Marks::FLAT) && block.v_old.is_some() {
+            let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
                 block.v_old
             } else {
-                Planned::below(span.enter(pass.v_out, block.cap())).max(block.v_old)
+                span.enter(pass.v_out, block.cap()).max(block.v_old)
             };
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
@@ -194,7 +193,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 return self.start_forward(plan);
             }
             block.v_in = v;
-            pass.v_out = v.speed();
+            pass.v_out = v;
             (pass.span, pass.to) = (Span::NONE, left);
         }
     }
@@ -206,7 +205,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Some(reach) = self.scope.free else { return };
         let v = span.enter(v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
-        self.start = v;
+        block.v_in = v;
     }
 
     fn start_forward(&self, plan: &mut Plan) {
@@ -216,7 +215,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             (forward.next, forward.span) = (forward.from, Span::NONE);
             return;
         }
-        let v_in = self.first_speed();
+        let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
         *forward = Forward { v_in, ..Forward::NONE };
     }
 
@@ -255,12 +254,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             // The span is complete.
             let end = self.blocks.get(pass.next);
-            let last =
-                !self.scope.open || end.is_some_and(|end| end.v_in.speed().to_bits() == speed_bits(end.cap));
+            let last = !self.scope.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
             pass.firm[1] = pass.firm[0] && last;
             pass.last[1] = if last { pass.next } else { pass.last[0] };
             if checked {
-                let v_out = end.map_or(Speed::ZERO, |end| end.v_reached.speed());
+                let v_out = end.map_or(Speed::ZERO, |end| end.v_reached);
                 pass.pass(v_out);
                 continue;
             }
@@ -278,17 +276,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if !single {
             pass.span.limits.ease(self.ease(pass.from));
         }
-        let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in.speed());
+        let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else {
             self.go_back(plan);
             return true;
         };
         if let Some(end) = self.blocks.get_mut(pass.next) {
-            let reached = Planned::below(v_out);
-            if reached != end.v_reached {
+            if v_out != end.v_reached {
                 end.marks.set(Marks::CHECKED, false);
             }
-            end.v_reached = reached;
+            end.v_reached = v_out;
         }
         pass.v_out = v_out;
         if single {
@@ -316,7 +313,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if self.scope.free.take().is_some() {
             // The plan before began at rest.
             if let Some(first) = self.blocks.front_mut() {
-                self.start = Speed::ZERO;
+                first.v_in = Speed::ZERO;
                 first.marks.set(Marks::CHECKED, false);
             }
             self.plan_again(plan, 0, self.blocks.len());
@@ -355,8 +352,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 self.counts.through += 1;
                 self.plan_again(plan, from, to);
             }
-            Some(end) if end.v_in > end.v_old.max(Planned::ZERO) => {
-                end.v_in = end.v_old.max(Planned::ZERO);
+            Some(end) if end.v_in > end.v_old.max(Speed::ZERO) => {
+                end.v_in = end.v_old.max(Speed::ZERO);
                 end.marks.set(Marks::CHECKED, false);
                 self.plan_again(plan, from, next);
             }
@@ -391,7 +388,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             let Some(block) = self.blocks.get(pass.block) else { return plan.complete(self) };
             let before = pass.at;
-            pass.at += block.length();
+            pass.at += block.length;
             let [start, end] = [before, pass.at].map(|at| to_f32(at) * LSB_44);
             let slowest = pass.worst.map_or(f32::MAX, |worst| worst.v);
             if pass.block > from {
@@ -408,7 +405,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     && block.joint.flows()
                     && start >= pass.calm.from
                     && start <= pass.brakes_at;
-                pass.calm.take(pass.block, calm, &block.limits_by_call());
+                pass.calm.take(pass.block, calm, &block.limits);
             }
             let v = block.speed();
             match &mut pass.worst {
@@ -441,7 +438,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if !enters
                 && !leaves
                 && firm
-                && self.blocks.get(first).is_some_and(|block| block.may_have_valleys())
+                && self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys())
             {
                 self.lower_peak(from, v);
                 return self.plan_again(plan, from, to);
@@ -502,7 +499,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [enter, leave] = at.map(|at| to_f32(at) * LSB_44);
         let enters = first > from && !law.keeps(v, enter, enter);
         let leaves = behind < to && !law.keeps(v, leave, leave);
-        let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.may_have_valleys());
+        let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys());
         if !(enters && leaves && law.is_firm() && may_have_valleys()) {
             [enters, leaves]
         } else if enter >= *brakes_at {
@@ -518,7 +515,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
-            block.forget();
+            block.v_reached = UNPLANNED;
             self.counts.untried += usize::from(block.joint.is_open());
             self.counts.through -= 1;
         }
@@ -526,7 +523,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// There are new anchors between the blocks `from` and `to`.
     fn plan_again(&self, plan: &mut Plan, from: usize, to: usize) {
-        let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in.speed());
+        let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in);
         plan.backward = Backward { again: true, ..Backward::new(to, from, v_out) };
         plan.pass = Pass::Backward;
     }

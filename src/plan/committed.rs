@@ -99,7 +99,7 @@ impl CommittedSpan {
 
 /// More than a tick passes: so the queue gets a tick, however short they are. One is spare for a way to a
 /// standstill in reserve.
-const SLOTS: usize = 35;
+const SLOTS: usize = 40;
 const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
 
 /// The slot `k` behind another one.

@@ -12,8 +12,6 @@ pub mod ramp;
 
 pub mod limits;
 
-pub mod kept;
-
 pub mod profile;
 
 pub mod brake;

@@ -24,10 +24,9 @@
 //! A block that is cut takes two places of the ring. They share its curve.
 mod shift;
 
-use super::block::{Block, Marks};
+use super::block::{Marks, UNPLANNED};
 use super::ease::{self, Ease, GAIN, Trial};
 use super::law::{Law, RISE, Span, length_mm};
-use super::planned::Planned;
 use super::ring::Ring;
 use crate::math::float::{max, min, to_bits};
 use crate::math::root::sqrt_f32;
@@ -214,7 +213,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     fn limit(&self, k: usize) -> f32 {
-        self.blocks.get(k).map_or(0.0, |block| block.v())
+        self.blocks.get(k).map_or(0.0, |block| block.limits.v)
     }
 
     fn look(&mut self, pass: &mut Trial, valley: &mut Valley) {
@@ -235,7 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {
                     block.cap() * SAME >= self.limit(to - 1)
-                        && block.may_have_valleys()
+                        && block.limits.may_have_valleys()
                         && block.joint.is_open()
                 });
             if leaves {
@@ -315,16 +314,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
             return self.leave_anchor(pass, valley, true);
         };
-        let lengths = [first, last].map(length_mm);
-        let [first_limits, last_limits] = [first, last].map(Block::limits_by_call);
-        let [j_in, j_out] = [first_limits.jerk(3), last_limits.jerk(0)];
-        let [v_in, v_out] = [first_limits.v, last_limits.v];
+        let (first, last) = (*first, *last);
+        let lengths = [&first, &last].map(length_mm);
+        let [j_in, j_out] = [first.limits.jerk(3), last.limits.jerk(0)];
+        let [v_in, v_out] = [first.limits.v, last.limits.v];
         if let Some(&(part, common)) = DEPTHS.get(usize::from(valley.tried)) {
             valley.tried += 1;
             pass.step = ease::Step::Valley(Step::Weigh);
             let peaks = valley.peaks;
-            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first_limits.a_down, part) } else { 0.0 };
-            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last_limits.a_up, part) } else { 0.0 };
+            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
+            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
                 if a == b || c == d || v_in != v_out {
                     return;
@@ -393,7 +392,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             v_in = Speed::from_bits(speed_bits(enter.v));
             let mut fast = valley.spans[0];
-            fast.add_piece(&first.limits_by_call(), valley.cut.cuts[0]);
+            fast.add_piece(&first.limits, valley.cut.cuts[0]);
             fast.limits.ease(valley.eases[0]);
             if !fast.joins(valley.speeds[0], v_in) {
                 return None;
@@ -407,7 +406,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             v_out = Speed::from_bits(speed_bits(leave.v));
             let mut fast = valley.spans[2];
-            fast.add_piece(&last.limits_by_call(), valley.cut.cuts[1]);
+            fast.add_piece(&last.limits, valley.cut.cuts[1]);
             fast.limits.ease(valley.eases[1]);
             if !fast.joins(v_out, valley.speeds[3]) {
                 return None;
@@ -466,7 +465,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 to += 1;
             } else {
                 from -= 1;
-                before = block.length();
+                before = block.length;
             }
         }
         pass.fit.head = match which {
@@ -481,7 +480,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         };
         if cut > 0 {
-            span.add_piece(&block.limits_by_call(), cut);
+            span.add_piece(&block.limits, cut);
         } else {
             span.shorten(-cut);
         }
@@ -515,10 +514,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn cut(&mut self, k: usize, distance: i64) {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let mut piece = *block;
-        piece.set_length(block.length() - distance);
-        piece.go_on();
+        piece.length = block.length - distance;
+        piece.continued = true;
         piece.highest = f32::MAX;
-        block.set_length(distance);
+        block.length = distance;
         piece.marks = Marks::default();
         piece.marks.set(Marks::LONG, block.is(Marks::LONG));
         piece.marks.set(Marks::CHECKED | Marks::SMOOTH, true);
@@ -532,7 +531,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Acceleration is zero where the block `k` begins, at that speed, for good.
     fn dip_at(&mut self, k: usize, v: f32) {
         let Some(block) = self.blocks.get_mut(k) else { return };
-        let speed = Planned::below(Speed::from_bits(speed_bits(v)));
+        let speed = Speed::from_bits(speed_bits(v));
         block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
         (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
         block.cap = v;
@@ -592,7 +591,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.keep_ease(b, plan.eases[2]);
             at = c - 1;
             if !plan.cut.meet {
-                let length = self.blocks.get(at).map_or(0, |block| block.length());
+                let length = self.blocks.get(at).map_or(0, |block| block.length);
                 self.cut(at, length - plan.cut.cuts[1]);
                 cuts += 1;
                 (at, c) = (c, c + 1);
@@ -603,7 +602,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if let Some(block) = self.blocks.get_mut(c + 1)
                 && !block.is(Marks::ANCHOR)
             {
-                block.forget();
+                block.v_reached = UNPLANNED;
             }
             self.keep_ease(at, plan.eases[1]);
         }
@@ -623,7 +622,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(second) = self.blocks.get_mut(from + 1)
             && !second.is(Marks::ANCHOR)
         {
-            second.keep_ease(ease);
+            second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
         }
     }
 }
