@@ -147,7 +147,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     }
 
     /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
-    /// limits. At that part the planned motion is inside the limits of all blocks.
+    /// limits. At that part the planned motion is inside the limits of all blocks. A call of its own: it is rare.
+    #[inline(never)]
     fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
         let inside = |part, block: &Block| min(part, block.limits.part_inside());
