@@ -232,19 +232,19 @@ impl<const AXES: usize> Joining<AXES> {
     #[inline(never)]
     fn choose(
         held: &mut HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         room: Room,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
         *stage = JoinStep::Sharp;
-        held.known = Some(setting.dynamics.known(&held.block.element, held.block.data.feed));
-        let (second, ..) = setting.dynamics.element(&next.block.element, next.block.data.feed);
-        let held = &*held;
-        let (Some(rule), Some(known)) = (&held.rule, &held.known) else { return };
+        held.look_up(setting.dynamics);
+        next.look_up(setting.dynamics);
+        let (held, next) = (&*held, &*next);
+        let (Some(rule), Some(first), Some(second)) = (&held.rule, &held.known, &next.known) else { return };
         let corner = corner(held, next, setting.measure);
         let tolerance = Self::tolerance(held, next, rule);
-        let approach = Approach::new([&known.permitted.0, &second], room.most);
+        let approach = Approach::new([&first.permitted.0, &second.permitted.0], room.most);
         let choice = Choice {
             blocks: [held, next],
             corner: &corner,
@@ -384,7 +384,7 @@ impl<const AXES: usize> Joining<AXES> {
     #[inline(never)]
     fn decide(
         held: &mut HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
