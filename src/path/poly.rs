@@ -189,14 +189,31 @@ fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
 
 /// x·2^n, for n in 0..64, likewise.
 #[inline(always)]
-fn raised<const N: usize>(x: [i64; N], n: u32) -> [i64; N] {
+fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
-    x.map(|x| {
-        let (upper, lower) = ((x >> 32) as u32, x as u32);
+    for x in &mut x {
+        let (upper, lower) = ((*x >> 32) as u32, *x as u32);
         let [upper, lower] =
             if high { [lower << n, 0] } else { [upper << n | (lower >> 1) >> (31 - n), lower << n] };
-        (u64::from(upper) << 32 | u64::from(lower)) as i64
-    })
+        *x = (u64::from(upper) << 32 | u64::from(lower)) as i64;
+    }
+    x
+}
+
+/// x·2^-n, rounded down, for n in 0..64, likewise.
+#[inline(always)]
+fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
+    let (n, high) = (n & 31, n > 31);
+    for x in &mut x {
+        let (upper, lower) = ((*x >> 32) as i32, *x as u32);
+        let [upper, lower] = if high {
+            [upper >> 31, upper >> n]
+        } else {
+            [upper >> n, (((upper as u32) << 1) << (31 - n) | lower >> n) as i32]
+        };
+        *x = i64::from(upper) << 32 | i64::from(lower as u32);
+    }
+    x
 }
 
 /// A polynomial that is made a few axes at a time.
@@ -409,8 +426,12 @@ impl Scale {
         let up = ((t0.unsigned_abs() | t1.unsigned_abs() | 1).leading_zeros() as i32 - 1).max(0);
         // What is below 2^57 with so many places is above that before.
         let down = (up - 24 - self.up - point).clamp(0, 63);
-        let slope = |t: i64| mul_near(t << (up & 63), self.mantissa) >> (down & 63);
-        (travel << (point - 32).clamp(0, 63), [slope(t0), slope(t1)])
+        let mut slopes = raised(tangents, up as u32);
+        for slope in &mut slopes {
+            *slope = mul_near(*slope, self.mantissa);
+        }
+        let [travel] = raised([travel], (point - 32).clamp(0, 63) as u32);
+        (travel, lowered(slopes, down as u32))
     }
 
     /// A quintic, and its bounds over 0..1. `None` where the formats cannot hold it.
