@@ -216,6 +216,9 @@ pub struct Quintic<const AXES: usize> {
 }
 
 impl<const AXES: usize> Quintic<AXES> {
+    /// Not made yet.
+    pub const NONE: Self = Self { power: [[0.0; AXES]; 6] };
+
     /// From one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
     pub fn new(a: &Site<AXES>, b: &Site<AXES>, speed: f32) -> Self {
         let square = speed * speed;

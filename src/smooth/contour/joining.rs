@@ -285,7 +285,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(corner, tolerance, room.distances);
+        let reach = Reach::new(tolerance, room.distances);
         *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } };
     }
 
@@ -408,7 +408,7 @@ impl<const AXES: usize> Joining<AXES> {
                 let loose = reached.map(|c| c * less);
                 if approach.even(even(part * less), loose) < approach.even(made, reached) {
                     room.distances = loose;
-                    *reach = reach.within(&corner, loose);
+                    *reach = reach.within(loose);
                     return;
                 }
             }
