@@ -384,7 +384,9 @@ impl<const AXES: usize> Joining<AXES> {
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
-        let (Some(rule), JoinStep::Reaching { room, reach, rivals }) = (&held.rule, &mut *stage) else { return };
+        let (Some(rule), JoinStep::Reaching { room, reach, rivals }) = (&held.rule, &mut *stage) else {
+            return;
+        };
         let corner = corner(held, next, setting.measure);
         let Some(found) = (0..TRIALS).find_map(|_| reach.go_on(&corner)) else { return };
         let Rivals { approach, candidate, may_stop } = rivals;
