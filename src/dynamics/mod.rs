@@ -90,6 +90,8 @@ pub struct Dynamics<const AXES: usize> {
     joins: Joins,
     /// Elements are to be good for so many times their feed.
     level: f32,
+    /// How often any of it has changed.
+    changes: u32,
     /// An axis has a reduced speed.
     reduces: bool,
     /// P-CHAN-00009.
@@ -104,8 +106,8 @@ pub type Permitted = (Limits, Share, OverrideRange);
 /// What an element permits, kept for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
-    /// The level it is for, see [`Dynamics::set_level`].
-    level: f32,
+    /// Of the dynamics before it.
+    changes: u32,
     /// See [`Dynamics::element`].
     pub permitted: Permitted,
 }
@@ -124,6 +126,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             slope,
             joins: Joins::of(slope, false),
             level: 1.0,
+            changes: 0,
             bends_have_jerk: machine.channel.corr_v_trans_jerk,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
             watched: Watched::NONE,
@@ -147,6 +150,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn set_slope(&mut self, machine: &MachineData<AXES>, slope: Option<SlopeType>, optimised: bool) {
         let slope = slope.unwrap_or(SlopeType::of_profile(machine.channel.slope_profile));
         self.joins = Joins::of(slope, optimised);
+        self.count();
         if slope != self.slope {
             self.slope = slope;
             self.change(machine);
@@ -162,8 +166,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.change(machine);
     }
 
+    /// What is known of an element does not hold any more.
+    fn count(&mut self) {
+        self.changes = self.changes.wrapping_add(1);
+    }
+
     /// The axes anew, for the elements that follow.
     fn change(&mut self, machine: &MachineData<AXES>) {
+        self.count();
         if self.before.is_none() {
             self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
         }
@@ -178,6 +188,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// # Errors
     /// An acceleration is too low.
     pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
+        self.count();
         self.path.set(command)
     }
 
@@ -217,7 +228,10 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Elements that follow are to be good for `level` times their feed, 1…2.
     pub fn set_level(&mut self, level: f32) {
-        self.level = level;
+        if level != self.level {
+            self.level = level;
+            self.count();
+        }
     }
 
     /// Path speed of a feed (mm/min); without one there is no limit.
@@ -233,14 +247,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// The same, to be kept until the element is taken in.
+    /// The same, to be kept until the element is taken in, and longer while it stays as it is.
     pub(crate) fn known(&self, element: &Element<AXES>, feed: Option<f32>) -> Known {
-        Known { level: self.level, permitted: self.element(element, feed) }
+        Known { changes: self.changes, permitted: self.element(element, feed) }
     }
 
-    /// Limits that were kept; `None` if they are for another level.
+    /// Limits that were kept; `None` if the dynamics or their level have changed.
     pub(crate) fn recall<'a>(&self, known: &'a Known) -> Option<&'a Permitted> {
-        (known.level == self.level).then_some(&known.permitted)
+        (known.changes == self.changes).then_some(&known.permitted)
     }
 
     /// The speed of [`Self::line`] alone.

@@ -29,10 +29,27 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// that follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
     /// `a` is the largest acceleration beside the transition where it does not vanish there (STEP), otherwise
     /// 0.
+    #[inline(always)]
     pub fn transition(
         &self,
         from: &End<AXES>,
         to: &End<AXES>,
+        rapid: bool,
+        shorter: f32,
+        (fastest, a): (f32, f32),
+    ) -> Option<f32> {
+        // Between elements of one curve, mostly.
+        let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
+        let mut axes = ends.map(|((t0, t1), (c0, c1))| t0 == t1 && c0 == c1);
+        let goes_on = axes.all(|is_same| is_same) && !self.watched.is_some();
+        if goes_on { None } else { self.turn((from, to), rapid, shorter, (fastest, a)) }
+    }
+
+    /// The same where something changes, or an axis is watched.
+    #[inline(never)]
+    fn turn(
+        &self,
+        (from, to): (&End<AXES>, &End<AXES>),
         rapid: bool,
         shorter: f32,
         (fastest, a): (f32, f32),

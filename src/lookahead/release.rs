@@ -197,6 +197,7 @@ impl ReleasedSpan {
 
     /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most
     /// that planned.
+    #[inline(never)]
     pub fn leave(&self, v_in: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
     }

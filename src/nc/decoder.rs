@@ -100,6 +100,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// # Errors
     /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until
     /// [`Self::go_on`].
+    // Not inlined: what it has on the stack is not below what a command leads to.
+    #[inline(never)]
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
         if self.refused {
             return Ok(Step::End);

@@ -74,7 +74,7 @@ impl<const AXES: usize> Bounds<AXES> {
         let mut shape = Shape::<AXES>::BLANK;
         shape.measure(length)?;
         let mut bounds = Self::none(fastest);
-        let (scale, per) = (Scale::new(length, shape.reciprocal()), 1.0 / length);
+        let (scale, per) = (Scale::new(length, shape.end_w(), shape.reciprocal()), 1.0 / length);
         for k in 0..AXES {
             let (Some(x0), Some(x1)) = (from.position.get(k), to.position.get(k)) else { return None };
             let (Some(t0), Some(t1)) = (from.end.tangent.get(k), to.end.tangent.get(k)) else { return None };
@@ -189,14 +189,31 @@ fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
 
 /// x·2^n, for n in 0..64, likewise.
 #[inline(always)]
-fn raised<const N: usize>(x: [i64; N], n: u32) -> [i64; N] {
+fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
-    x.map(|x| {
-        let (upper, lower) = ((x >> 32) as u32, x as u32);
+    for x in &mut x {
+        let (upper, lower) = ((*x >> 32) as u32, *x as u32);
         let [upper, lower] =
             if high { [lower << n, 0] } else { [upper << n | (lower >> 1) >> (31 - n), lower << n] };
-        (u64::from(upper) << 32 | u64::from(lower)) as i64
-    })
+        *x = (u64::from(upper) << 32 | u64::from(lower)) as i64;
+    }
+    x
+}
+
+/// x·2^-n, rounded down, for n in 0..64, likewise.
+#[inline(always)]
+fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
+    let (n, high) = (n & 31, n > 31);
+    for x in &mut x {
+        let (upper, lower) = ((*x >> 32) as i32, *x as u32);
+        let [upper, lower] = if high {
+            [upper >> 31, upper >> n]
+        } else {
+            [upper >> n, (((upper as u32) << 1) << (31 - n) | lower >> n) as i32]
+        };
+        *x = i64::from(upper) << 32 | i64::from(lower as u32);
+    }
+    x
 }
 
 /// A polynomial that is made a few axes at a time.
@@ -282,7 +299,7 @@ impl<const AXES: usize> Draft<AXES> {
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
         let Curve::Poly { power, down: downs } = &mut shape.curve else { return None };
         let bounds = bounds.as_mut()?;
-        let scale = Scale::new(self.length, reciprocal);
+        let scale = Scale::new(self.length, end_w, reciprocal);
         let [start, end] = &self.ends;
         let made = self.made;
         self.made = AXES.min(made + AXES_PER_CALL);
@@ -299,14 +316,14 @@ impl<const AXES: usize> Draft<AXES> {
             }
             let per = 1.0 / self.length;
             let (coefficients, down, bent) = if self.is_cubic {
-                let (first, Scaled { coefficients: [c2, c3], down, powers }) =
-                    scale.cubic(travel, [*t0, *t1])?;
-                *bounds.first.get_mut(k)? = fastest_of_cubic(first, powers) * per;
-                ([c2, c3, 0, 0], down, bent_cubic(end_w, [c2, c3], down))
+                let made = scale.cubic(travel, [*t0, *t1])?;
+                *bounds.first.get_mut(k)? = made.first * per;
+                let [c2, c3] = made.coefficients;
+                ([c2, c3, 0, 0], made.down, made.bent)
             } else {
                 let made = scale.quintic(travel, [*t0, *t1], [*k0, *k1])?;
                 bounds.set(k, &made.bounds, per)?;
-                (made.coefficients, made.down, bent(end_w, &made.coefficients, made.down))
+                (made.coefficients, made.down, made.bent)
             };
             *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
@@ -369,20 +386,22 @@ struct Scale {
     square: f32,
     mantissa: i64,
     up: i32,
-    /// Second to fifth power of 1/τ at the end, which is in 1..2: with 60, 58, 56 and 54 fraction bits.
+    /// 2^62·τ at the end.
+    end_w: i64,
+    /// Second to fifth power of 1/τ there, which is in 1..2: with 60, 58, 56 and 54 fraction bits.
     powers: [i64; 4],
 }
 
 impl Scale {
-    /// `reciprocal`: that of the shape.
-    fn new(length: f32, reciprocal: i64) -> Self {
+    /// `end_w` and `reciprocal`: those of the shape.
+    fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
         let bits = length.to_bits();
         let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
         let up = (bits >> 23) as i32 - 150 - 38;
         let square = mul_near(reciprocal, reciprocal);
         let (cube, fourth) = (mul_near(square, reciprocal), mul_near(square, square));
         let powers = [square, cube, fourth, mul_near(fourth, reciprocal)];
-        Self { length, square: length * length, mantissa, up, powers }
+        Self { length, square: length * length, mantissa, up, end_w, powers }
     }
 
     /// Slopes of an axis at both ends, mm.
@@ -407,8 +426,12 @@ impl Scale {
         let up = ((t0.unsigned_abs() | t1.unsigned_abs() | 1).leading_zeros() as i32 - 1).max(0);
         // What is below 2^57 with so many places is above that before.
         let down = (up - 24 - self.up - point).clamp(0, 63);
-        let slope = |t: i64| mul_near(t << (up & 63), self.mantissa) >> (down & 63);
-        (travel << (point - 32).clamp(0, 63), [slope(t0), slope(t1)])
+        let mut slopes = raised(tangents, up as u32);
+        for slope in &mut slopes {
+            *slope = mul_near(*slope, self.mantissa);
+        }
+        let [travel] = raised([travel], (point - 32).clamp(0, 63) as u32);
+        (travel, lowered(slopes, down as u32))
     }
 
     /// A quintic, and its bounds over 0..1. `None` where the formats cannot hold it.
@@ -425,17 +448,20 @@ impl Scale {
         let a = quintic(travel, v, [fixed(w0, point), fixed(w1, point)]);
         let Scaled { coefficients, down, powers } = self.scaled(a, point)?;
         let [second, third] = bends(powers);
-        Some(Quintic { coefficients, down, bounds: [fastest(v0, powers), second, third] })
+        let bent = bent(self.end_w, &coefficients, down);
+        Some(Quintic { coefficients, down, bent, bounds: [fastest(v0, powers), second, third] })
     }
 
-    /// A cubic, likewise: its slope at the begin, and what comes to that.
+    /// A cubic, likewise.
     #[inline(never)]
-    fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<(f32, Scaled<2>)> {
+    fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<Cubic> {
         let slopes = self.slopes(tangents);
         let point = self.point(travel, most(&slopes))?;
         let (travel, [v0, v1]) = self.placed(travel, tangents, point);
         let (d, e) = (travel - v0, v1 - v0);
-        Some((slopes[0], self.scaled([3 * d - e, e - (d + d)], point)?))
+        let Scaled { coefficients, down, powers } = self.scaled([3 * d - e, e - (d + d)], point)?;
+        let bent = bent_cubic(self.end_w, coefficients, down);
+        Some(Cubic { coefficients, down, bent, first: fastest_of_cubic(slopes[0], powers) })
     }
 
     /// Coefficients over 0..1 with so many places become those over τ.
@@ -470,10 +496,20 @@ impl Scale {
 struct Quintic {
     coefficients: [i32; 4],
     down: u8,
+    /// All of it at the end, 2^-42 mm.
+    bent: i64,
     bounds: [f32; 3],
 }
 
-/// The same without bounds.
+/// The same of a cubic, of which second and third derivative are known otherwise.
+struct Cubic {
+    coefficients: [i32; 2],
+    down: u8,
+    bent: i64,
+    first: f32,
+}
+
+/// What comes to the linear part, without bounds.
 struct Scaled<const N: usize> {
     /// Coefficients from the second power on, and their exponent.
     coefficients: [i32; N],

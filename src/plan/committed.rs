@@ -55,6 +55,7 @@ impl CommittedSpan {
 
     /// What is left of it, begun at the speed `v`, may be as fast as that where the law planned for all of it
     /// speeds up; 0: not known.
+    #[inline(never)]
     pub fn rises(&self, v: Speed) -> f32 {
         let (start, v_in) = self.released;
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(start.to_bits()));

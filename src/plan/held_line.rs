@@ -139,16 +139,32 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     #[inline(never)]
     fn pass_on(&mut self) {
+        match &self.intake.held.curve {
+            Curve::Line(_) => self.pass_line_on(),
+            Curve::Arc(_) => self.pass_arc_on(),
+        }
+    }
+
+    // Two calls: what the one has on the stack is not below the other.
+
+    #[inline(never)]
+    fn pass_line_on(&mut self) {
         let (mut entrance, held) = self.entrance();
         let HeldLine { curve, limits, pass, long, .. } = held;
-        match curve {
-            Curve::Line(stretch) => {
-                let (shape, ends) = &stretch.line().parts();
-                let (timed, bent, trades, flows, through) = (false, false, false, false, false);
-                let piece = Piece { shape, entry: ends, exit: ends, timed, bent, trades, flows, through };
-                entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
-            }
-            Curve::Arc(element) => entrance.push(element, limits, pass, pass.number, None),
+        if let Curve::Line(stretch) = curve {
+            let (shape, ends) = &stretch.line().parts();
+            let (timed, bent, trades, flows, through) = (false, false, false, false, false);
+            let piece = Piece { shape, entry: ends, exit: ends, timed, bent, trades, flows, through };
+            entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
+        }
+        self.intake.held.clear();
+    }
+
+    #[inline(never)]
+    fn pass_arc_on(&mut self) {
+        let (mut entrance, held) = self.entrance();
+        if let Curve::Arc(element) = &held.curve {
+            entrance.push(element, &held.limits, &held.pass, held.pass.number, None);
         }
         self.intake.held.clear();
     }

@@ -59,6 +59,20 @@ pub(super) enum No {
     Law,
 }
 
+/// A law that was found, its limits, and how many times longer it is than with what is left here and now.
+struct Found {
+    brake: Brake,
+    limits: Limits,
+    needs: f32,
+}
+
+impl Found {
+    /// None yet, with these limits.
+    fn with(limits: &Limits) -> Self {
+        Self { brake: Brake::default(), limits: *limits, needs: 0.0 }
+    }
+}
+
 /// Where a way begins.
 struct Begin {
     cursor: Cursor,
@@ -103,29 +117,49 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // By reference, here and below: as a whole it would be there twice.
         let begun = self.begin_short(cursor, span, motion, surely);
         let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
-        let stepped = begin.is_stepped();
-        let [_, end] = ends;
-        let stands = self.come_down(begin, span, motion, (&STANDS, end, way));
-        if stepped
-            && !matches!(stands, Ok((.., needs)) if needs <= NEARLY)
-            && let Some(descent) = self.slow_inside(begin, span, motion, ends)
-        {
-            return Ok(descent);
+        let [first, end] = ends;
+        let found = &mut Found::with(&begin.planned);
+        let stands = self.come_down(begin, span, motion, (&STANDS, end, way), found);
+        if begin.is_stepped() && !(stands.is_ok() && found.needs <= NEARLY) {
+            // To half the speed in the first span, at least as hard as planned. What is planned behind it stays
+            // possible.
+            let slows = &mut Found::with(&begin.planned);
+            if self.come_down(begin, span, motion, (&SLOWS, first, f32::MAX), slows).is_ok()
+                && first.wrapping_sub(slows.brake.end) > SHORT
+                && slows.brake.v_out > 0
+                && slows.limits.brakes_above(&begin.planned)
+            {
+                return Ok(Descent::inside(slows.brake));
+            }
         }
-        let (mut brake, limits, needs) = stands?;
+        stands?;
+        self.take_short(begin, span, motion, (end, way), found)
+    }
+
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// The law that was found, if no other one is better, with its spans.
+    #[inline(never)]
+    fn take_short(
+        &mut self,
+        begin: &Begin,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+        (end, way): (i64, f32),
+        Found { brake, limits, needs }: &mut Found,
+    ) -> Result<Descent, No> {
+        let stepped = begin.is_stepped();
         let most = if stepped && begin.is_line { NEARLY } else { FAIRLY };
-        if needs > most && (stepped || way == f32::MAX) {
+        if *needs > most && (stepped || way == f32::MAX) {
             return Err(No::Law);
         }
         if stepped {
             // The profile had another one.
-            brake =
-                Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0).ok_or(No::Law)?;
+            *brake =
+                Brake::down_to(&mut self.profile, motion, end, (limits, limits.a_down), 0).ok_or(No::Law)?;
         }
-        self.verify(cursor, span, motion, (&brake, &limits), true).map_err(|_| No::Law)
+        self.verify(begin.cursor, span, motion, (brake, limits), true).map_err(|_| No::Law)
     }
-
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
 
     /// Where such a way begins, and what [`Self::as_planned`] has.
     #[inline(never)]
@@ -161,30 +195,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok((begin, ends, way))
     }
 
-    /// With STEP: to half the speed in the first span, at least as hard as planned. What is planned behind it
-    /// stays possible.
-    #[inline(never)]
-    fn slow_inside(
-        &mut self,
-        begin: &Begin,
-        span: &mut ReleasedSpan,
-        motion: &Instant,
-        [end, _]: [i64; 2],
-    ) -> Option<Descent> {
-        let (brake, limits, _) = self.come_down(begin, span, motion, (&SLOWS, end, f32::MAX)).ok()?;
-        let inside = end.wrapping_sub(brake.end) > SHORT && brake.v_out > 0;
-        (inside && limits.brakes_above(&begin.planned)).then(|| Descent::inside(brake))
-    }
-
     /// A law through these speeds that the axes permit, before the path distance `end` and in less than `way`
-    /// (mm), its limits, and how many times longer it is than with what is left here and now.
+    /// (mm).
+    #[inline(never)]
     fn come_down(
         &mut self,
         begin: &Begin,
         span: &mut ReleasedSpan,
         motion: &Instant,
         (speeds, end, way): (&Speeds, i64, f32),
-    ) -> Result<(Brake, Limits, f32), No> {
+        Found { brake, limits, needs: longer }: &mut Found,
+    ) -> Result<(), No> {
         let Begin { planned, v, begun, gains, .. } = begin;
         // Of each stage of STEP something.
         let mut here = motion.distance;
@@ -196,7 +217,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let v = speed * v;
             *part = Part { v, change: [0.0, v], ramps: [true; 2], gains: true, until: here };
         }
-        let mut braking = self.permitted(begin, span, motion, &parts, &Braking::WIDEST).ok_or(No::Law)?;
+        let mut braking = Braking::WIDEST;
+        self.permitted(begin, span, motion, &parts, &mut braking).ok_or(No::Law)?;
         let mut nearest = 0.0;
         let mut before = None;
         for _round in 0..ROUNDS {
@@ -204,24 +226,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return Err(No::Law);
             }
             let ends = if *gains > 0.0 { braking.ends } else { 0.0 };
-            let limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j, ends);
-            let needs = Brake::needs(motion, &limits);
+            *limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j, ends);
+            let needs = Brake::needs(motion, limits);
             if needs >= way {
                 return Err(No::Shorter);
             }
             nearest = if nearest > 0.0 { nearest } else { needs };
-            let (law, to) = ((&limits, limits.a_down), speed_bits(speeds[PARTS] * v));
-            let Some(brake) = &Brake::down_to(&mut self.profile, motion, end, law, to) else {
-                return Err(No::Law);
-            };
+            let (law, to) = ((&*limits, limits.a_down), speed_bits(speeds[PARTS] * v));
+            *brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
             self.part(brake, (speeds, *v), &mut parts);
-            let Some(left) = &self.permitted(begin, span, motion, &parts, &braking) else {
-                return Err(No::Law);
+            let mut left = braking;
+            self.permitted(begin, span, motion, &parts, &mut left).ok_or(No::Law)?;
+            let Some(less) = braking.less(&left, before.as_ref()) else {
+                *longer = needs / nearest;
+                return Ok(());
             };
-            let Some(less) = braking.less(left, before.as_ref()) else {
-                return Ok((*brake, limits, needs / nearest));
-            };
-            before = Some([braking, *left]);
+            before = Some([braking, left]);
             braking = less;
         }
         Err(No::Law)
@@ -284,17 +304,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.segments.ends_behind(distance)
     }
 
-    /// `braking`, or less of it where a part permits less: in each span at most at the speed planned at its
-    /// start.
+    /// Less of `braking` where a part permits less: in each span at most at the speed planned at its start.
+    #[inline(never)]
     fn permitted(
         &self,
         begin: &Begin,
         span: &mut ReleasedSpan,
         motion: &Instant,
         parts: &[Part; PARTS],
-        braking: &Braking,
-    ) -> Option<Braking> {
-        let mut braking = *braking;
+        braking: &mut Braking,
+    ) -> Option<()> {
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
         let [mut start, second] = begin.curve_starts;
         let mut at = motion.distance;
@@ -353,11 +372,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     corners: knee,
                     passing: still,
                 };
-                self.dynamics.stopping(&bounds, &passed, &mut braking)?;
+                self.dynamics.stopping(&bounds, &passed, braking)?;
                 at = end;
             }
         }
-        Some(braking)
+        Some(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! A line between a curve and contour mode, halved: one half belongs to each.
 use super::{Parting, ProgrammedBlock, middle};
-use crate::path::{Element, Measure, line};
+use crate::path::{Measure, Straight, straight_line};
 use crate::quantity::Position;
 
 /// A block that waits, and what stands before it.
@@ -8,25 +8,27 @@ pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
 /// What is left of a line.
 pub struct Rest<const AXES: usize> {
-    element: Element<AXES>,
+    line: Straight<AXES>,
     to: [Position; AXES],
     stop: bool,
 }
 
 impl<const AXES: usize> Rest<AXES> {
     /// A block that ends in the middle of its line becomes the other half.
-    pub const fn follow(&self, block: &mut ProgrammedBlock<AXES>) {
+    pub fn follow(&self, block: &mut ProgrammedBlock<AXES>) {
         (block.from, block.to) = (block.to, self.to);
-        (block.element, block.data.stop) = (self.element, self.stop);
+        self.line.assign_to(&mut block.element);
+        block.data.stop = self.stop;
     }
 }
 
 /// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
 pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
     let middle = middle(&block.from, &block.to);
-    let element = line(&middle, &block.to, measure).ok()??;
-    let rest = Rest { element, to: block.to, stop: block.data.stop };
-    block.element = line(&block.from, &middle, measure).ok()??;
+    let [first, line] = [[&block.from, &middle], [&middle, &block.to]]
+        .map(|[from, to]| straight_line(from, to, measure).ok().flatten());
+    let rest = Rest { line: line?, to: block.to, stop: block.data.stop };
+    first?.assign_to(&mut block.element);
     (block.to, block.data.stop) = (middle, false);
     Some(rest)
 }

@@ -41,9 +41,23 @@ impl Approach {
     fn time(&self, v: f32, c: [f32; 2], inside: f32) -> f32 {
         let sides = self.slopes.iter().zip(self.v).zip(self.room.iter().zip(c));
         sides.fold(inside, |sum, ((slope, fastest), (room, c))| {
-            let way = max(room - c, 0.0);
-            let gain = max(min(fastest - v, slope.reach(v, way)), 0.0);
-            let cruise = max(way - slope.distance(v, gain)[0], 0.0);
+            let (way, missing) = (max(room - c, 0.0), fastest - v);
+            if way <= 0.0 {
+                return sum;
+            }
+            if missing <= 0.0 {
+                return sum + way / max(v, f32::MIN_POSITIVE);
+            }
+            let (mut gain, mut gaining) = (missing, f32::MAX);
+            // What surely is reached needs no root. It may be, if all of the acceleration makes it.
+            if (v + 0.5 * missing) * missing <= way * slope.acceleration() {
+                gaining = slope.distance(v, gain)[0];
+            }
+            if gaining > SURELY * way {
+                gain = max(min(missing, slope.reach(v, way)), 0.0);
+                gaining = slope.distance(v, gain)[0];
+            }
+            let cruise = max(way - gaining, 0.0);
             sum + slope.duration(v, gain) + cruise / max(v + gain, f32::MIN_POSITIVE)
         })
     }

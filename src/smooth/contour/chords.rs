@@ -76,6 +76,7 @@ impl<const AXES: usize> Chords<AXES> {
         line.assign_to(&mut held.block.element);
         (held.block.to, held.block.data) = (block.to, block.data);
         (held.length, held.stray, held.skipped) = (line.length().to_bits(), stray, None);
+        held.known = None;
         true
     }
 

@@ -190,8 +190,9 @@ struct Search<const AXES: usize> {
     /// Beside arcs and blocks left out the deviation is looked for along all of the curve, which is a hundred
     /// times the work.
     along: bool,
-    /// The curve at hand, and how far its deviation is known.
+    /// The curve at hand, when it is made, and how far its deviation is known.
     curve: Quintic<AXES>,
+    is_made: bool,
     deviation: Deviation,
     /// Trials before it, and the part it is made for.
     trials: usize,
@@ -207,15 +208,19 @@ struct Search<const AXES: usize> {
 }
 
 impl<const AXES: usize> Search<AXES> {
-    fn new(corner: &Corner<'_, AXES>, distances: [f32; 2], along: bool) -> Self {
-        let curve = corner.between(distances);
+    fn new(distances: [f32; 2], along: bool) -> Self {
+        let (curve, is_made, deviation) = (Quintic::NONE, false, Deviation::NEW);
         let ([low, high], [under, over]) = ([0.0, 1.0], [-AIM, 0.0]);
-        let (deviation, trials, part, room, side) = (Deviation::NEW, 0, 1.0, 0.0, 0);
-        Self { distances, along, curve, deviation, trials, part, low, high, under, over, room, side }
+        let (trials, part, room, side) = (0, 1.0, 0.0, 0);
+        Self { distances, along, curve, is_made, deviation, trials, part, low, high, under, over, room, side }
     }
 
     /// What the curve at hand takes of the tolerance, when that is known.
     fn use_of(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Use> {
+        if !self.is_made {
+            self.curve = corner.between(self.distances.map(|c| c * self.part));
+            self.is_made = true;
+        }
         let Self { curve, .. } = self;
         let (mut most, mut slack) = (0.0, f32::MAX);
         if let Some(path) = tolerance.path {
@@ -256,8 +261,7 @@ impl<const AXES: usize> Search<AXES> {
         }
         self.trials += 1;
         self.part = self.low + (self.high - self.low) * (-self.under / (self.over - self.under));
-        self.curve = corner.between(self.distances.map(|c| c * self.part));
-        self.deviation = Deviation::NEW;
+        (self.is_made, self.deviation) = (false, Deviation::NEW);
         None
     }
 
@@ -291,13 +295,13 @@ pub struct Reach<const AXES: usize> {
 
 impl<const AXES: usize> Reach<AXES> {
     /// Nothing tried yet.
-    pub fn new(corner: &Corner<'_, AXES>, tolerance: Tolerance, distances: [f32; 2]) -> Self {
-        Self { tolerance, search: Search::new(corner, distances, false), first: 1.0 }
+    pub fn new(tolerance: Tolerance, distances: [f32; 2]) -> Self {
+        Self { tolerance, search: Search::new(distances, false), first: 1.0 }
     }
 
     /// The same with other distances, nothing tried yet.
-    pub fn within(&self, corner: &Corner<'_, AXES>, distances: [f32; 2]) -> Self {
-        Self::new(corner, self.tolerance, distances)
+    pub fn within(&self, distances: [f32; 2]) -> Self {
+        Self::new(self.tolerance, distances)
     }
 
     /// The curve with the part that was found, if it was the last one tried.
@@ -317,7 +321,7 @@ impl<const AXES: usize> Reach<AXES> {
                 return Some(Some((self.first * part, slack)));
             }
             self.first = part;
-            self.search = Search::new(corner, self.search.distances.map(|c| c * part), true);
+            self.search = Search::new(self.search.distances.map(|c| c * part), true);
             return None;
         }
         None

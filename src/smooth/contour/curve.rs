@@ -216,6 +216,9 @@ pub struct Quintic<const AXES: usize> {
 }
 
 impl<const AXES: usize> Quintic<AXES> {
+    /// Not made yet.
+    pub const NONE: Self = Self { power: [[0.0; AXES]; 6] };
+
     /// From one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
     pub fn new(a: &Site<AXES>, b: &Site<AXES>, speed: f32) -> Self {
         let square = speed * speed;
@@ -266,7 +269,17 @@ impl<const AXES: usize> Quintic<AXES> {
 
     /// Point, first and second derivative.
     pub fn at(&self, u: f32) -> [[f32; AXES]; 3] {
-        [self.point(u), self.first(u), self.second(u)]
+        let [p0, p1, p2, p3, p4, p5] = &self.power;
+        let mut at = [*p0, [0.0; AXES], [0.0; AXES]];
+        let [points, firsts, seconds] = &mut at;
+        let rows = points.iter_mut().zip(firsts).zip(seconds);
+        let powers = p1.iter().zip(p2).zip(p3.iter().zip(p4).zip(p5));
+        for (((x, first), second), ((c1, c2), ((c3, c4), c5))) in rows.zip(powers) {
+            *x += u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))));
+            *first = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)));
+            *second = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5));
+        }
+        at
     }
 
     /// The point at `u` alone.
@@ -538,7 +551,7 @@ impl Deviation {
     }
 }
 
-/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, and uphill from
+/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, outward, and uphill from
 /// there in ever shorter steps, to both sides each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
@@ -576,9 +589,10 @@ impl Peak {
         let seen = self.seen;
         self.seen += 1;
         if seen < EVEN_PLACES {
-            // Not at the corner.
-            let i = seen + 1 + u8::from(seen + 1 >= SAMPLES);
-            return f32::from(i) * self.step - 1.0;
+            // Outward, since it mostly is largest beside the corner, and a lower value need not be known. Not at the
+            // corner.
+            let away = f32::from(1 + seen / 2) * self.step;
+            return if seen.is_multiple_of(2) { -away } else { away };
         }
         if (seen - EVEN_PLACES).is_multiple_of(2) {
             self.step *= 0.5;

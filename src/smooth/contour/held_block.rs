@@ -24,7 +24,7 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub slow: [f32; 2],
     /// The blocks left out behind it.
     pub skipped: Option<Skipped<AXES>>,
-    /// What it permits, from when the corner behind it is looked at: only its length changes then.
+    /// What it permits, from when a corner beside it is looked at, until it is another line or arc.
     pub known: Option<Known>,
 }
 
@@ -123,6 +123,13 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
     }
 
+    /// What it permits is known.
+    pub fn look_up(&mut self, dynamics: &Dynamics<AXES>) {
+        if self.known.as_ref().and_then(|known| dynamics.recall(known)).is_none() {
+            self.known = Some(dynamics.known(&self.block.element, self.block.data.feed));
+        }
+    }
+
     /// It begins there, and this is its line.
     pub fn become_line(&mut self, from: &[Position; AXES], line: &Straight<AXES>) {
         let ProgrammedBlock { element, from: begin, form, .. } = &mut self.block;
@@ -132,6 +139,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
             line.assign_to(element);
         }
         (*begin, *form) = (*from, Form::Line);
+        self.known = None;
     }
 
     /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
@@ -253,7 +261,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         (self.block.to, self.block.data) = (block.to, *data);
         (self.length, self.stray) = (self.length.saturating_add(next.length), stray);
         (self.rule, self.previous, self.slow) = (next.rule, next.previous, next.slow);
-        self.skipped = next.skipped;
+        (self.skipped, self.known) = (next.skipped, None);
         true
     }
 
@@ -348,7 +356,10 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
         match self.block.form {
             Form::Line => self.block.element.shorten(cut, from, &self.block.to),
-            Form::Arc { .. } => self.block.element = self.rest_of_arc(from, measure)?,
+            Form::Arc { .. } => {
+                self.block.element = self.rest_of_arc(from, measure)?;
+                self.known = None;
+            }
         }
         self.block.from = *from;
         Ok(())

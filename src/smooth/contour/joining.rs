@@ -38,8 +38,11 @@ const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 /// How often a corner is made smaller.
 const SMALLER: u8 = 8;
 
-/// Elements that are fitted in one call.
-const ELEMENTS: usize = 4;
+/// Trials for the corner distances in one call, and elements that are fitted: each call has its own cost.
+const TRIALS: usize = 4;
+const ELEMENTS: usize = 8;
+/// Elements whose speed is looked at.
+const TIMED: u32 = 4;
 
 /// Shortest corner distance worth a curve, mm.
 const SHORTEST: f32 = 1e-5;
@@ -95,8 +98,6 @@ struct Rivals {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "one corner is worked on at a time, in static memory")]
 enum JoinStep<const AXES: usize> {
-    /// Blocks and rule say which curves come into question.
-    Choosing(Room),
     /// Corner distances are searched for, those of a curve over arc length. Then what is quickest is taken:
     /// that curve, or one of these.
     Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
@@ -179,25 +180,31 @@ impl<const AXES: usize> Joining<AXES> {
     /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
     pub fn go_into(
         &mut self,
-        [held, next]: [&HeldBlock<AXES>; 2],
+        [held, next]: [&mut HeldBlock<AXES>; 2],
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
     ) -> Option<NcWarningKind> {
         let mut remark = None;
-        let rule = held.rule.as_ref();
-        let room = rule.and_then(|rule| Self::begin(held, (next, behind), rule, setting, &mut remark));
-        self.stage = room.map_or(JoinStep::Sharp, JoinStep::Choosing);
+        self.stage = JoinStep::Sharp;
+        let rule = held.rule.as_ref()?;
+        let corner = corner(held, next, setting.measure);
+        if let Some(room) = Self::room((held, &corner), (next, behind), rule, setting, &mut remark) {
+            held.look_up(setting.dynamics);
+            next.look_up(setting.dynamics);
+            Self::choose([held, next], &corner, room, setting, &mut self.stage);
+        }
         remark
     }
 
-    fn begin(
-        held: &HeldBlock<AXES>,
+    /// How far a curve may reach into both, if one comes into question.
+    #[inline(always)]
+    fn room(
+        (held, corner): (&HeldBlock<AXES>, &Corner<'_, AXES>),
         (next, following): (&HeldBlock<AXES>, Option<i64>),
         rule: &Parameters,
         setting: &Setting<'_, AXES>,
         remark: &mut Option<NcWarningKind>,
     ) -> Option<Room> {
-        let corner = corner(held, next, setting.measure);
         let (before, behind) = (&corner.before, &corner.behind);
         if corner.follows_master(rule, setting.measure) {
             // All others are alike: whether it is a corner in space does not matter.
@@ -231,23 +238,18 @@ impl<const AXES: usize> Joining<AXES> {
     /// Which kinds of curve come into question.
     #[inline(never)]
     fn choose(
-        held: &mut HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+        [held, next]: [&HeldBlock<AXES>; 2],
+        corner: &Corner<'_, AXES>,
         room: Room,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
-        *stage = JoinStep::Sharp;
-        held.known = Some(setting.dynamics.known(&held.block.element, held.block.data.feed));
-        let (second, ..) = setting.dynamics.element(&next.block.element, next.block.data.feed);
-        let held = &*held;
-        let (Some(rule), Some(known)) = (&held.rule, &held.known) else { return };
-        let corner = corner(held, next, setting.measure);
+        let (Some(rule), Some(first), Some(second)) = (&held.rule, &held.known, &next.known) else { return };
         let tolerance = Self::tolerance(held, next, rule);
-        let approach = Approach::new([&known.permitted.0, &second], room.most);
+        let approach = Approach::new([&first.permitted.0, &second.permitted.0], room.most);
         let choice = Choice {
             blocks: [held, next],
-            corner: &corner,
+            corner,
             rule,
             setting,
             most: room.least(),
@@ -270,10 +272,10 @@ impl<const AXES: usize> Joining<AXES> {
         }
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
-        let compares = Self::compares(rule, &corner, &candidate, may_stop);
+        let compares = Self::compares(rule, corner, &candidate, may_stop);
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
-            let symmetric = Symmetric::new(&corner);
+            let symmetric = Symmetric::new(corner);
             let used = symmetric.used(corner.main, &tolerance, distance);
             let part = if used > AIM { AIM / used } else { 1.0 };
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
@@ -283,7 +285,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(&corner, tolerance, room.distances);
+        let reach = Reach::new(tolerance, room.distances);
         *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } };
     }
 
@@ -348,18 +350,12 @@ impl<const AXES: usize> Joining<AXES> {
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
         let Self { stage } = self;
-        let is_searched_for = |stage: &_| matches!(stage, JoinStep::Choosing(_) | JoinStep::Reaching { .. });
-        if held.rule.is_some() && is_searched_for(stage) {
-            let goes_on = matches!(stage, JoinStep::Choosing(_));
-            Self::decide(held, next, setting, stage);
-            // What is known without a search is made at once.
-            if !goes_on || is_searched_for(stage) {
-                return false;
-            }
-        }
         match stage {
             _ if held.rule.is_none() => *turning = None,
-            JoinStep::Choosing(_) | JoinStep::Reaching { .. } => return false,
+            JoinStep::Reaching { .. } => {
+                Self::decide(held, next, setting, stage);
+                return false;
+            }
             JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, turning),
             JoinStep::Fitting { .. } => {
                 Self::fit(stage, setting.const_vel, turning);
@@ -383,54 +379,46 @@ impl<const AXES: usize> Joining<AXES> {
     /// Looks for the kind of curve and its distances.
     #[inline(never)]
     fn decide(
-        held: &mut HeldBlock<AXES>,
+        held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
         stage: &mut JoinStep<AXES>,
     ) {
-        let Some(rule) = &held.rule else { return };
-        match stage {
-            JoinStep::Choosing(room) => {
-                let room = *room;
-                Self::choose(held, next, room, setting, stage);
-            }
-            JoinStep::Reaching { room, reach, rivals } => {
-                let corner = corner(held, next, setting.measure);
-                // Twice: each call has its own cost.
-                let Some(found) = reach.go_on(&corner).or_else(|| reach.go_on(&corner)) else { return };
-                let Rivals { approach, candidate, may_stop } = rivals;
-                let compares = Self::compares(rule, &corner, candidate, *may_stop);
-                let even = |part: f32| {
-                    let made;
-                    let curve = match reach.curve(part) {
-                        Some(curve) => curve,
-                        None => {
-                            made = corner.between(room.distances.map(|c| c * part));
-                            &made
-                        }
-                    };
-                    (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
-                };
-                let all = found.filter(|_| compares).map(|(part, _)| (part, even(part)));
-                if let Some((part, made)) = all {
-                    let reached = room.distances.map(|c| c * part);
-                    // More of the blocks than leaves them a way to change their speed is no gain.
-                    if let Some(less) = approach.loosened(reached) {
-                        let loose = reached.map(|c| c * less);
-                        if approach.even(even(part * less), loose) < approach.even(made, reached) {
-                            room.distances = loose;
-                            *reach = reach.within(&corner, loose);
-                            return;
-                        }
-                    }
+        let (Some(rule), JoinStep::Reaching { room, reach, rivals }) = (&held.rule, &mut *stage) else {
+            return;
+        };
+        let corner = corner(held, next, setting.measure);
+        let Some(found) = (0..TRIALS).find_map(|_| reach.go_on(&corner)) else { return };
+        let Rivals { approach, candidate, may_stop } = rivals;
+        let compares = Self::compares(rule, &corner, candidate, *may_stop);
+        let even = |part: f32| {
+            let made;
+            let curve = match reach.curve(part) {
+                Some(curve) => curve,
+                None => {
+                    made = corner.between(room.distances.map(|c| c * part));
+                    &made
                 }
-                let even = all.map(|(_, made)| made);
-                let rivals = (&*approach, &*candidate, *may_stop);
-                let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
-                stage.take([held, next], rule, &room, quickest);
+            };
+            (corner.path(curve), passes(&bends(curve), held.is_rapid(), setting))
+        };
+        let all = found.filter(|_| compares).map(|(part, _)| (part, even(part)));
+        if let Some((part, made)) = all {
+            let reached = room.distances.map(|c| c * part);
+            // More of the blocks than leaves them a way to change their speed is no gain.
+            if let Some(less) = approach.loosened(reached) {
+                let loose = reached.map(|c| c * less);
+                if approach.even(even(part * less), loose) < approach.even(made, reached) {
+                    room.distances = loose;
+                    *reach = reach.within(loose);
+                    return;
+                }
             }
-            _ => {}
         }
+        let even = all.map(|(_, made)| made);
+        let rivals = (&*approach, &*candidate, *may_stop);
+        let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
+        stage.take([held, next], rule, &room, quickest);
     }
 
     /// Makes the curve over arc length. Whether that is all: it needs no fitting.
@@ -513,7 +501,7 @@ impl<const AXES: usize> Joining<AXES> {
             steady.v = known.map_or(steady.v, |(_, v)| v);
             return;
         };
-        for i in from..from + ELEMENTS as u32 {
+        for i in from..from + TIMED {
             let known = course.rehearse(i).and_then(|part| {
                 let (check, feed) = (setting.check_jerk, feed(&part));
                 if setting.dynamics.permits(steady.v, &part.hull(), (feed, part.fastest), check) {

@@ -479,7 +479,8 @@ impl<const AXES: usize> Contouring<AXES> {
             blocks.leave();
             return;
         };
-        let Parameters { check_jerk, const_vel, .. } = self.parameters;
+        let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
+        let (check_jerk, const_vel) = self.parameters.curving(method);
         let setting = Setting { measure, check_jerk, const_vel, dynamics };
         next.previous = held.rule.as_ref().map(|_| held.length);
         let remark = joining.insert(Joining::new()).go_into([held, next], behind, &setting);

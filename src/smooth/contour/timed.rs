@@ -223,11 +223,25 @@ fn times(a: i64, b: i64) -> i64 {
     mul_near(a, b) << 2
 }
 
-/// The part that `a` is of `b`, 62 fraction bits; 0 ≤ a ≤ b.
-fn part(a: i64, b: i64) -> i64 {
-    let up = b.leading_zeros() & 63;
-    let reciprocal = reciprocal_near(b.unsigned_abs() << up);
-    (mul_hi_u(a.unsigned_abs() << up, reciprocal) as i64).min(ONE)
+/// A number that others are parts of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Whole {
+    /// Zeros above it, and what it then is the reciprocal of.
+    up: u32,
+    reciprocal: u64,
+}
+
+impl Whole {
+    /// Of a number above 0.
+    fn new(all: i64) -> Self {
+        let up = all.leading_zeros() & 63;
+        Self { up, reciprocal: reciprocal_near(all.unsigned_abs() << up) }
+    }
+
+    /// The part that `a` is of it, 62 fraction bits; `a` is not below 0, and no larger than all of it.
+    fn part(&self, a: i64) -> i64 {
+        (mul_hi_u(a.unsigned_abs() << (self.up & 63), self.reciprocal) as i64).min(ONE)
+    }
 }
 
 /// a·b / 2^`SHIFT`. One of the motions is often at rest, or leaves an axis alone.
@@ -253,6 +267,9 @@ struct Form {
     /// Path of all of it, twice its way, and of a ramp.
     path: i64,
     ramp: i64,
+    /// What parts of both are known by.
+    whole: Whole,
+    rising: Whole,
     /// α and k/4.
     alpha: i64,
     k: i64,
@@ -262,15 +279,16 @@ impl Form {
     /// With the part that a ramp has of the time.
     fn new(path: i64, ramp: f32) -> Self {
         let ramp = share(path, ramp).min(path / 2).max(1);
-        let alpha = part(ramp, path);
+        let (whole, rising) = (Whole::new(path), Whole::new(ramp));
+        let alpha = whole.part(ramp);
         // 2^126 / (2^64·(1 − α)) is k with 62 fraction bits.
         let k = reciprocal_near(((ONE - alpha) as u64) << 2) as i64 >> 2;
-        Self { path, ramp, alpha, k }
+        Self { path, ramp, whole, rising, alpha, k }
     }
 
     /// Way (LSB 2^-44 mm), speed and a fourth of the acceleration; before it at rest, behind it at its speed.
     fn at(&self, s: i64) -> [i64; 3] {
-        let &Self { path, ramp, alpha, k } = self;
+        let &Self { path, ramp, ref whole, ref rising, alpha, k } = self;
         let left = path - s;
         if s <= 0 {
             return [0; 3];
@@ -281,11 +299,11 @@ impl Form {
         let (first, last) = (s <= ramp, left <= ramp);
         let [gone, gained, a] = if first || last {
             // From the nearer end.
-            let q = part(if first { s } else { left }, ramp);
+            let q = rising.part(if first { s } else { left });
             let half = times(times(alpha, k), times(q, q));
             [times(times(alpha, q), times(half, THIRD)) << 2, half << 1, times(k, q)]
         } else {
-            let tau = part(s, path);
+            let tau = whole.part(s);
             let square = times(times(alpha, alpha), THIRD);
             [times(k, square + times(tau, tau - alpha)) << 2, times(k, tau - alpha / 2) << 2, k]
         };
@@ -344,6 +362,8 @@ fn share(path: i64, part: f32) -> i64 {
 pub struct Timed<const AXES: usize> {
     origin: [Position; AXES],
     tangents: [[i64; AXES]; 2],
+    /// Their difference and their sum, LSB 2^-40.
+    turns: [[f32; AXES]; 2],
     form: Form,
     /// Its speed, mm/tick.
     v: f32,
@@ -378,9 +398,11 @@ impl<const AXES: usize> Timed<AXES> {
         let start = path - common;
         let end = start + path;
         let (lengths, count) = form.pieces(end, to_bits::<44>(rise.v * LEAST));
+        let tangents = [from.end.tangent, to.end.tangent];
         Self {
             origin: *origin,
-            tangents: [from.end.tangent, to.end.tangent],
+            tangents,
+            turns: turns(&tangents),
             form,
             v: rise.v,
             start,
@@ -402,9 +424,10 @@ impl<const AXES: usize> Timed<AXES> {
         let [sum, difference] = [a2 + a1, a2 - a1].map(|a| to_f32(a) * per);
         let mut position = self.origin;
         let mut end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
+        end.curvature = self.bent(sum, difference);
         let [before, behind] = &self.tangents;
-        let ends = end.tangent.iter_mut().zip(&mut end.curvature);
-        for (((x, (tangent, curvature)), t1), t2) in position.iter_mut().zip(ends).zip(before).zip(behind) {
+        let axes = position.iter_mut().zip(&mut end.tangent);
+        for (((x, tangent), t1), t2) in axes.zip(before).zip(behind) {
             if *t1 | *t2 == 0 {
                 // At rest.
                 continue;
@@ -413,7 +436,6 @@ impl<const AXES: usize> Timed<AXES> {
             let offset = scaled::<42>(*t2, p2) - scaled::<42>(*t1, p1);
             *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
             *tangent = scaled::<62>(*t1, v1) + scaled::<62>(*t2, v2);
-            *curvature = both(*t1, *t2, sum, difference);
         }
         Knot { position, end }
     }
@@ -425,12 +447,18 @@ impl<const AXES: usize> Timed<AXES> {
         // The motion that runs backward has its jerk turned twice: with time and with its direction.
         let [j1, j2] = [self.form.jerk(path - s), self.form.jerk(s - self.start)];
         let [sum, difference] = [j2 - j1, j2 + j1].map(|j| j * per);
-        let mut third = [0.0; AXES];
-        let [before, behind] = &self.tangents;
-        for ((x, t1), t2) in third.iter_mut().zip(before).zip(behind) {
-            *x = magnitude(both(*t1, *t2, sum, difference));
+        self.bent(sum, difference).map(magnitude)
+    }
+
+    /// t2·(sum + difference) − t1·(sum − difference) of its tangents: of what nearly cancels out nothing is lost.
+    #[inline(always)]
+    fn bent(&self, sum: f32, difference: f32) -> [f32; AXES] {
+        let [changes, both] = &self.turns;
+        let mut bent = *changes;
+        for (x, both) in bent.iter_mut().zip(both) {
+            *x = (*x * sum + both * difference) * LSB_40;
         }
-        third
+        bent
     }
 
     /// Whether the next element belongs to the block before the corner.
@@ -482,9 +510,14 @@ impl<const AXES: usize> Timed<AXES> {
     }
 }
 
-/// t2·(sum + difference) − t1·(sum − difference), t in 2^-40: of what nearly cancels out nothing is lost.
-fn both(t1: i64, t2: i64, sum: f32, difference: f32) -> f32 {
-    (to_f32(t2 - t1) * sum + to_f32(t2 + t1) * difference) * LSB_40
+/// Difference and sum of two directions.
+fn turns<const AXES: usize>([before, behind]: &[[i64; AXES]; 2]) -> [[f32; AXES]; 2] {
+    let mut turns = [[0.0; AXES]; 2];
+    let [changes, both] = &mut turns;
+    for (((change, both), t1), t2) in changes.iter_mut().zip(both).zip(before).zip(behind) {
+        (*change, *both) = (to_f32(t2 - t1), to_f32(t2 + t1));
+    }
+    turns
 }
 
 /// Largest magnitude of both.

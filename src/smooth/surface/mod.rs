@@ -318,10 +318,10 @@ impl<const AXES: usize> Surface<AXES> {
             self.waits = known;
             return false;
         };
-        if aim.is_straight {
-            self.go_straight(&front, &aim, dynamics);
-        } else {
-            self.bend(&front, &aim, dynamics);
+        // One after the other: each has much on the stack.
+        let is_done = aim.is_straight && self.go_straight(&front, &aim);
+        if !is_done && !self.bend(&front, &aim, dynamics) {
+            self.give_up();
         }
         true
     }
@@ -338,9 +338,9 @@ impl<const AXES: usize> Surface<AXES> {
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
 
-    /// A line, where nothing turns. The polygon itself may leave the tolerance: then what is there is narrowed.
+    /// A line, where nothing turns. `false`: the polygon itself may leave the tolerance, and what is there is narrowed.
     #[inline(never)]
-    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) {
+    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim) -> bool {
         let spot = self.window.advance(&front.spot, aim.way);
         let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
             let mut straight = Straight::new(&front.knot.position, &knot.position);
@@ -352,19 +352,17 @@ impl<const AXES: usize> Surface<AXES> {
             // But for rounding it has the direction of the polygon.
             Some((Knot { end: element.exit, ..knot }, element))
         });
-        let Some((knot, element)) = made else {
-            self.bend(front, &Aim { is_straight: false, ..*aim }, dynamics);
-            return;
-        };
+        let Some((knot, element)) = made else { return false };
         let (data, due) = self.data(&front.spot, &spot);
         self.behind.way += aim.way;
         self.made = Some(Made { element, data, due, curve: None, draft: None });
         self.reach(Front { spot, knot });
+        true
     }
 
-    /// A cell.
+    /// A cell. `false`: there is none.
     #[inline(never)]
-    fn bend(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) {
+    fn bend(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) -> bool {
         let way = aim.way / f32::from(1u8 << self.tried.halved.min(HALVED));
         let spot = self.window.advance(&front.spot, way);
         match self.cell(front, &spot) {
@@ -380,8 +378,9 @@ impl<const AXES: usize> Surface<AXES> {
                 self.tried.narrowed += 1;
                 self.narrow(&front.spot, aim.way);
             }
-            None => self.give_up(),
+            None => return false,
         }
+        true
     }
 
     /// The sharp turn in an element of that length, or the nearer one of those beside it.
