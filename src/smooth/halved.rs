@@ -25,10 +25,9 @@ impl<const AXES: usize> Rest<AXES> {
 /// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
 pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
     let middle = middle(&block.from, &block.to);
-    let [first, line] = [[&block.from, &middle], [&middle, &block.to]]
-        .map(|[from, to]| straight_line(from, to, measure).ok().flatten());
-    let rest = Rest { line: line?, to: block.to, stop: block.data.stop };
-    first?.assign_to(&mut block.element);
+    let line = straight_line(&middle, &block.to, measure).ok()??;
+    let rest = Rest { line, to: block.to, stop: block.data.stop };
+    straight_line(&block.from, &middle, measure).ok()??.assign_to(&mut block.element);
     (block.to, block.data.stop) = (middle, false);
     Some(rest)
 }

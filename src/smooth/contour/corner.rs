@@ -311,6 +311,7 @@ impl<const AXES: usize> Reach<AXES> {
 
     /// Goes on; at the end the part, and how far the curve's elements may be beside it, or that there is
     /// none.
+    #[inline(never)]
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
         let trials = if self.search.along { 1 } else { TRIALS_PER_CALL };
         for _ in 0..trials {
