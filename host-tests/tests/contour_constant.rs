@@ -1,4 +1,5 @@
-//! CONST_VEL: one speed all along a curve, with every method that has it and every slope.
+//! CONST_VEL: one speed all along a curve, with every method that has it and every slope; and no crawl where such curves
+//! follow each other.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;
@@ -72,6 +73,61 @@ fn the_speed_is_constant_with_every_method_and_slope() {
                     assert!(ticks > 20 && high <= 1.001 * low, "{what}: {low} … {high} in {ticks} ticks");
                 }
             }
+        }
+    }
+}
+
+/// Stairs whose corners take all of the lines between them but for `rest` mm, with CONST_VEL or without.
+fn stairs(corners: u32, rest: f64, constant: bool) -> String {
+    let (mut text, [mut x, mut y]) = (String::from("#CONTOUR MODE ON\n"), [0.0; 2]);
+    for k in 0..=corners {
+        let length = rest + if k == 0 || k == corners { 10.0 } else { 20.0 };
+        let [way, beside] = if k % 2 == 0 { [&mut x, &mut y] } else { [&mut y, &mut x] };
+        *way += length;
+        let [inner, outer] = [*way - 2.0, *beside + 2.0];
+        let [px, py] = if k % 2 == 0 { [inner, outer] } else { [outer, inner] };
+        text += &format!(
+            "#CONTOUR MODE [POS PRE_DIST=10 POST_DIST=10 X{px} Y{py} CONST_VEL={}]\nN{} G01 X{x} Y{y} F20000\n",
+            u8::from(constant),
+            10 * (k + 1)
+        );
+    }
+    text + "M30\n"
+}
+
+/// A way to a standstill, and one from there, has the acceleration that the curves leave, not the little that their
+/// speed may change by: that took five to ten times as long as without CONST_VEL.
+#[test]
+fn curves_that_follow_each_other_do_not_crawl() {
+    for slope in 0..4 {
+        let machine: MachineData<3> = machines::with_slope(quick(1000), slope);
+        for rest in [0.0, 0.001] {
+            let [free, constant] = [false, true]
+                .map(|constant| run_from(&stairs(30, rest, constant), [Position::ZERO; 3], &machine).time());
+            println!("slope {slope}, {rest} mm: {constant} s, {free} s without");
+            assert!(constant <= 4.0 * free, "slope {slope}, {rest} mm: {constant} s, {free} s without");
+        }
+    }
+}
+
+/// The line before it is so short that it is entered at less than its speed: that stays, too, from a quarter of it on.
+#[test]
+fn a_speed_below_that_of_the_curve_stays() {
+    for slope in 0..4 {
+        let machine: MachineData<3> = machines::with_slope(quick(1000), slope);
+        let of = |x: f64| {
+            let text = format!(
+                "#CONTOUR MODE ON [POS PRE_DIST=10 POST_DIST=10 X{} Y2 CONST_VEL=1]\nN10 G01 X{x} F40000\nN20 G260 X{x} Y100\nM30\n",
+                x - 2.0
+            );
+            inside(&run_from(&text, [Position::ZERO; 3], &machine)).0
+        };
+        let [_, whole] = of(100.0);
+        for (x, least) in [(10.4, 0.25), (11.0, 0.45), (15.0, 0.7)] {
+            let [low, high] = of(x);
+            println!("slope {slope}, X{x}: {low} to {high} of {whole}");
+            assert!(high <= 1.001 * low, "slope {slope}, X{x}: {low} to {high}");
+            assert!((least..0.99).contains(&(low / whole)), "slope {slope}, X{x}: {low} of {whole}");
         }
     }
 }

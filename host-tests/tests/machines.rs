@@ -1,6 +1,6 @@
 //! Random machine data over their permitted ranges, random programs and an operator: every limit of every
 //! axis at every tick, the exact end. The example `machines` goes on with it, and shows the run of one seed.
-use host_tests::soak::{Outcome, soak};
+use host_tests::soak::{Outcome, soak, soak_within};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -69,6 +69,16 @@ fn seeds_that_once_failed() {
 fn ways_down_in_curves_keep_every_limit() {
     for seed in [9_100_183, 9_100_777, 9_101_207, 9_100_770, 9_102_760, 9_103_788] {
         all_good(seed..seed + 1, false);
+    }
+}
+
+/// Curves with CONST_VEL that follow each other, or begin at a standstill: each of these took more than a million ticks.
+#[test]
+fn curves_of_one_speed_come_to_their_end() {
+    for seed in [252, 257, 747, 1904, 2049, 2207, 2695, 2782] {
+        let outcome = soak_within(seed, false, 200_000);
+        println!("seed {seed}: {outcome:?}");
+        assert!(matches!(outcome, Outcome::Good(_)), "seed {seed}: {outcome:?}");
     }
 }
 

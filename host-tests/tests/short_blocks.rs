@@ -5,7 +5,7 @@
 use glidepath::lookahead::ReleasedSpan;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Speed};
-use glidepath::slope::limits::{Joins, Limits, SlopeLaw};
+use glidepath::slope::limits::{Joins, Limits, Loose, SlopeLaw};
 use glidepath::slope::profile::Profile;
 use glidepath::slope::ramp_shape::RampShape;
 use host_tests::cases::random::Random;
@@ -78,7 +78,7 @@ fn a_slope_that_fills_a_block_of_few_lsb() {
             let v_out = Speed::from_bits(r.magnitude(1e6, 1e13) as i64);
             let [a, j] = [r.magnitude(1e-9, 1e-6), r.magnitude(1e-11, 1e-8)].map(|x| x as f32);
             let law = SlopeLaw::JerkLimited { shape: bend, joins: Joins::Alike, j: [j; 4] };
-            let limits = Limits { v: 1.0, a_up: a, a_down: a, law };
+            let limits = Limits { v: 1.0, a_up: a, a_down: a, law, loose: Loose::NONE };
             let length = Distance::from_bits(length);
             let v_in = Speed::from_bits(1 << 58);
             let span = ReleasedSpan { limits, length, v_in, v_out, ..ReleasedSpan::BLANK };

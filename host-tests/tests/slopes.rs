@@ -2,7 +2,7 @@
 //! mirrored and again.
 use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::{Distance, Position, Speed};
-use glidepath::slope::limits::{Joins, Limits, SlopeLaw};
+use glidepath::slope::limits::{Joins, Limits, Loose, SlopeLaw};
 use glidepath::slope::profile::Profile;
 use glidepath::slope::ramp_shape::RampShape;
 use host_tests::cases::random::{Mix, program};
@@ -294,6 +294,7 @@ fn a_block_between_two_slow_ends_has_a_plan() {
         v: 0.012_945_141,
         a_up: 1.413_443_3e-5,
         a_down: 9.679_013e-6,
+        loose: Loose::NONE,
         law: SlopeLaw::JerkLimited {
             shape: RampShape::SineSquare,
             joins: Joins::Alike,

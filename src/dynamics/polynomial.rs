@@ -8,7 +8,7 @@ use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Passage};
 use crate::quantity::Distance;
-use crate::slope::limits::{Limits, SlopeLaw, lower};
+use crate::slope::limits::{Limits, Loose, SlopeLaw, lower};
 
 const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
@@ -125,6 +125,10 @@ impl Limits {
         left_at: impl Fn(f32, f32) -> f32,
     ) {
         let mut best = (f32::MAX, 0.0, 0.0);
+        if let Some(Steady { v, .. }) = constant {
+            // No faster than the element that is slowest.
+            self.v = min(self.v, v);
+        }
         let mut v = self.v;
         let still = left_at(0.0, min(self.a_up, self.a_down));
         // STEP has its acceleration at once, and passes more elements than it speeds up in.
@@ -142,13 +146,14 @@ impl Limits {
             v *= ARC_SPEED_STEP;
         }
         self.v = best.1;
-        if let Some(Steady { v, length }) = constant {
-            // No faster than the element that is slowest.
-            self.v = min(self.v, v);
+        if let Some(Steady { length, .. }) = constant {
+            self.loose = Loose::of(self.v, best.2);
             // Over its length the square of the speed changes by 2·a·length.
             best.2 = min(best.2, CONSTANT * self.v * self.v / length);
         }
+        let loose = self.loose;
         self.curve(best.2, still, false);
+        self.loose = loose;
     }
 }
 
@@ -160,7 +165,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to
     /// be passed at one speed, the highest, and what is left to its acceleration is for an operator's
-    /// command.
+    /// command, and with CONST_VEL for the way from a standstill and to one ([`Loose`]).
     pub fn polynomial(
         &self,
         length: Distance,

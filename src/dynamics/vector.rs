@@ -11,7 +11,7 @@
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
 use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
-use crate::math::float::to_f32;
+use crate::math::float::{min, to_f32};
 use crate::nc::{Limit, VectorLimit};
 use crate::slope::limits::{Limits, SlopeLaw};
 
@@ -127,6 +127,7 @@ impl PathLimits {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
         let jerk_limited = matches!(limits.law, SlopeLaw::JerkLimited { .. });
+        limits.loose.a = min(limits.loose.a, min(a_up, path.a_down));
         if jerk_limited && a_up >= limits.a_up && path.a_down >= limits.a_down {
             return;
         }

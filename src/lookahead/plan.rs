@@ -9,6 +9,7 @@ use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
 use crate::machine::functions;
+use crate::math::float::min;
 use crate::quantity::Speed;
 
 /// Where the plan stands.
@@ -153,8 +154,8 @@ impl Plan {
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
-            let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-            let v = faster(&brake, length_mm(block), v_out, block.cap());
+            let limits = share.map_or(block.limits, |share| block.limits.shared(share)).from_low(v_out);
+            let v = faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v));
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
@@ -191,8 +192,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-        let brake = share.map_or(block.limits, |share| block.limits.shared(share)).brake();
-        let v = faster(&brake, length_mm(block), v_out, block.cap()).min(reach);
+        let limits = share.map_or(block.limits, |share| block.limits.shared(share)).from_low(v_out);
+        let v = faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v)).min(reach);
         block.v_in = v.max(block.v_in);
     }
 

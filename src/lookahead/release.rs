@@ -17,7 +17,7 @@ pub struct ReleasedSpan {
     pub length: Distance,
     /// What all of its blocks permit; of the speeds the highest.
     pub limits: Limits,
-    /// Deceleration that all of its blocks permit: a law may be gentler, see `limits`.
+    /// Deceleration that all of its blocks permit, in a curve with CONST_VEL too: a law may be gentler, see `limits`.
     pub a_down: f32,
     /// What is known of it below its highest speed.
     pub slow: Slow,
@@ -274,7 +274,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         };
         v_least = min(v_least, limits.v);
-        release.a_down = limits.a_down;
+        release.a_down = limits.loosened().a_down;
         if blocks > 1 {
             limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.

@@ -30,6 +30,8 @@ const LEAST: [f32; 2] = [0.9975, 0.995];
 const NEAR: f32 = 0.85;
 /// Parts of a way down whose length is to be known about.
 const PARTS: u8 = 6;
+/// Below that part of its speed, that of a curve with CONST_VEL may change.
+const LOOSE: f32 = 0.25;
 /// For rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
@@ -84,6 +86,38 @@ pub struct Limits {
     pub a_down: f32,
     /// What the slope adds to that.
     pub law: SlopeLaw,
+    /// What is permitted beside that.
+    pub loose: Loose,
+}
+
+/// Where a speed is to stay (CONST_VEL), accelerations are next to nothing. A law that begins or ends below a part of
+/// that speed, as it comes from a standstill or goes to one, may have more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loose {
+    /// Speed, mm/tick; it is 0 where there is no such speed.
+    pub below: f32,
+    /// Acceleration and deceleration, mm/tick²: at any speed of the limits the axes have that.
+    pub a: f32,
+}
+
+impl Loose {
+    /// No speed is to stay.
+    pub const NONE: Self = Self { below: 0.0, a: 0.0 };
+
+    /// That acceleration, where `v` is to stay.
+    pub const fn of(v: f32, a: f32) -> Self {
+        Self { below: LOOSE * v, a }
+    }
+
+    /// Whether there is such a speed.
+    pub fn is_some(&self) -> bool {
+        self.below > 0.0
+    }
+
+    /// What both permit.
+    fn join(&mut self, other: &Self) {
+        *self = Self { below: min(self.below, other.below), a: min(self.a, other.a) };
+    }
 }
 
 /// A way down with STEP in two stages.
@@ -104,6 +138,7 @@ impl Limits {
         a_up: f32::MAX,
         a_down: f32::MAX,
         law: SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: Joins::Alike, j: [f32::MAX; 4] },
+        loose: Loose::NONE,
     };
 
     /// Nothing is permitted; all bits zero.
@@ -112,6 +147,7 @@ impl Limits {
         a_up: 0.0,
         a_down: 0.0,
         law: SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: Joins::Alike, j: [0.0; 4] },
+        loose: Loose::NONE,
     };
 
     /// Whether they are the others but for rounding.
@@ -126,6 +162,8 @@ impl Limits {
         laws && near(self.v, other.v, ALIKE_SPEED)
             && near(self.a_up, other.a_up, ALIKE)
             && near(self.a_down, other.a_down, ALIKE)
+            && near(self.loose.below, other.loose.below, ALIKE_SPEED)
+            && near(self.loose.a, other.loose.a, ALIKE)
     }
 
     /// Becomes what both permit; of the speeds the higher one.
@@ -134,6 +172,7 @@ impl Limits {
         self.v = max(self.v, other.v);
         self.a_up = min(self.a_up, other.a_up);
         self.a_down = min(self.a_down, other.a_down);
+        self.loose.join(&other.loose);
         match (&mut self.law, &other.law) {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
             (SlopeLaw::Stepped { change_over, still, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
@@ -169,6 +208,48 @@ impl Limits {
             }
             _ => {}
         }
+    }
+
+    /// Those of a law from one speed to another, in any direction, over `length` mm: where the speed is to stay, all
+    /// of the acceleration that the axes have if one of both speeds is low, or if the change takes it. No such law
+    /// is faster than the faster one of both speeds and the low one.
+    #[inline(always)]
+    pub(crate) fn between(&self, [v, w]: [Speed; 2], length: f32) -> Self {
+        if self.loose.is_some() { self.between_loosely([v.min(w), v.max(w)], length) } else { *self }
+    }
+
+    #[inline(never)]
+    fn between_loosely(&self, [low, high]: [Speed; 2], length: f32) -> Self {
+        let [low, dv, high] = [low.to_bits(), high.to_bits() - low.to_bits(), high.to_bits()].map(speed_f32);
+        if low >= self.loose.below && self.brake().distance(low, dv)[0] <= length {
+            return *self;
+        }
+        Self { v: min(self.v, max(high, self.loose.below)), ..self.loosened() }
+    }
+
+    /// Those of a law that has a low speed at one end, and the highest speed at the other one; the same where no
+    /// speed is to stay.
+    #[inline(always)]
+    pub(crate) fn from_low(&self, low: Speed) -> Self {
+        if speed_f32(low.to_bits()) < self.loose.below {
+            Self { v: min(self.v, self.loose.below), ..self.loosened() }
+        } else {
+            *self
+        }
+    }
+
+    /// With all of the acceleration that the axes have.
+    #[inline(never)]
+    pub(crate) fn loosened(&self) -> Self {
+        let mut limits = *self;
+        if self.loose.is_some() {
+            let a = self.loose.a;
+            (limits.a_up, limits.a_down) = (max(a, limits.a_up), max(a, limits.a_down));
+            if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut limits.law {
+                (*a_up, *a_down, *still) = (max(a, *a_up), max(a, *a_down), max(a, *still));
+            }
+        }
+        limits
     }
 
     /// Those of a way to a standstill with these decelerations and jerks, at its begin and at its end: with STEP the
@@ -257,6 +338,7 @@ impl Limits {
         let mut limits = *self;
         let square = min(part * part * (2.0 - ROUNDED), 1.0);
         limits.v *= part;
+        limits.loose = Loose { below: self.loose.below * part, a: self.loose.a * square };
         limits.a_up *= square;
         limits.a_down *= square;
         if let SlopeLaw::JerkLimited { j, .. } = &mut limits.law {
@@ -364,6 +446,7 @@ impl Limits {
     pub(crate) fn scale_accelerations(&mut self, part: f32) {
         self.a_up *= part;
         self.a_down *= part;
+        self.loose.a *= part;
         if let SlopeLaw::Stepped { a_up, a_down, .. } = &mut self.law {
             *a_up *= part;
             *a_down *= part;
@@ -374,6 +457,7 @@ impl Limits {
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);
         self.a_down = min(a, self.a_down);
+        self.loose.a = min(a, self.loose.a);
         if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut self.law {
             *a_up = min(*a_up, a);
             *a_down = min(*a_down, a);

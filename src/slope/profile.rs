@@ -66,6 +66,8 @@ pub enum Unplannable {
     TooSlow,
 }
 
+const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
+
 /// Longest block: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
@@ -278,6 +280,7 @@ impl Profile {
         limits: &Limits,
         lower: bool,
     ) -> Result<(), Unplannable> {
+        let limits = &limits.between([v_in, v_out].map(Speed::from_bits), to_f32(length) * LSB_44);
         let up = limits.speed_up();
         let down = limits.brake();
         let low = v_in.max(v_out);
