@@ -100,7 +100,7 @@ impl Span {
     /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves
     /// unused may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
-        let limits = self.limits.from_low(v_out);
+        let limits = self.limits.near_low(v_out);
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
@@ -219,8 +219,8 @@ impl Law {
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
-        let limits = limits.from_low(v_in);
-        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
+        let low = limits.from_low(v_in);
+        return Some(faster(&low.speed_up(), length, v_in, low.v).min(next));
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }

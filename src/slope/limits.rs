@@ -230,7 +230,7 @@ impl Limits {
     /// Those of a law that has a low speed at one end, and the highest speed at the other one; the same where no
     /// speed is to stay.
     #[inline(always)]
-    pub(crate) fn from_low(&self, low: Speed) -> Self {
+    pub(crate) fn near_low(&self, low: Speed) -> Self {
         if speed_f32(low.to_bits()) < self.loose.below {
             Self { v: min(self.v, self.loose.below), ..self.loosened() }
         } else {
