@@ -219,7 +219,7 @@ impl Law {
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
-        let low = limits.from_low(v_in);
+        let low = limits.near_low(v_in);
         return Some(faster(&low.speed_up(), length, v_in, low.v).min(next));
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }

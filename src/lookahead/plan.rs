@@ -154,15 +154,8 @@ impl Plan {
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
-<<<<<<< HEAD
-            let limits = share.map_or(block.limits, |share| block.limits.shared(share)).from_low(v_out);
-            let v = faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v));
-=======
-            let limits = block.limits();
-            let limits = share.map_or(limits, |share| limits.shared(share)).near_low(v_out);
-            let v =
-                Planned::below(faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v)));
->>>>>>> fb32ebc (slope: a name that clippy takes)
+            let open = share.map_or(block.limits, |share| block.limits.shared(share)).near_low(v_out);
+            let v = faster(&open.brake(), length_mm(block), v_out, min(block.cap(), open.v));
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
@@ -199,13 +192,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-<<<<<<< HEAD
-        let limits = share.map_or(block.limits, |share| block.limits.shared(share)).from_low(v_out);
-=======
-        let limits = block.limits_by_call();
-        let limits = share.map_or(limits, |share| limits.shared(share)).near_low(v_out);
->>>>>>> fb32ebc (slope: a name that clippy takes)
-        let v = faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v)).min(reach);
+        let open = share.map_or(block.limits, |share| block.limits.shared(share)).near_low(v_out);
+        let v = faster(&open.brake(), length_mm(block), v_out, min(block.cap(), open.v)).min(reach);
         block.v_in = v.max(block.v_in);
     }
 
