@@ -143,6 +143,20 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.hand_out()
     }
 
+    /// Whether the next step hands out a command that changes what the blocks behind it may do: slope, weights,
+    /// limits along the path.
+    pub(crate) fn restricts(&self) -> bool {
+        let Interpreter { single, warnings, .. } = &*self.interpreter;
+        if !warnings.is_empty() || self.refused {
+            return false;
+        }
+        if let Some(command) = single {
+            return matches!(command.get(), Command::Slope(..) | Command::VectorLimit(..));
+        }
+        let weighs = |item: &Item| matches!(item.kind, ItemKind::WeightAll(..) | ItemKind::WeightAxes(_));
+        self.interpreter.front().is_some_and(weighs)
+    }
+
     /// Whether the last step did so little that another one may follow in the same call of the planner: a
     /// line, or what this one said.
     pub(crate) fn has_done_little(&self) -> bool {
