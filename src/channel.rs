@@ -254,6 +254,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
+            // What is held back before such a command runs with what was in force there.
+            if self.decoder.restricts() && self.planning.end_row() {
+                break;
+            }
             let step = self.decoder.step();
             match step {
                 Ok(Step::Working) => {}

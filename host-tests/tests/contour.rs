@@ -776,3 +776,36 @@ fn a_curve_that_no_format_holds_ends_where_it_has_to() {
         assert_eq!(last, [10 << 32, 10 << 32, 0], "{contour}");
     }
 }
+
+/// What changes the dynamics behind a block leaves it as it was programmed, though smoothing still holds it back:
+/// #SLOPE, weights, #VECTOR LIMIT.
+#[test]
+fn a_block_held_back_keeps_its_dynamics() {
+    let mut machine = machines::with_slope(quick::<3>(1000), 1);
+    machine.channel.surface = true;
+    let run = |text: &str| run_from::<3>(text, [Position::ZERO; 3], &machine);
+    let block = "N10 G01 X100 F6000\n";
+    for mode in [
+        "#CONTOUR MODE ON [DEV PATH_DEV=0.1]\n",
+        "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=5]\n",
+        "#HSC ON [SURFACE PATH_DEV=0.1]\n",
+        "#HSC ON [BSPLINE PATH_DEV=0.1]\n",
+        "G151\n",
+    ] {
+        let alone = run(&format!("{mode}{block}M30\n"));
+        for change in ["#SLOPE [TYPE=STEP]", "G131 20", "G133 400", "G130 X30", "#VECTOR LIMIT ON [VEL=1000]"]
+        {
+            let text = format!("{mode}{block}{change}\nM30\n");
+            assert_eq!(run(&text).digest, alone.digest, "{text}");
+            // It acts on the next one, whatever is on.
+            let text = format!("{mode}{change}\n{block}M30\n");
+            assert_ne!(run(&text).digest, alone.digest, "{text}");
+        }
+    }
+    // The next block begins where it ends, with what it changed.
+    for change in ["G131 20", "G133 400"] {
+        let run = run(&format!("#CONTOUR MODE ON [DEV PATH_DEV=0.1]\n{block}{change}\nN20 Y100\nM30\n"));
+        let at = run.distance([100.0, 0.0]);
+        assert!(at < 1e-3, "{change}: {at}");
+    }
+}

@@ -3,6 +3,7 @@
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;
+use host_tests::operate::operate_text;
 use host_tests::rounded::{Run, quick, run_from};
 
 /// Lowest and highest speed between where N10 is left and N20 is entered, mm/s, over how many ticks.
@@ -129,5 +130,25 @@ fn a_speed_below_that_of_the_curve_stays() {
             assert!(high <= 1.001 * low, "slope {slope}, X{x}: {low} to {high}");
             assert!((least..0.99).contains(&(low / whole)), "slope {slope}, X{x}: {low} of {whole}");
         }
+    }
+}
+
+/// Such a curve leaves its slope next to nothing. A way to a standstill ends in a line between two of them, and does
+/// not go on through many: it would take so many pieces that the motion had to crawl.
+#[test]
+fn long_lines_between_such_curves_are_fast() {
+    for slope in 0..4 {
+        let machine: MachineData<3> = machines::with_slope(machines::even::<3>(1000), slope);
+        let lines = (0..10).map(|k| format!("X{}\nY{}\n", [25, 0][k % 2], 25 * (k + 1)));
+        let lines = format!("G01 F20000\n{}M30\n", lines.collect::<String>());
+        let run = |mode: &str| {
+            let text = format!("{mode}\n{lines}");
+            operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, &[], usize::MAX).expect("a program")
+        };
+        let (stops, rounded) = (run(""), run("#CONTOUR MODE ON [DEV PATH_DEV=0.05 CONST_VEL=1]"));
+        let ticks = [&rounded, &stops].map(|run| run.trace.len());
+        println!("slope {slope}: {ticks:?} ticks, slower {:?}", rounded.slower);
+        assert!(rounded.slower.is_empty(), "slope {slope}: slower before {:?}", rounded.slower);
+        assert!(4 * ticks[0] < 5 * ticks[1], "slope {slope}: {ticks:?} ticks, rounded and with standstills");
     }
 }

@@ -42,6 +42,36 @@ fn coordinates_are_rounded_once() {
     }
 }
 
+/// D3-010: what rounding leaves of increments does not add up, however they are written.
+#[test]
+fn increments_end_where_their_sum_does() {
+    // As a plain block, as a block of any other kind, as an expression, in inches.
+    let ways = [("", "", "", 1), ("", "M5 ", "", 1), ("", "", "]", 1), ("G70 ", "", "", 254)];
+    for (before, ahead, behind, tenths) in ways {
+        let mut random = Random(17);
+        for even in [true, false] {
+            let mut text = format!("{before}G91 F1000\n");
+            // In 10^-9.
+            let mut sum: i64 = 0;
+            for _ in 0..4000 {
+                let scale = if even { 1 } else { 1 + random.below(9) as u32 };
+                let digits = if even { 1 } else { 1 + random.below(10_u64.pow(scale)) };
+                let turns = !even && random.below(2) == 1;
+                let value = (digits * 10_u64.pow(9 - scale)) as i64;
+                sum += if turns { -value } else { value };
+                let sign = if turns { "-" } else { "" };
+                let opens = if behind.is_empty() { "" } else { "[" };
+                text += &format!("{ahead}G1 X{opens}{sign}{}{behind}\n", text_of(digits, scale));
+            }
+            let den = if tenths == 1 { 1 } else { 10 };
+            let expected = reference(sum.unsigned_abs(), 9, tenths, den) * sum.signum();
+            let end = motions(&text).last().expect("a motion").target[0].to_bits();
+            let what = format!("{before}{ahead}{behind}, {even}");
+            assert_eq!(end, expected, "{what}: {} LSB beside it", end - expected);
+        }
+    }
+}
+
 /// Decimals of at most nine digits are multiplied instead of divided: those next to the middle between two
 /// fixed-point numbers are the first that a reciprocal with too few bits would round wrongly.
 #[test]

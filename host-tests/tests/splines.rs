@@ -234,6 +234,37 @@ fn d3_184_the_hsc_b_spline_keeps_path_dev_and_passes_first_and_last() {
     assert!(used > 0.99, "{used}");
 }
 
+/// D3-184: every point is near the curve too, by the same tolerance, however long the blocks beside it are.
+#[test]
+fn d3_184_points_between_long_blocks_are_near_the_curve() {
+    let machine = machines::even::<3>(1000);
+    let mut used = 0.0_f64;
+    for seed in 0..100 {
+        let length = Random::new(seed).magnitude(30.0, 3000.0);
+        let program = points(seed, 12, [0.3 * length, length], 3.0);
+        let deviation = Random::new(seed).magnitude(2e-3, 1e-2);
+        let hsc = Hsc {
+            switch: Some(true),
+            method: Some(HscMethod::Bspline),
+            path_dev: Some(Position::from_bits((deviation * (1u64 << 32) as f64) as i64)),
+            max_angle: Some(Position::from_num(180)),
+            ..Hsc::default()
+        };
+        let pieces = smooth(&blocks::<3>(&program, &machine), &machine, |stage| {
+            assert_eq!(stage.hsc(&hsc), Ok(true));
+        });
+        for point in &mm(&program) {
+            let distance = |q: Vec<f64>| size(&plus(&[q[0], q[1], q[2]], -1.0, point));
+            let off = pieces.iter().map(|piece| distance(piece.at(0.0))).fold(f64::INFINITY, f64::min);
+            let last = pieces.last().map_or(f64::INFINITY, |piece| distance(piece.at(1.0)));
+            let off = off.min(last);
+            assert!(off <= deviation, "seed {seed}: {point:?} is {off} off, permitted {deviation}");
+            used = used.max(off / deviation);
+        }
+    }
+    assert!(used > 0.97, "{used}");
+}
+
 /// With steps of curvature limited, it agrees on both sides of every point, and the points stay.
 #[test]
 fn akima_has_no_step_of_curvature_where_jerk_is_limited() {

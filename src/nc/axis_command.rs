@@ -282,9 +282,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         } else {
             return span.fault(NcErrorKind::Missing("ON or OFF"));
         };
-        if let (OscillationAction::On { second, .. }, Some(slot)) = (action, self.position.get_mut(axis)) {
+        if let OscillationAction::On { second, .. } = action {
             // It ends there, however it ends (but OFF INSTANT: the planner knows better then).
-            *slot = second;
+            self.stand_there(axis, second);
         }
         let head = self.head_of(line, span);
         self.single = Some(Cell::new(Command::Oscillation(head, Oscillation { axis, action })));

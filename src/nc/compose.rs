@@ -196,10 +196,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             let value = self.axis_value(axis, given)?;
             let offset = self.offset(axis);
             let kind = self.coordinate_of(axis);
-            if let Some(slot) = target.get_mut(axis) {
-                *slot = if self.modal.relative {
-                    slot.saturating_add(value)
+            let relative = self.modal.relative;
+            let left = if relative { given.number.rest(self.axis_factor(axis), value) } else { 0 };
+            if let (Some(slot), Some(rest)) = (target.get_mut(axis), self.rests.get_mut(axis)) {
+                *slot = if relative {
+                    slot.saturating_add(value).saturating_add(carry(rest, left))
                 } else {
+                    *rest = 0;
                     value.saturating_add(offset)
                 };
                 if !in_range(*slot) {
@@ -293,6 +296,14 @@ fn move_into_order(items: &mut [Item]) {
     if let Some(slot) = items.last_mut() {
         *slot = last;
     }
+}
+
+/// A part of an LSB is added to those before it: the LSB that they make.
+pub(super) fn carry(rest: &mut i32, left: i64) -> Position {
+    let sum = i64::from(*rest).wrapping_add(left);
+    let whole = sum.wrapping_add(1 << 31) >> 32;
+    *rest = sum.wrapping_sub(whole << 32) as i32;
+    Position::from_bits(whole)
 }
 
 /// Inside ±[`COORDINATE_MAX`].

@@ -143,6 +143,20 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.hand_out()
     }
 
+    /// Whether the next step hands out a command that changes what the blocks behind it may do: slope, weights,
+    /// limits along the path.
+    pub(crate) fn restricts(&self) -> bool {
+        let Interpreter { single, warnings, .. } = &*self.interpreter;
+        if !warnings.is_empty() || self.refused {
+            return false;
+        }
+        if let Some(command) = single {
+            return matches!(command.get(), Command::Slope(..) | Command::VectorLimit(..));
+        }
+        let weighs = |item: &Item| matches!(item.kind, ItemKind::WeightAll(..) | ItemKind::WeightAxes(_));
+        self.interpreter.front().is_some_and(weighs)
+    }
+
     /// Whether the last step did so little that another one may follow in the same call of the planner: a
     /// line, or what this one said.
     pub(crate) fn has_done_little(&self) -> bool {
@@ -178,7 +192,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// or a call that a refused line would have begun has not begun. What was refused as missing at the end
     /// of a program (a closing word) is done without.
     pub fn go_on(&mut self, position: [Position; AXES]) {
-        self.interpreter.position = position;
+        self.interpreter.stand_at(position);
         self.reader.go_on();
         self.refused = false;
     }
@@ -202,16 +216,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
 
     fn restart(&mut self, position: [Position; AXES], keeps: bool) {
         self.interpreter.restart(keeps);
-        self.interpreter.position = position;
+        self.interpreter.stand_at(position);
         self.refused = false;
     }
 
     /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched
     /// back).
     pub fn set_position(&mut self, axis: usize, position: Position) {
-        if let Some(slot) = self.interpreter.position.get_mut(axis) {
-            *slot = position;
-        }
+        self.interpreter.stand_there(axis, position);
     }
 
     /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59. It counts from the next line

@@ -69,6 +69,8 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
+    /// What rounding of G91's increments has left of it, LSB 2^-64, so that it does not add up.
+    pub rests: [i32; AXES],
     /// Block number of the line at hand.
     pub n: u32,
     /// Whether the block at hand moves.
@@ -106,6 +108,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             before: Before::Alike,
             letters: Letters::BLANK,
             position: [Position::ZERO; AXES],
+            rests: [0; AXES],
             n: 0,
             moves: false,
             queue: Items::new(),
@@ -121,20 +124,32 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Before the first line, on a machine with that set-up: nothing that was in it counts. It is large, and
     /// becomes so in its place.
     pub fn begin(&mut self, given: &Setup<AXES>) {
-        let Self { setup, phase, flow, calculator, modal, before, letters, position, .. } = self;
+        let Self { setup, phase, flow, calculator, modal, before, letters, .. } = self;
         *setup = *given;
         *phase = Phase::Start;
         flow.begin();
         calculator.clear();
         (*modal, *before) = (Modal::new(given.default_index), Before::Alike);
         *letters = Letters::new(given.names.iter().map(|name| &name.0));
-        *position = given.start;
+        self.stand_at(given.start);
         let Self { n, moves, queue, waiting, motion, single, values, warnings, quiet, .. } = self;
         (*n, *moves, *quiet) = (0, false, 0);
         queue.clear();
         (*waiting, *motion, *single) = (None, None, None);
         *values = [None; AXES];
         warnings.clear();
+    }
+
+    /// All axes stand there, and programs go on from there.
+    pub fn stand_at(&mut self, position: [Position; AXES]) {
+        (self.position, self.rests) = (position, [0; AXES]);
+    }
+
+    /// An axis stands there.
+    pub fn stand_there(&mut self, axis: usize, position: Position) {
+        if let (Some(slot), Some(rest)) = (self.position.get_mut(axis), self.rests.get_mut(axis)) {
+            (*slot, *rest) = (position, 0);
+        }
     }
 
     /// The first of what the block at hand makes the decoder hand out, once it is understood to its end.

@@ -55,6 +55,18 @@ impl Plain {
         }
         quotient_bits(mantissa.into(), scale, factor)
     }
+
+    /// What rounding to these bits left, see [`Number::rest`].
+    pub fn rest(self, factor: Factor, bits: i64) -> i64 {
+        let Self { mantissa, scale } = self;
+        if factor != Factor::ONE || mantissa > i32::MAX as u32 {
+            return decimal_rest(mantissa.into(), scale, factor, bits);
+        }
+        let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power as i64);
+        // Below 2^63; half a power, below 2^29, remains.
+        let left = (i64::from(mantissa) << 32).wrapping_sub(bits.wrapping_mul(power));
+        (left << 32).checked_div(power).unwrap_or(0)
+    }
 }
 
 const POWERS: [u64; 20] = {
@@ -119,16 +131,30 @@ impl Number {
     pub fn fixed(self, factor: Factor) -> Option<I32F32> {
         match self {
             Self::Real(x) => {
-                let x = if factor == Factor::ONE {
-                    x
-                } else {
-                    x * f64::from(factor.numerator) / f64::from(factor.denominator)
-                };
+                let x = if factor == Factor::ONE { x } else { times(x, factor) };
                 fixed_from_real(x)
             }
             Self::Decimal { negative, mantissa, scale } => {
                 let bits = decimal_bits(mantissa, scale, factor)?;
                 Some(I32F32::from_bits(if negative { bits.checked_neg()? } else { bits }))
+            }
+        }
+    }
+
+    /// What rounding to `value` by [`Self::fixed`] left: the number times `factor` less `value`, LSB 2^-64, from
+    /// −2^31 to 2^31.
+    pub fn rest(self, factor: Factor, value: I32F32) -> i64 {
+        let bits = value.to_bits();
+        match self {
+            Self::Real(x) => {
+                let x = if factor == Factor::ONE { x } else { times(x, factor) };
+                const LSB: f64 = (1_u64 << 32) as f64;
+                // Both are below 2^53: their difference is exact.
+                ((x * LSB - bits as f64) * LSB) as i64
+            }
+            Self::Decimal { negative: false, mantissa, scale } => decimal_rest(mantissa, scale, factor, bits),
+            Self::Decimal { mantissa, scale, .. } => {
+                -decimal_rest(mantissa, scale, factor, bits.wrapping_neg())
             }
         }
     }
@@ -187,6 +213,20 @@ fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     let dividend = (u128::from(mantissa) * u128::from(factor.numerator)) << 33;
     let divisor = u128::from(power) * u128::from(factor.denominator);
     (dividend + divisor).checked_div(divisor << 1)?.try_into().ok()
+}
+
+/// `mantissa` / 10^`scale` · `factor` less `bits` / 2^32, which is that number rounded; LSB 2^-64.
+fn decimal_rest(mantissa: u64, scale: u8, factor: Factor, bits: i64) -> i64 {
+    let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power);
+    let divisor = i128::from(power) * i128::from(factor.denominator);
+    // Below 2^(64+20+32); half a divisor, below 2^(64+31), remains.
+    let number = (i128::from(mantissa) * i128::from(factor.numerator)) << 32;
+    let left = number.wrapping_sub(i128::from(bits).wrapping_mul(divisor));
+    (left << 32).checked_div(divisor).unwrap_or(0) as i64
+}
+
+fn times(x: f64, factor: Factor) -> f64 {
+    x * f64::from(factor.numerator) / f64::from(factor.denominator)
 }
 
 /// To nearest, ties away from zero; `None` beyond ±2^31 and for no number.

@@ -3,7 +3,7 @@
 //!
 //! Most lines of most programs are plain. Where a line holds anything else, or anything is wrong with it,
 //! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
-use super::compose::in_range;
+use super::compose::{carry, in_range};
 use super::cursor::Cursor;
 use super::interpreter::Interpreter;
 use super::line::Line;
@@ -52,19 +52,32 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none.
+    /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none. `rest` is what
+    /// rounding leaves.
     #[inline(always)]
-    fn plain_coordinate(&self, c: &mut Cursor<'_>, axis: usize, to: Position) -> Option<Position> {
+    fn plain_coordinate(
+        &self,
+        c: &mut Cursor<'_>,
+        axis: usize,
+        (to, rest): (Position, &mut i32),
+    ) -> Option<Position> {
         let sign = c.raw();
         if matches!(sign, b'-' | b'+') {
             c.bump();
         }
-        let bits = c.plain_decimal()?.bits(self.axis_factor(axis))?;
+        let (decimal, factor) = (c.plain_decimal()?, self.axis_factor(axis));
+        let bits = decimal.bits(factor)?;
         if bits > MAX.to_bits() {
             return None;
         }
         let value = Position::from_bits(if sign == b'-' { -bits } else { bits });
-        let from = if self.modal.relative { to } else { self.offset(axis) };
+        let from = if self.modal.relative {
+            let left = decimal.rest(factor, bits);
+            to.wrapping_add(carry(rest, if sign == b'-' { -left } else { left }))
+        } else {
+            *rest = 0;
+            self.offset(axis)
+        };
         // Three coordinates at most: far from the end of the numbers.
         let slot = value.wrapping_add(from);
         in_range(slot).then_some(slot)
@@ -76,7 +89,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn plain_block(&mut self, line: &Line) -> Option<()> {
         let mut c = Cursor::new(line.bytes());
         let (mut n, mut mode, mut feed, mut first) = (0, None, None, None);
-        let mut target = self.position;
+        let (mut target, mut rests) = (self.position, self.rests);
         let mut given = 0;
         let mut work = 0;
         loop {
@@ -106,8 +119,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 _ => {
                     let axis = self.letters.axis(letter)?;
                     let bit = 1_u32.wrapping_shl(axis as u32);
-                    let slot = target.get_mut(axis)?;
-                    *slot = self.plain_coordinate(&mut c, axis, *slot)?;
+                    let (slot, rest) = (target.get_mut(axis)?, rests.get_mut(axis)?);
+                    *slot = self.plain_coordinate(&mut c, axis, (*slot, rest))?;
                     if given & bit != 0 {
                         return None;
                     }
@@ -139,7 +152,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             exact_stop: self.modal.exact_stop,
             named: given,
         }));
-        self.position = target;
+        (self.position, self.rests) = (target, rests);
         self.n = n;
         self.moves = true;
         self.before = Before::Feed(self.modal.mode, self.modal.feed);

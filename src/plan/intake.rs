@@ -384,6 +384,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
+    /// What is held back is to run with the dynamics in force, before they change: the corner at its end keeps its
+    /// point. `false`: nothing is held back. Only after [`super::Work::Hungry`].
+    pub fn end_row(&mut self) -> bool {
+        self.let_go();
+        if !self.intake.smoothing.holds() {
+            return false;
+        }
+        self.intake.smoothing.cancel();
+        !self.intake.smoothing.is_empty()
+    }
+
     /// A block of that length does not take too long at the speed `v`.
     #[inline(always)]
     fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {

@@ -38,22 +38,28 @@ pub struct Tolerance {
 /// Part of the tolerance that rounding and the fit leave.
 const PART: f32 = 1.0 - 1.0 / 4096.0;
 
+/// Coordinates count from the start of a leg: rounding adds so much of its travel.
+const ROUNDED: f32 = 1.0 / 8_388_608.0;
+
 /// How far control points beside the point `i` may be from it, mm. `None` where no leg is on one side.
 pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> Option<f32> {
     let (before, behind) = (window.leg(i - 1)?, window.leg(i)?);
     let axes = window.axes();
     let step = plus(&behind.slope, -1.0, &before.slope);
     let mut reach = f32::MAX;
-    let mut lower = |deviation: f32, step: f32| {
-        let room = 6.0 * PART * deviation;
+    let mut lower = |deviation: f32, step: f32, travel: f32| {
+        let room = 6.0 * max(PART * deviation - ROUNDED * travel, 0.5 * deviation);
         // Not where the quotient would be too large.
         if room < step * 1e6 {
             reach = min(reach, room / step);
         }
     };
-    lower(tolerance.path, size(axes, &step));
-    for (_, step) in step.iter().enumerate().filter(|(k, _)| !axes.contains(*k)) {
-        lower(tolerance.track, magnitude(*step));
+    lower(tolerance.path, size(axes, &step), max(before.length, behind.length));
+    let travels = before.travel.iter().zip(&behind.travel).map(|(a, b)| max(magnitude(*a), magnitude(*b)));
+    for (k, (step, travel)) in step.iter().zip(travels).enumerate() {
+        if !axes.contains(k) {
+            lower(tolerance.track, magnitude(*step), travel);
+        }
     }
     Some(reach)
 }
