@@ -53,7 +53,7 @@ impl Letters {
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn plain_coordinate(&self, c: &mut Cursor<'_>, axis: usize, to: Position) -> Option<Position> {
         let sign = c.raw();
         if matches!(sign, b'-' | b'+') {

@@ -109,7 +109,7 @@ enum Fit {
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
         let is_changed = word != self.orders.word || self.reserve.pending.is_some();

@@ -602,12 +602,12 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
         at_work!(self, kind => kind.remark())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_idle(&self) -> bool {
         self.wanted.is_none() && at_work!(ref self, kind => kind.is_idle())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
         at_work!(ref self, kind => kind.is_empty())
     }

@@ -712,7 +712,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         self.held().is_none() && !self.on && !self.once
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
         self.held().is_none() && self.bridge.is_none()
