@@ -327,6 +327,8 @@ const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
     /// Off.
+    // In place, in every build: as a result it would be on the stack twice.
+    #[inline(always)]
     pub fn new(measure: Measure, preset: Preset) -> Self {
         let parameters = Parameters::new(preset);
         Self {
@@ -348,6 +350,8 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// With what was in force.
+    // In place, in every build: as a result it would be on the stack twice.
+    #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
         Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
