@@ -334,12 +334,17 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it, as a call: not for the
-    /// tick.
+    /// What [`Self::at`] gives, as a call: not for the tick.
+    #[inline(never)]
+    pub fn put(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        self.at(distance, base, out);
+    }
+
+    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it: not for the tick.
     #[inline(never)]
     pub fn point(&self, distance: i64, start: &[Position; AXES]) -> [Position; AXES] {
         let mut point = *start;
-        self.at(distance, &self.base(start), &mut point);
+        self.put(distance, &self.base(start), &mut point);
         point
     }
 
@@ -366,7 +371,7 @@ impl<const AXES: usize> Shape<AXES> {
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {
-            return self.at(self.length.to_bits(), base, out);
+            return self.put(self.length.to_bits(), base, out);
         }
         let w = self.end_w();
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {

@@ -663,7 +663,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let segment = self.queue.segments.recent(curve)?;
         let distance = (i128::from(segment.shape.length.to_bits()) * i128::from(part)) >> 16;
         let mut point = segment.base;
-        segment.shape.at(distance as i64, &segment.base, &mut point);
+        segment.shape.put(distance as i64, &segment.base, &mut point);
         Some((segment.block, point))
     }
 
