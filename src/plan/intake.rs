@@ -285,7 +285,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Ok(self.stays(motion, element, &centre)?);
         }
         self.intake.travel.line(from, to)?;
-        path::straight(from, to, &self.measure)?;
+        path::straight_line(from, to, &self.measure)?;
         Ok(())
     }
 
