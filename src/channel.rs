@@ -150,7 +150,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     /// A piece of work for the path.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn poll_path(&mut self) -> Result<Progress, Error> {
         // After an abort there is nothing to hold, and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {

@@ -147,7 +147,7 @@ impl Axis {
     };
 
     /// Feed or rapid.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set(&self, rapid: bool) -> &Set {
         if rapid { &self.rapid } else { &self.feed }
     }

@@ -279,7 +279,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.permitted(tangent, &None, feed)
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn permitted(&self, tangent: &[i64; AXES], circle: &Option<Circle>, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };

@@ -66,7 +66,7 @@ impl Joins {
 impl Limits {
     /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is
     /// reached.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> OverrideRange {
         if feed == f32::MAX {
             return OverrideRange::new(self.v, self.v, v_reduced);
@@ -98,7 +98,7 @@ impl Limits {
 
     /// Where little acceleration is left along the path, as an axis moves much further than the path does, it leaves
     /// room for the rounding of path distances. A transition shows that too, so its share leaves as much.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn leave_rough(&mut self, share: &mut Share) {
         if min(self.a_up, self.a_down) < ROUGH_BELOW {
             self.lower_by_rough(share);
@@ -135,7 +135,7 @@ impl Limits {
     }
 
     /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
         self.v = min(set.v * scale, self.v);
         self.a_up = min(set.a_up * scale, self.a_up);

@@ -116,7 +116,7 @@ const fn parts(passage: Passage, sharp: bool, stepped: bool) -> [f32; 3] {
 impl Limits {
     /// Of so many speeds, each four fifths of the one before, takes the one with which an element of this
     /// length (mm), from rest to rest, is fastest. `left_at`: what a speed leaves of an acceleration.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn choose(
         &mut self,
         length: f32,

@@ -29,7 +29,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// that follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
     /// `a` is the largest acceleration beside the transition where it does not vanish there (STEP), otherwise
     /// 0.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn transition(
         &self,
         from: &End<AXES>,

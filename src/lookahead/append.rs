@@ -57,7 +57,7 @@ impl<const AXES: usize> Last<AXES> {
     /// Whether it may take less than two ticks between a knee and a standstill though its speed at the knee is
     /// low: what its neighbours do then shows together with the knee. From a speed that is a third of its length
     /// per tick at most it goes a third of it in two ticks, and a quarter of its jerk. STEP has its own rules.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
     }
@@ -120,7 +120,7 @@ impl Transition {
 impl<const AXES: usize> Next<'_, AXES> {
     /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the
     /// speed `fastest`. `a`: acceleration of STEP that acts beside it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
         let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
         let shorter = min(last.length, self.length);
@@ -134,14 +134,14 @@ impl<const AXES: usize> Next<'_, AXES> {
     }
 
     /// Whether both are parts of a curve over time, for one speed.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
     /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the
     /// motion there; `v`: as in [`Self::passed`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn goes_on(
         &self,
         last: &Last<AXES>,
@@ -170,7 +170,7 @@ impl<const AXES: usize> Next<'_, AXES> {
 impl<const AXES: usize> Tail<AXES> {
     /// Whether the next block goes on with the span of the last one. `sides`: limits before and behind; `cap`: speed
     /// at the transition.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn takes_in(&self, last: &Last<AXES>, next: &Next<'_, AXES>, sides: [&Limits; 2], cap: f32) -> bool {
         let ([before, limits], piece) = (sides, next.piece);
         // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
@@ -192,7 +192,7 @@ impl<const AXES: usize> Tail<AXES> {
     }
 
     /// A block with that feed (mm/min) comes in, behind an anchor or not.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn pass(&mut self, anchor: bool, feed: f32, bought: bool) {
         if anchor {
             (self.span, self.feeds) = (0, [if bought { feed } else { f32::MAX }, feed]);
@@ -206,7 +206,7 @@ impl<const AXES: usize> Tail<AXES> {
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than
     /// the way to a standstill from its speed.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn push(
         &mut self,
         piece: &Piece<'_, AXES>,
@@ -284,7 +284,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The transition from the last block of the ring. Where it takes its part of the limits, both sides have
     /// less.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
         else {

@@ -145,12 +145,12 @@ impl Marks {
     /// It stands for several blocks, and is twice as long as the way to a standstill.
     pub(super) const LONG: u8 = 128;
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) const fn has(self, mark: u8) -> bool {
         self.0 & mark != 0
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set(&mut self, mark: u8, on: bool) {
         self.0 = if on { self.0 | mark } else { self.0 & !mark };
     }

@@ -36,7 +36,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
     }
 
     /// The place so many behind the front, at most `BLOCKS`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn place(&self, by: usize) -> usize {
         let at = self.front.wrapping_add(by);
         if at < BLOCKS { at } else { at - BLOCKS }
@@ -74,7 +74,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
     }
 
     /// Puts a block in behind the last one; `false` if there is no room.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_back(&mut self, block: Block) -> bool {
         if self.len >= BLOCKS {
             return false;
@@ -99,7 +99,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
     }
 
     /// The first block leaves.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn pop_front(&mut self) -> Option<&Block> {
         let at = self.front;
         if self.len == 0 {

@@ -45,7 +45,7 @@ impl Row {
 
     /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that.
     /// `timed`: its speed is given; it is a part of a curve of several ticks.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(
         &mut self,
         length: f32,

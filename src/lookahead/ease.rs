@@ -273,7 +273,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// What the span leaves unused that begins with this block.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn ease(&self, from: usize) -> Ease {
         match self.blocks.get(from + 1) {
             Some(second) if !second.is(Marks::ANCHOR) => second.ease(),

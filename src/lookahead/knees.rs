@@ -67,14 +67,14 @@ impl<const AXES: usize> Steps<AXES> {
     pub const NONE: Self = Self { up: [0.0; AXES], down: [0.0; AXES], any: false };
 
     /// The next knee shows together with none before it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn clear(&mut self) {
         self.any = false;
     }
 
     /// The speed at which a knee may be passed beside those before it; alone it may be passed with `v` mm/tick,
     /// whatever the override.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn beside(
         &mut self,
         between: &mut Between<'_, AXES>,

@@ -48,7 +48,7 @@ impl Span {
     /// No block.
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
@@ -215,7 +215,7 @@ impl Law {
 
 /// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too
 /// short even for a standstill. `kept`: the speed at its start may have been planned for another end speed.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
@@ -269,7 +269,7 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
 ///
 /// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's
 /// LSB in `f32`.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);
     if low.to_bits() >= cap {
@@ -279,7 +279,7 @@ pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
 }
 
 /// Change of speed from `low` on, rounded down by 2^-21.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
     speed_bits(ramp.reach(speed_f32(low.to_bits()), length))
 }

@@ -56,7 +56,7 @@ impl Slowest {
     pub const NONE: Self = Self { least: f32::MAX, blocks: 0, now: f32::MAX, before: f32::MAX };
 
     /// Takes in a block with the speed `v`, planned for a level.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
         if override_range.is_reduced() || self.least < f32::MAX {
             self.count(override_range, v, level, depth);
@@ -159,13 +159,13 @@ impl Pace {
     }
 
     /// All that was planned for `level` runs as planned.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_full(&self, level: f32) -> bool {
         self.over == level && self.free && (level >= 1.0 || self.mode == 1)
     }
 
     /// The span runs as planned.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_planned(&self, span: &ReleasedSpan) -> bool {
         self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
             || (self.cap < f32::MAX && self.is_planned_below(span))

@@ -234,7 +234,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// The blocks from the one `at` behind the front to before the one `end` behind it; no block is gone through
     /// to get there.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn blocks_from(&self, at: usize, end: usize) -> impl Iterator<Item = &Block> {
         let (front, back) = self.blocks.as_slices();
         let [front, back] = [(front, 0), (back, front.len())].map(|(slice, before)| {

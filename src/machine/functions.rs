@@ -13,6 +13,9 @@
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have numbers, subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
+//!
+//! The feature `fast` is none of them: without it what the planner calls is called and not copied, and the sine has
+//! a smaller table. Programs are accepted and refused as with it, and have the same bits.
 
 /// A function that may be left out of a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

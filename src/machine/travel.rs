@@ -57,7 +57,7 @@ impl<const AXES: usize> Travel<AXES> {
     }
 
     /// Whether there is a limit at all.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_limited(&self) -> bool {
         self.is_limited
     }
@@ -66,7 +66,7 @@ impl<const AXES: usize> Travel<AXES> {
     ///
     /// # Errors
     /// The first axis that would leave its limits.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn line(&self, from: &[Position; AXES], to: &[Position; AXES]) -> Result<(), Beyond> {
         if self.is_limited { self.way(from, to) } else { Ok(()) }
     }

@@ -5,20 +5,20 @@ const TWO_32: f32 = 4_294_967_296.0;
 
 /// `x` as `f32`, relative error at most 2^-23: each half is rounded, then their sum. Mirrored input gives
 /// mirrored output.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn to_f32(x: i64) -> f32 {
     let size = size_f32(x.unsigned_abs());
     if x < 0 { -size } else { size }
 }
 
 /// `x` as `f32`, relative error at most 2^-23.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn size_f32(x: u64) -> f32 {
     (x >> 32) as u32 as f32 * TWO_32 + x as u32 as f32
 }
 
 /// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31; saturates above, 0 below 0.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     // Both factors are powers of two: the products are exact, and so is the difference.
     let upper = x * const { (1u64 << (SCALE - 32)) as f32 };
@@ -31,7 +31,7 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
 }
 
 /// The integer part of `x`, exact, toward zero; magnitudes from 2^63 on become one below it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn to_i64(x: f32) -> i64 {
     // A power of two, and a difference: both exact wherever they count.
     let upper = magnitude(x) * (1.0 / TWO_32);
@@ -43,19 +43,19 @@ pub fn to_i64(x: f32) -> i64 {
 
 /// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is
 /// lowered comes second: it then stays in its register.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger one; no operand is NaN.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// Without its sign.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn magnitude(x: f32) -> f32 {
     x.abs()
 }

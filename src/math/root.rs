@@ -71,7 +71,7 @@ pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
 
 /// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next
 /// one fits too.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 const fn settle(root: u64, above: bool, below: bool) -> u64 {
     if above {
         root.wrapping_sub(1)
@@ -106,7 +106,7 @@ pub fn sqrt_u64(x: u64) -> u32 {
 ///
 /// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding
 /// only.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn sqrt_f32(x: f32) -> f32 {
     // Neither 0, subnormal, infinite nor negative.
     const NORMAL: core::ops::Range<u32> = f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits();
@@ -118,7 +118,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
 }
 
 /// The root of a normal number above 0.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn heron(x: f32) -> f32 {
     let mut s = f32::from_bits((x.to_bits() + 0x3f80_0000) >> 1);
     s = 0.5 * (s + x / s);
@@ -166,7 +166,7 @@ pub fn cbrt_f32(x: f32) -> f32 {
 }
 
 /// ³√x for x > 0 by a third of the exponent, relative error ≤ 4 %: where an iteration starts.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn cbrt_guess(x: f32) -> f32 {
     // Exponent bias: 127·(1 − 1/3) in units of the mantissa's last bit, lowered to balance the error.
     f32::from_bits((x.to_bits() / 3).wrapping_add(0x2a51_4067))

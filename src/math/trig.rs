@@ -13,18 +13,50 @@ use super::angle::sin_cos_fine;
 /// Table points per revolution.
 const POINTS: usize = 1024;
 
-/// Sine with 62 fraction bits at multiples of 1/1024 revolution, one quarter more than a revolution: the
-/// cosine is the sine a quarter further. 10 kB.
-static SINE: [i64; POINTS + POINTS / 4] = table();
+/// A quarter of a revolution.
+const QUARTER: usize = POINTS / 4;
 
-const fn table() -> [i64; POINTS + POINTS / 4] {
-    let mut sine = [0; POINTS + POINTS / 4];
+/// Points in the table: with the feature `fast` those of one quarter more than a revolution, 10 kB; without it those
+/// of a quarter and its end, 2 kB.
+const TABLE: usize = if cfg!(feature = "fast") { POINTS + QUARTER } else { QUARTER + 1 };
+
+/// Sine with 62 fraction bits at multiples of 1/1024 revolution. The cosine is the sine a quarter further.
+static SINE: [i64; TABLE] = table();
+
+const fn table() -> [i64; TABLE] {
+    let mut sine = [0; TABLE];
     let mut i = 0;
-    while i < sine.len() {
+    while i < TABLE {
         sine[i] = sin_cos_fine((i as u64) << 54).0;
         i += 1;
     }
     sine
+}
+
+/// Sine and cosine at the multiple of 1/1024 revolution at or below an angle in 2^-32 revolutions.
+#[cfg(feature = "fast")]
+#[inline(always)]
+fn at_point(turns: u32) -> (i64, i64) {
+    let point = (turns >> 22) as usize;
+    (SINE[point], SINE[point + QUARTER])
+}
+
+/// The same bits from a quarter alone: what is mirrored is mirrored exactly, and the sine and the cosine of an eighth
+/// of a revolution are equal.
+#[cfg(not(feature = "fast"))]
+#[inline(always)]
+fn at_point(turns: u32) -> (i64, i64) {
+    let up = (turns >> 22) as usize & (QUARTER - 1);
+    let down = QUARTER - up;
+    // Every second quarter goes down.
+    let (sine, cosine) = if turns & 1 << 30 == 0 { (up, down) } else { (down, up) };
+    // The sine is negative in the second half of a revolution, the cosine a quarter earlier. All bits of the sign are
+    // that of the number.
+    let mirrored = |x: i64, turns: u32| {
+        let sign = i64::from(turns as i32 >> 31);
+        (x ^ sign).wrapping_sub(sign)
+    };
+    (mirrored(SINE[sine], turns), mirrored(SINE[cosine], turns.wrapping_add(1 << 30)))
 }
 
 /// 2ρ·2^64: from a rest in units of ρ·2^-63 to 64 fraction bits of a radian.
@@ -55,7 +87,8 @@ const fn split(v: i64) -> (i32, i32) {
 /// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but
 /// for the exact midpoints between two table points, where the sides differ by up to 2^-47.6.
 ///
-/// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined.
+/// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined. Without the feature `fast`
+/// 20 more.
 ///
 /// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49
 /// fraction bits, S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself
@@ -64,7 +97,6 @@ const fn split(v: i64) -> (i32, i32) {
 pub fn sin_cos(turns: u64) -> (i64, i64) {
     // Nearest table point, and the rest in units of ρ·2^-63.
     let shifted = turns.wrapping_add(1 << 53);
-    let point = (shifted >> 54) as usize;
     let rest = ((shifted << 10) ^ (1 << 63)) as i64;
 
     // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles
@@ -86,8 +118,7 @@ pub fn sin_cos(turns: u64) -> (i64, i64) {
 
     let (wh, wl) = split(sin_r);
     let (vh, vl) = split(cos_r);
-    let s = SINE[point & (POINTS - 1)];
-    let c = SINE[(point & (POINTS - 1)) + POINTS / 4];
+    let (s, c) = at_point((shifted >> 32) as u32);
     let (sh, sl) = split(s);
     let (ch, cl) = split(c);
     let sin_low = high(ch, wl) + high(cl, wh) + high(sh, vl);

@@ -91,7 +91,7 @@ const WORD: u32 = 16;
 
 impl<const AXES: usize> Words<AXES> {
     /// No word yet.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     const fn new() -> Self {
         Self {
             axes: [None; AXES],

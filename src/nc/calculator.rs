@@ -139,7 +139,7 @@ impl Calculator {
     }
 
     /// Whether the expression that begins at `start` was laid aside.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn has_aside(&self, start: usize) -> bool {
         self.aside_start.get() == start
     }

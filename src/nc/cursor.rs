@@ -95,7 +95,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The same for where it has to be quick.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn mark_at_once(&mut self) -> usize {
         self.skip_blanks();
         self.at
@@ -245,7 +245,7 @@ impl<'a> Cursor<'a> {
 
     /// One to nine digits with at most one point among them, and neither E nor another point behind them.
     /// `None`, and not one step further, if it is anything else.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_decimal(&mut self) -> Option<Plain> {
         let rest = self.bytes.get(self.at..)?;
         let mut mantissa = 0;
@@ -264,7 +264,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// One to nine digits without a point behind them.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_whole(&mut self) -> Option<u32> {
         let rest = self.bytes.get(self.at..)?;
         let mut number = 0;

@@ -47,7 +47,7 @@ impl Plain {
     }
 
     /// The bits of [`Number::fixed`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn bits(self, factor: Factor) -> Option<i64> {
         let Self { mantissa, scale } = self;
         if factor == Factor::ONE {

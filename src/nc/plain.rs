@@ -54,7 +54,7 @@ impl Letters {
 impl<const AXES: usize> Interpreter<AXES> {
     /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none. `rest` is what
     /// rounding leaves.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn plain_coordinate(
         &self,
         c: &mut Cursor<'_>,

@@ -118,7 +118,7 @@ pub fn arc<const AXES: usize>(
 }
 
 /// What the axes outside the plane travel.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn outside<const AXES: usize>(travel: &[i64; AXES], plane: [usize; 2]) -> [i64; AXES] {
     let mut outside = *travel;
     for k in plane {
@@ -141,7 +141,7 @@ struct Ends {
 }
 
 /// Start and end of an arc in its plane about `centre`, LSB 2^-44 mm, and what every axis travels.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn points<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],
@@ -173,7 +173,7 @@ fn points<const AXES: usize>(
 }
 
 /// How far both are from the centre, LSB 2^-44 mm.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn lengths(points: [[i64; 2]; 2]) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
     if len0 == 0 || len1 == 0 {
@@ -187,7 +187,7 @@ fn lengths(points: [[i64; 2]; 2]) -> Result<[i64; 2], PathError> {
 }
 
 impl Ends {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn new(points: [[i64; 2]; 2], lengths: [i64; 2]) -> Self {
         let [[p0, q0], [p1, q1]] = points;
         let far = |from: i64, to: i64| (to - from).abs() > SAME_POINT << FINER;
@@ -197,7 +197,7 @@ impl Ends {
     }
 
     /// Angle travelled, LSB 2^-60 revolutions.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn swept(&self, clockwise: bool) -> i64 {
         let turned = self.radii[0].angle_to(&self.radii[1]);
         let turned = if clockwise { turned.wrapping_neg() } else { turned };
@@ -206,7 +206,7 @@ impl Ends {
 
     /// The arc's part of a shape whose length is known. `sweep`: angle, LSB 2^-60 revolutions, positive
     /// counter-clockwise.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn circle<const AXES: usize>(
         &self,
         axes: [usize; 2],
@@ -242,7 +242,7 @@ impl Ends {
 
 /// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by
 /// what the axes `outside` its plane travel, if there are any.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn travelled<const AXES: usize>(
     along: i64,
     difference: i64,
@@ -266,7 +266,7 @@ fn travelled<const AXES: usize>(
     i64::try_from(sqrt_wide(square.0, square.1)).unwrap_or(i64::MAX - 1)
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
     Halves::of(length << (shift & 63)).times(reciprocal)
 }
@@ -281,7 +281,7 @@ struct Radius {
 
 impl Radius {
     /// From the vector and its length, which is above 0 and below 2^62.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn new(vector: [i64; 2], length: i64) -> Self {
         let shift = (length.leading_zeros().saturating_sub(2)) & 63;
         let reciprocal = Halves::of(reciprocal_near((length as u64) << shift << 2) as i64);
@@ -291,7 +291,7 @@ impl Radius {
 
     /// The angle from this one to the other one counter-clockwise, 2^-64 revolutions, off by 2^-58
     /// revolutions at most.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn angle_to(&self, other: &Self) -> u64 {
         let ([p0, q0], [p1, q1]) = (self.direction, other.direction);
         atan2_turns(p0.turn(q1, q0.negated(), p1), p0.turn(p1, q0, q1))
@@ -299,14 +299,14 @@ impl Radius {
 }
 
 /// Length of a vector in the plane, each part of it within ±2^62; rounded down.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn plane_hypot([p, q]: [i64; 2]) -> i64 {
     let (high, low) = with_square(square_wide(p.unsigned_abs()), q);
     sqrt_wide(high, low) as i64
 }
 
 /// A sum of squares and one more.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
     let (more, lower) = square_wide(x.unsigned_abs());
     let (low, carry) = low.overflowing_add(lower);

@@ -43,7 +43,7 @@ pub(crate) fn straight_line<const AXES: usize>(
 ///
 /// # Errors
 /// [`PathError::TooLong`].
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub(crate) fn straight<const AXES: usize>(
     start: &[Position; AXES],
     target: &[Position; AXES],
@@ -84,7 +84,7 @@ impl<const AXES: usize> Straight<AXES> {
     }
 
     /// Its curve, and both its ends: what only curves have is not even copied.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
         let shape = Shape { length, gain, curve: Curve::Line, shift };
@@ -134,13 +134,13 @@ impl<const AXES: usize> Shape<AXES> {
     /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel
     /// per `w` at the end, by one reciprocal for all axes. At the end the product is off by less than twenty
     /// of its LSB; the guard bits hide that.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         self.set_gains_by(travel, self.reciprocal());
     }
 
     /// Makes the linear part of what every axis travels, by the [`Self::reciprocal`] of the length.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
             // Without a branch, which would keep the halves of the reciprocal apart.

@@ -35,7 +35,7 @@ impl Main {
     }
 
     /// The first, second or third of them, counted from 0, if there is one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn get(&self, i: usize) -> Option<usize> {
         self.0.get(i).filter(|k| **k != Self::NONE).map(|k| usize::from(*k))
     }
@@ -46,19 +46,19 @@ impl Main {
     }
 
     /// Those that there are in vectors of so many axes.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn of<const AXES: usize>(&self) -> impl Iterator<Item = usize> {
         self.0.into_iter().map(usize::from).filter(|k| *k < AXES)
     }
 
     /// Whether this axis is one of them.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn contains(&self, axis: usize) -> bool {
         self.0.iter().any(|k| usize::from(*k) == axis)
     }
 
     /// Whether they are the first three axes in their order.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn lead(&self) -> bool {
         self.0 == [0, 1, 2]
     }
@@ -114,7 +114,7 @@ impl Measure {
     }
 
     /// Whether the main axes are the feed axes.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_space(&self) -> bool {
         self.feed.is_none()
     }
@@ -140,7 +140,7 @@ impl Measure {
 
     /// What axes that travel so far (LSB of a position) make of path, LSB 2^-44 mm: along the feed axes,
     /// where none of them moves along the main axes.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn travelled<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
         if self.feed.is_some() {
             let along = self.fed(travel);

@@ -61,7 +61,7 @@ impl<const AXES: usize> Stretch<AXES> {
     };
 
     /// Becomes a block alone.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn begin(&mut self, start: &[Position; AXES], line: &Straight<AXES>) {
         (self.start, self.line, self.alone) = (*start, *line, true);
     }
@@ -72,7 +72,7 @@ impl<const AXES: usize> Stretch<AXES> {
     }
 
     /// Whether the block `next` could be part of it: only then [`Self::with`] is worth its work.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
         // `next` goes from the end of this one to that of the line of both, whose tangent is within
         // tolerance/s of the one here: over a length l of its own it may be off by the tolerance, over s
@@ -93,7 +93,7 @@ impl<const AXES: usize> Stretch<AXES> {
 
     /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or
     /// begin anew. Only if it [`Self::goes_on`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, measure).ok()??;
         if line.length <= self.line.length || line.length.to_bits() > LONGEST {
@@ -116,19 +116,19 @@ impl<const AXES: usize> Stretch<AXES> {
     }
 
     /// Stands for all blocks.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn become_line(&mut self, line: &Straight<AXES>) {
         self.line = *line;
     }
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn millimetres(length: Distance) -> f32 {
     to_f32(length.to_bits()) * LSB_44
 }
 
 /// 1 + |t| of a tangent.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn wide(tangent: i64) -> f32 {
     1.0 + to_f32(tangent.wrapping_abs()) * (1.0 / (1u64 << 40) as f32)
 }

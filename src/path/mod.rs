@@ -108,7 +108,7 @@ impl<const AXES: usize> Element<AXES> {
         Self { shape: Shape::BLANK, entry: End::BLANK, exit: End::BLANK, circle: None, bounds: None };
 
     /// What the look-ahead takes of it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
         let timed = bounds.as_ref().is_some_and(Bounds::is_timed);
@@ -260,7 +260,7 @@ impl<const AXES: usize> Shape<AXES> {
     }
 
     /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn assign(&mut self, other: &Self) {
         if other.is_line() {
             (self.length, self.gain, self.curve, self.shift) =
@@ -334,12 +334,17 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it, as a call: not for the
-    /// tick.
+    /// What [`Self::at`] gives, as a call: not for the tick.
+    #[inline(never)]
+    pub fn put(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        self.at(distance, base, out);
+    }
+
+    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it: not for the tick.
     #[inline(never)]
     pub fn point(&self, distance: i64, start: &[Position; AXES]) -> [Position; AXES] {
         let mut point = *start;
-        self.at(distance, &self.base(start), &mut point);
+        self.put(distance, &self.base(start), &mut point);
         point
     }
 
@@ -363,10 +368,10 @@ impl<const AXES: usize> Shape<AXES> {
 
     /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w`
     /// apart.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {
-            return self.at(self.length.to_bits(), base, out);
+            return self.put(self.length.to_bits(), base, out);
         }
         let w = self.end_w();
         for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
@@ -403,7 +408,7 @@ fn add(base: Position, offset: i64) -> Position {
 
 /// Square root of the sum of squares of what axes travel (LSB of a position, below 2^50), as a distance,
 /// rounded down.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);
     for x in travel.into_iter().filter(|x| *x != 0) {
@@ -420,7 +425,7 @@ fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
 const FINER: u32 = 12;
 
 /// All bits of what the axes travel: at least the largest, below twice of it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
     travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
 }
@@ -429,7 +434,7 @@ fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
 /// travels. Where that is nothing, the length is that of all axes together. Where an axis moves more than
 /// 1024 degrees or millimetres per millimetre of path, a 1024th of its travel counts, so that a distance
 /// still resolves it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
     let length = if along == 0 {
         travelled(travel.iter().copied())

@@ -92,7 +92,7 @@ impl<const AXES: usize> Bounds<AXES> {
     }
 
     /// Those of an axis over 0..1; `per`: 1 mm of path.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
         *self.first.get_mut(k)? = first * per;
         *self.second.get_mut(k)? = second * per * per;
@@ -146,7 +146,7 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
 }
 
 /// The same of a cubic, to the last bit.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     let up = |c: i32| i64::from(c) << 32;
     let p = (mul_near(w, up(c3)) << 2).wrapping_add(up(c2));
@@ -164,7 +164,7 @@ fn exponent(x: f32) -> i32 {
 }
 
 /// x·2^n as an integer, for magnitudes of `x`·2^(n − 32) below 2^31.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn fixed(x: f32, n: i32) -> i64 {
     let upper = magnitude(x) * power_of_two(n - 32);
     let whole = upper as u32;
@@ -175,7 +175,7 @@ fn fixed(x: f32, n: i32) -> i64 {
 const TWO_32: f32 = 4_294_967_296.0;
 
 /// x·2^-n, rounded to nearest, for n in 1..64. The words of 64 bits are shifted by what all have in common.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
     let (n, high) = ((n - 1) & 31, n > 32);
     x.map(|x| {
@@ -188,7 +188,7 @@ fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
 }
 
 /// x·2^n, for n in 0..64, likewise.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
     for x in &mut x {
@@ -201,7 +201,7 @@ fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
 }
 
 /// x·2^-n, rounded down, for n in 0..64, likewise.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
     for x in &mut x {
@@ -336,14 +336,14 @@ impl<const AXES: usize> Draft<AXES> {
 }
 
 /// A path length in mm as an element has it. `None` where the formats cannot hold it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn distance(length: f32) -> Option<Distance> {
     let bits = to_bits::<44>(length);
     (bits > 0 && bits < LONGEST).then(|| Distance::from_bits(bits))
 }
 
 /// How far an axis goes. `None` where the formats cannot hold it.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn travel(from: Position, to: Position) -> Option<i64> {
     const MOST: i64 = LONGEST >> FINER;
     let upper = |x: Position| (x.to_bits() >> 32) as i32;
@@ -354,14 +354,14 @@ fn travel(from: Position, to: Position) -> Option<i64> {
 }
 
 /// Whether an axis is at rest: all of it is zero.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn rests(travel: i64, [t0, t1]: [i64; 2], [k0, k1]: [f32; 2]) -> bool {
     travel | t0 | t1 == 0 && k0 == 0.0 && k1 == 0.0
 }
 
 impl<const AXES: usize> Shape<AXES> {
     /// Gets that length, mm.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn measure(&mut self, length: f32) -> Option<()> {
         self.length = distance(length)?;
         self.shift = Self::shift_of(self.length);
@@ -369,7 +369,7 @@ impl<const AXES: usize> Shape<AXES> {
     }
 
     /// Becomes a polynomial of that length (mm) whose axes are to be made: until then they are anything.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn uncurve(&mut self, length: f32) -> Option<()> {
         self.measure(length)?;
         if !matches!(self.curve, Curve::Poly { .. }) {
@@ -405,21 +405,21 @@ impl Scale {
     }
 
     /// Slopes of an axis at both ends, mm.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn slopes(&self, tangents: [i64; 2]) -> [f32; 2] {
         let [t0, t1] = tangents;
         [to_f32(t0) * LSB_40 * self.length, to_f32(t1) * LSB_40 * self.length]
     }
 
     /// Places of the point for an axis whose numbers are no larger than that, mm: what it has, in 64 bits.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn point(&self, travel: i64, most: f32) -> Option<i32> {
         let above = exponent(max(max(magnitude(to_f32(travel) * LSB_32), most), LEAST));
         if above > MOST { None } else { Some(ROOM - above) }
     }
 
     /// Travel and slopes with so many places.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn placed(&self, travel: i64, tangents: [i64; 2], point: i32) -> (i64, [i64; 2]) {
         // Tangents to the full width: with it a product is 2^(40 − 64) of what their LSB says.
         let [t0, t1] = tangents;
@@ -465,7 +465,7 @@ impl Scale {
     }
 
     /// Coefficients over 0..1 with so many places become those over τ.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn scaled<const N: usize>(&self, a: [i64; N], point: i32) -> Option<Scaled<N>> {
         let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
         if zeros == 64 {

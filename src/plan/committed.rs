@@ -149,19 +149,19 @@ impl CommittedSpans {
     }
 
     /// The one `k` behind the front.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn get(&self, k: usize) -> Option<&CommittedSpan> {
         if k < self.len { self.slots.get(behind(self.front, k)) } else { None }
     }
 
     /// The one `k` behind the front, to change it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn get_mut(&mut self, k: usize) -> Option<&mut CommittedSpan> {
         if k < self.len { self.slots.get_mut(behind(self.front, k)) } else { None }
     }
 
     /// The slot behind the last one, for the next one; it counts after [`Self::push`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
         if self.len == SLOTS { None } else { self.slots.get_mut(behind(self.front, self.len)) }
     }

@@ -115,7 +115,7 @@ struct Row {
 }
 
 impl Stretch {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn new(span: &ReleasedSpan, v_in: Speed, end: i64, fall: Option<&Fall>) -> Self {
         let mut limits = Limits { a_down: span.a_down, ..span.limits };
         if let Some(fall) = fall {

@@ -61,7 +61,7 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Holds a line back; what was held back before goes on.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn hold_line(&mut self, line: &Straight<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
         let held = &mut self.intake.held;
@@ -93,7 +93,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The line held back becomes one with this one behind it; `false` if it does not.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_held(
         &mut self,
         line: &Straight<AXES>,
@@ -130,7 +130,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// What is held back goes into the look-ahead, which has room.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn let_go(&mut self) {
         if self.intake.held.is_held {
             self.pass_on();

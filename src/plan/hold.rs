@@ -109,7 +109,7 @@ enum Fit {
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn attend(&mut self) -> Option<Work> {
         let word = self.queue.control.word();
         let is_changed = word != self.orders.word || self.reserve.pending.is_some();
@@ -669,7 +669,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.motion_at(self.frontier.end).map_or(self.handed.to_bits(), |motion| motion.distance);
         if let Some(segment) = self.queue.segments.recent(number) {
             let along = stands.wrapping_sub(self.queue.segments.start(number));
-            segment.shape.at(along, &segment.base, &mut self.intake.entered);
+            segment.shape.put(along, &segment.base, &mut self.intake.entered);
             // At the end of all that was handed on, no block of the look-ahead has begun.
             if along > 0 || number != self.queue.segments.handed() {
                 self.report.begun = segment.block.wrapping_add(1);

@@ -122,7 +122,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     }
 
     /// Puts an element into queue and look-ahead, inline: of a line only what lines have is made.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_here(
         &mut self,
         element: &Piece<'_, AXES>,
@@ -244,7 +244,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// The centre of an arc.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn centre(
         &self,
         motion: &Motion<AXES>,
@@ -285,7 +285,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Ok(self.stays(motion, element, &centre)?);
         }
         self.intake.travel.line(from, to)?;
-        path::straight(from, to, &self.measure)?;
+        path::straight_line(from, to, &self.measure)?;
         Ok(())
     }
 
@@ -396,13 +396,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// A block of that length does not take too long at the speed `v`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
         if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
         // A block without motion needs no feed: it does not come here.
         if feed.is_some_and(|feed| feed <= 0.0) {
@@ -412,7 +412,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// A block as the smoother takes it, but for its element: as an argument that would be copied.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn programmed(&self, form: Form, motion: &Motion<AXES>, feed: Option<f32>) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
@@ -475,7 +475,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// The way into the look-ahead, and what is held back before it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         let super::Intake { entered, held, .. } = intake;

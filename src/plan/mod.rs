@@ -309,7 +309,7 @@ const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// At rest at `start`, in `memory`: nothing that was in it counts.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
         machine: &'a MachineData<AXES>,
@@ -446,7 +446,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Where a law that ends in a standstill is handed out, what follows begins at a tick, and the end itself
     /// is in reserve.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn end_law(&mut self) {
         if self.frontier.stops && self.frontier.emitter.is_done() {
             self.frontier.emitter.settle();
@@ -663,7 +663,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let segment = self.queue.segments.recent(curve)?;
         let distance = (i128::from(segment.shape.length.to_bits()) * i128::from(part)) >> 16;
         let mut point = segment.base;
-        segment.shape.at(distance as i64, &segment.base, &mut point);
+        segment.shape.put(distance as i64, &segment.base, &mut point);
         Some((segment.block, point))
     }
 

@@ -182,7 +182,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to
     /// which the interrupt will come within that time, or within half of what is in the queue.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         let now = self.queue.clock.now();
         let within = (self.frontier.end.wrapping_sub(now) / 2).min(within);
@@ -192,7 +192,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Nothing to do now: time for that.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn wait_a_while(&mut self) -> Work {
         let now = self.queue.clock.now();
         let since = now.wrapping_sub(self.reserve.waited).min(1 << 28);
@@ -226,7 +226,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Something is in the queue behind that standstill, and shows it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn pass_end(&mut self) {
         if self.reserve.shows_end() && self.reserve.pending.is_none() {
             self.drop_reserve();

@@ -72,7 +72,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The laws being handed out are still about to reach the speed from which there may be a way.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn comes_down(&self) -> bool {
         let cap = self.orders.pace.cap();
         cap < f32::MAX && speed_f32(self.frontier.speed.to_bits()) > cap * CLOSE && self.has_room()
@@ -100,7 +100,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The way is complete: where it left much room, the motion may be faster.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn rise(&mut self) {
         if self.orders.pace.cap() < f32::MAX {
             self.rise_a_step();

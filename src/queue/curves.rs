@@ -248,20 +248,20 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     }
 
     /// Whether there is no room for another curve.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_full(&self) -> bool {
         self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
     /// over.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
         self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
     /// Whether there are more than the queue takes: the last span handed on had several.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
     }
@@ -324,7 +324,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
 
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
     /// `false` if there is no room.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(Place(slot)) = self.slots.get(self.slot) else { return false };
         if self.is_full() {
@@ -356,7 +356,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     }
 
     /// That many more curves are handed on.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
         self.handed = self.handed.wrapping_add(curves);
         if self.long {
@@ -439,7 +439,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     }
 
     /// Curves the interrupt has left since the split.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn taken(&self) -> u32 {
         self.taken.load(Ordering::Acquire)
     }
@@ -455,13 +455,13 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     }
 
     /// Whether it finds its way as far as that, with no further word of the planner.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_known(&self, distance: Distance) -> bool {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
     /// The curve that was put in as the one with this number, if it is one of the last.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn recent(&self, number: u32) -> Option<&Segment<AXES>> {
         let back = self.count.wrapping_sub(number) as usize;
         let len = self.slots.len();

@@ -126,19 +126,19 @@ impl Emitter {
     }
 
     /// Whether the block is handed out.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_done(&self) -> bool {
         self.part >= self.count
     }
 
     /// Goes on to the part in which the next tick falls; `false` when the block is handed out.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn has_piece(&mut self) -> bool {
         self.at_hand().is_some()
     }
 
     /// The part at hand, with what else a piece needs.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
         let Self { parts, part: number, count, next, per_time, .. } = self;
         for part in parts.get(*number..*count)? {
@@ -204,7 +204,7 @@ struct Slots<'a>(IterMut<'a, Part>);
 
 impl Slots<'_> {
     /// The three parts of a change of speed, from path distance `from` on; gives their end.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
         let kinds = match change.form {
@@ -223,7 +223,7 @@ impl Slots<'_> {
         at
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn add(&mut self, part: Part) {
         if part.time > 0
             && let Some(slot) = self.0.next()
@@ -239,7 +239,7 @@ impl Slots<'_> {
 
 impl Part {
     /// The piece that begins at the time `next`, which goes on behind it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn cut(&self, per_time: &mut PerTime, next: &mut u64, phase: &mut Phase) {
         let delta = self.v1 - self.v0;
         if delta != 0 && (per_time.time, per_time.delta) != (self.time, delta) {
@@ -277,7 +277,7 @@ impl Part {
     }
 
     /// State at time `t` in a part at constant speed; how long the piece lasts is left open.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn cruise(&self, t: u64) -> Phase {
         Phase {
             distance: Distance::from_bits(self.from.wrapping_add(area(self.v0, t))),
@@ -393,7 +393,7 @@ impl Part {
 }
 
 /// Speed times a time below one tick, as [`area`].
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn area_in_tick(v: i64, t32: u32, rest: u32) -> i64 {
     // LSB 2^-58, then by the lower four bits, good to 2^-62 mm.
     let upper = mul_u32(v, t32, 32);

@@ -21,7 +21,7 @@ pub mod emit;
 use crate::math::wide::mul_shift;
 
 /// Speed times time: 2^-58 · 2^-36 to 2^-44.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn area(v: i64, t: u64) -> i64 {
     mul_shift(v, t as i64, 50)
 }

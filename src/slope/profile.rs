@@ -72,7 +72,7 @@ const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const LONGEST: u64 = 1 << 63;
 
 /// How far `high` is above `low`.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn gap_f32(low: i64, high: i64) -> f32 {
     size_f32((high - low) as u64) * SPEED_LSB
 }
@@ -88,19 +88,19 @@ fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
 impl Change {
     /// Becomes the change from `low` to `high` along a ramp, which begins at `low`. Rounded so that no
     /// acceleration and no jerk is raised.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn speed_up(&mut self, ramp: &Ramp, low: i64, high: i64) {
         self.plan(ramp, [low, high], low, high, |times| times);
     }
 
     /// Becomes the change from `high` to `low`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn slow_down(&mut self, ramp: &Ramp, high: i64, low: i64) {
         self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
     }
 
     /// `ordered`: the times from `v0` to `v1` by those from `low` to `high`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn plan(
         &mut self,
         ramp: &Ramp,
@@ -131,7 +131,7 @@ impl Change {
 
     /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from
     /// equal peak accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
         let shape = match form {
@@ -254,7 +254,7 @@ impl Profile {
     /// # Errors
     /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules
     /// out; [`Unplannable::TooSlow`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn plan(
         &mut self,
         length: Distance,
@@ -339,7 +339,7 @@ impl Profile {
 
 /// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length
 /// allows.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {
         (Ramp::JerkLimited(up), Ramp::JerkLimited(down)) => highest(up, down, speeds, length, v_limit),
@@ -353,7 +353,7 @@ pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit
 ///
 /// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket
 /// that halves where a step leaves it; the first guess is exact from rest to rest.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
     if limit <= 0 {
@@ -450,14 +450,14 @@ struct Sides {
 }
 
 impl Guess for JerkLimited {
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         Self::distance(self, low, dv)
     }
 
     /// Without a plateau: with k² = x/full of the one slope and (r·k)² of the other, both together take c1·k
     /// + c3·k³. Exact from rest to rest, a good guess elsewhere.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
         let ratio = up.full / down.full;
         let ratio = if ratio == 1.0 { 1.0 } else { sqrt_f32(ratio) };
@@ -470,7 +470,7 @@ impl Guess for JerkLimited {
 
     /// If the slope from `low` reaches no plateau and the other one, already long, grows evenly: with k² =
     /// x/full the two take c1·k + c2·k² + c3·k³ more.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn beside([up, down, near]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
         let Sides { gap, slope, lengths: [length, left] } = *sides;
         // A peak far above both speeds hardly knows that they differ.

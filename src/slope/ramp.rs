@@ -89,7 +89,7 @@ impl Ramp {
     }
 
     /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
             Self::JerkLimited(ramp) => ramp.reach(low, length),
@@ -199,7 +199,7 @@ impl JerkLimited {
     }
 
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         let linear = low * (self.rise + self.fall);
         if dv >= self.full {
@@ -249,7 +249,7 @@ impl JerkLimited {
     ///
     /// Below `full` it is the root k of cubic·k³ + low·(rise + fall)·k = length: increasing and convex, so
     /// that Newton's method from an upper bound falls onto it.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn reach(&self, low: f32, length: f32) -> f32 {
         let linear = low * (self.rise + self.fall);
         let rest = length - (linear + self.cubic);

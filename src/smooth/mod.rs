@@ -257,6 +257,8 @@ pub struct Smoothing<const AXES: usize> {
 
 impl<const AXES: usize> Smoothing<AXES> {
     /// Contour mode, off; `auto_contour_mode`: P-CHAN-00239.
+    // In place, in every build: as a result it would be on the stack twice.
+    #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         let contouring = Contouring::new(measure, preset);
         let check_jerk = preset.check_jerk;
@@ -602,12 +604,12 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
         at_work!(self, kind => kind.remark())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_idle(&self) -> bool {
         self.wanted.is_none() && at_work!(ref self, kind => kind.is_idle())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
         at_work!(ref self, kind => kind.is_empty())
     }

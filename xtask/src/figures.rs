@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 40] = [
+pub(crate) const LIMITS: [(&str, u64); 43] = [
     ("total.block_mean_plain_3_axes", 7500),
     ("total.block_mean_3_axes", 12_000),
     ("case.surface.block_mean", 20_000),
@@ -35,10 +35,13 @@ pub(crate) const LIMITS: [(&str, u64); 40] = [
     ("total.block_mean_hsc", 8000),
     ("case.plain.decode_mean", 2500),
     ("case.cam.decode_mean", 2500),
-    ("flash.reference", 481 * 1024),
-    ("slim.flash", 279 * 1024),
+    ("flash.reference", 479 * 1024),
+    ("slim.flash", 244 * 1024),
     ("slim.ram_total_3x30", 49_152),
     ("slim.ram_total_3x120", 67_584),
+    ("slim.stack_bound_start", 5632),
+    ("slim.stack_bound_poll", 4608),
+    ("slim.stack_bound_interrupt", 1024),
     ("stack.bound_tick_3_axes", 1024),
     ("stack.bound_tick_6_axes", 1024),
     ("stack.bound_interrupt_3_axes", 1024),
@@ -59,13 +62,12 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 9] = [
+pub(crate) const GOALS: [(&str, u64); 8] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
     ("case.short_arcs.block_mean", 8000),
     ("ram.bytes_per_block_3_axes", 160),
     ("flash.reference", 256 * 1024),
-    ("slim.flash", 256 * 1024),
     ("slim.ram_total_3x30", 30_720),
     ("slim.ram_total_3x120", 45_056),
     ("stack.bound_poll_6_axes", 4096),

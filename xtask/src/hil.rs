@@ -18,11 +18,15 @@ pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "de
 /// What counts instructions and bytes, besides.
 const COUNTED: [&str; 4] = ["counts", "nopanic", "beside", "commands"];
 
+/// Calls of `nopanic` whose stack is bounded, also in the build for few bytes.
+const NOPANIC_CALLS: [(&str, &str); 3] =
+    [("start", "7nopanic5start"), ("poll", "7nopanic4poll"), ("interrupt", "SysTick")];
+
 /// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its
 /// function.
 type Bounded = (u64, &'static str, &'static [(&'static str, &'static str)]);
 const BOUND: [Bounded; 3] = [
-    (3, "nopanic", &[("start", "7nopanic5start"), ("poll", "7nopanic4poll"), ("interrupt", "SysTick")]),
+    (3, "nopanic", &NOPANIC_CALLS),
     (3, "same", &[("tick", "9hil_cases3run4tick")]),
     (6, "same_six", &[("poll", "9hil_cases3run4poll"), ("tick", "9hil_cases3run4tick")]),
 ];
@@ -257,6 +261,11 @@ fn slim(firmware: &Firmware) -> Result<BTreeMap<String, u64>, String> {
     let file = small("nopanic");
     let nopanic = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
     figures.insert("slim.flash".into(), elf::flash(&nopanic).ok_or("nopanic: no load segments")?);
+    let calls = Calls::read(&nopanic).map_err(|e| format!("nopanic: {e}"))?;
+    for (call, function) in NOPANIC_CALLS {
+        let depth = calls.depth(function).map_err(|e| format!("nopanic: {e}"))?;
+        figures.insert(format!("slim.stack_bound_{call}"), depth.bytes.into());
+    }
     Ok(figures)
 }
 

@@ -226,7 +226,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// The curve of these halves; `given`: through a given point. Before it is handed out: [`Self::fit`]. Inline:
     /// it is made where it stays.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         measure: &Measure,
         spaces_per_path: [f32; 2],

@@ -29,7 +29,7 @@ pub fn size<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
 }
 
 /// The values, one per axis.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn each<const AXES: usize>(values: impl Iterator<Item = f32>) -> [f32; AXES] {
     let mut out = [0.0; AXES];
     for (x, value) in out.iter_mut().zip(values) {
@@ -326,7 +326,7 @@ impl<const AXES: usize> Quintic<AXES> {
     }
 
     /// Squares of the speed over the main axes at some places.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut sums = [0.0; N];
@@ -424,7 +424,7 @@ impl<const AXES: usize> Quintic<AXES> {
 
     /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
     /// half of the change of that.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
         let [mut square, mut along, mut slope, mut bend] = [0.0; 4];

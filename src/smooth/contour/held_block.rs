@@ -109,7 +109,7 @@ pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position;
 
 impl<const AXES: usize> HeldBlock<AXES> {
     /// As it was programmed, with no corner.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(block: &ProgrammedBlock<AXES>) -> Self {
         Self {
             block: *block,

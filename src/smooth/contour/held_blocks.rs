@@ -15,14 +15,14 @@ impl<const AXES: usize> HeldBlocks<AXES> {
     pub const NONE: Self = Self { places: [None; 3], first: 0 };
 
     /// The one held back.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn first(&self) -> Option<&HeldBlock<AXES>> {
         self.places.get(usize::from(self.first))?.as_ref()
     }
 
     /// The one held back, the one that waits behind it, and the one behind that; or the one that leaves,
     /// behind [`Self::leave`].
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub const fn all(&self) -> [&Option<HeldBlock<AXES>>; 3] {
         let [a, b, c] = &self.places;
         match self.first {
@@ -33,7 +33,7 @@ impl<const AXES: usize> HeldBlocks<AXES> {
     }
 
     /// The same, to be changed.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub const fn all_mut(&mut self) -> [&mut Option<HeldBlock<AXES>>; 3] {
         let [a, b, c] = &mut self.places;
         match self.first {

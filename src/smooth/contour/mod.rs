@@ -327,6 +327,8 @@ const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
     /// Off.
+    // In place, in every build: as a result it would be on the stack twice.
+    #[inline(always)]
     pub fn new(measure: Measure, preset: Preset) -> Self {
         let parameters = Parameters::new(preset);
         Self {
@@ -348,6 +350,8 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// With what was in force.
+    // In place, in every build: as a result it would be on the stack twice.
+    #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
         Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
@@ -712,7 +716,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         self.held().is_none() && !self.on && !self.once
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
         self.held().is_none() && self.bridge.is_none()

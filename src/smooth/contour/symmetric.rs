@@ -85,7 +85,7 @@ impl<const AXES: usize> Symmetric<AXES> {
     }
 
     /// The curve between two knots at the distance `c`.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn curve(&self, c: f32, from: &Knot<AXES>, to: &Knot<AXES>) -> Halves<AXES> {
         let mut middle = *from;
         let (v, per) = (c * self.speed, 0.5 / self.cosine);

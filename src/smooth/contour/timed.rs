@@ -245,7 +245,7 @@ impl Whole {
 }
 
 /// a·b / 2^`SHIFT`. One of the motions is often at rest, or leaves an axis alone.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     if a == 0 || b == 0 { 0 } else { product::<SHIFT>(a, b) }
 }
@@ -385,7 +385,7 @@ pub struct Timed<const AXES: usize> {
 impl<const AXES: usize> Timed<AXES> {
     /// The curve about the corner `origin` from one knot to the other, which are `reach` (LSB 2^-44 mm) from
     /// it: as far as the motions go. Inline: it is made where it stays.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         origin: &[Position; AXES],
         Overlap { rise, time }: Overlap,
@@ -451,7 +451,7 @@ impl<const AXES: usize> Timed<AXES> {
     }
 
     /// t2·(sum + difference) − t1·(sum − difference) of its tangents: of what nearly cancels out nothing is lost.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     fn bent(&self, sum: f32, difference: f32) -> [f32; AXES] {
         let [changes, both] = &self.turns;
         let mut bent = *changes;

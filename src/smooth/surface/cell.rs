@@ -35,7 +35,7 @@ fn coarse(x: Position, from: Position) -> i32 {
 const BEYOND: i32 = 1 << 30;
 
 /// Between two numbers; `part`: LSB 2^-31.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 fn between(a: i32, b: i32, part: i32) -> i32 {
     let d = i64::from(b) - i64::from(a);
     a.wrapping_add(((d * i64::from(part) + (1 << 30)) >> 31) as i32)

@@ -115,6 +115,8 @@ const FASTEST: f32 = 1.5;
 const ONE_30: f32 = (1u32 << 30) as f32;
 
 impl<const AXES: usize> Surface<AXES> {
+    // In place, in every build.
+    #[inline(always)]
     pub fn new(measure: Measure, parameters: &Parameters) -> Self {
         Self {
             measure,

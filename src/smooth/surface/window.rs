@@ -104,7 +104,7 @@ impl Space {
     }
 
     /// Length of a vector in space.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn length<const AXES: usize>(self, d: &[f32; AXES]) -> f32 {
         let mut sum = 0.0;
         for (k, x) in d.iter().enumerate() {
@@ -116,7 +116,7 @@ impl Space {
     }
 
     /// Whether an axis is a main one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_main(self, axis: usize) -> bool {
         self.0 >> (axis & 31) & 1 == 1
     }
@@ -189,6 +189,8 @@ pub const SLOWEST: f32 = 0.6;
 const LSB_20: f32 = 1.0 / (1u32 << 20) as f32;
 
 impl<const AXES: usize> Window<AXES> {
+    // In place, in every build.
+    #[inline(always)]
     pub fn new(measure: &Measure) -> Self {
         Self {
             vertices: Deque::new(),
@@ -206,13 +208,13 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// Length of a vector in space.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn length(&self, d: &[f32; AXES]) -> f32 {
         self.space.length(d)
     }
 
     /// Whether an axis is a main one.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_main(&self, axis: usize) -> bool {
         self.space.is_main(axis)
     }
@@ -267,7 +269,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// The vertices from one on.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn from(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
         let (front, back) = self.vertices.as_slices();
         let rest = back.get(k.saturating_sub(front.len())..).unwrap_or(&[]);
@@ -275,7 +277,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// The vertices before one, the nearest first.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn before(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
         let (front, back) = self.vertices.as_slices();
         let rest = back.get(..k.saturating_sub(front.len())).unwrap_or(&[]);
@@ -283,7 +285,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// From one vertex of the control polygon to the next one, `k`: the vector and its length.
-    #[inline(always)]
+    #[cfg_attr(feature = "fast", inline(always))]
     pub fn chord(&self, k: usize) -> Option<([f32; AXES], f32)> {
         let (from, to) = (self.vertices.get(k.checked_sub(1)?)?, self.vertices.get(k)?);
         let d = step(from, &to.at, &to.offset);
@@ -695,7 +697,7 @@ impl<const AXES: usize> Window<AXES> {
 }
 
 /// From a point of the control polygon to another one, mm.
-#[inline(always)]
+#[cfg_attr(feature = "fast", inline(always))]
 pub fn step<const AXES: usize>(
     from: &Vertex<AXES>,
     to: &[Position; AXES],
