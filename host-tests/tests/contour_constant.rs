@@ -133,8 +133,8 @@ fn a_speed_below_that_of_the_curve_stays() {
     }
 }
 
-/// Such a curve leaves its slope next to nothing. A way to a standstill ends in a line between two of them, and does
-/// not go on through many: it would take so many pieces that the motion had to crawl.
+/// A way to a standstill through curves and lines that take turns has room: with the little by which the speed of such
+/// a curve may change it took so many pieces that the motion had to crawl.
 #[test]
 fn long_lines_between_such_curves_are_fast() {
     for slope in 0..4 {

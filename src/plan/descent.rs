@@ -160,18 +160,6 @@ impl Stretch {
         }
     }
 
-    /// Whether a standstill in it alone, from the speed planned at its start, is nearer than one by a law that
-    /// begins in a row before it and keeps the limits of all of that: it brakes harder.
-    fn stands_sooner(&self, motion: &Instant, row: &Row) -> bool {
-        if self.limits.a_down <= row.limits.a_down {
-            return false;
-        }
-        let starts = Instant { distance: row.end, speed: self.v_in.to_bits(), accel: 0 };
-        let before = to_f32(row.end.wrapping_sub(motion.distance)) * (1.0 / (1u64 << 44) as f32);
-        Brake::fits(&starts, self.end, &self.limits, CLOSE)
-            && before + Brake::needs(&starts, &self.limits) < Brake::needs(motion, &row.limits)
-    }
-
     /// Highest speed at which a law with these limits may be in it, whose deceleration falls from the speed `falls`
     /// on: below the slowest block it may be as slow in falling as it is.
     fn cap(&self, limits: &Limits, falls: f32) -> f32 {
@@ -261,9 +249,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             };
             let at = cursor;
             let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
-            if next.stands_sooner(motion, &row) {
-                break;
-            }
             row.last = Some(at);
             row.limits.go_on_braking(&next.entered());
             (row.end, row.spans) = (next.end, row.spans + 1);
