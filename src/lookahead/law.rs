@@ -100,7 +100,12 @@ impl Span {
     /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves
     /// unused may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
-        let limits = self.limits.near_low(v_out);
+        let loose;
+        let mut limits = &self.limits;
+        if limits.is_loose_at(v_out) {
+            loose = limits.loosened_to(0.0);
+            limits = &loose;
+        }
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
@@ -112,7 +117,12 @@ impl Span {
     /// Whether it permits the higher one of both speeds, and is long enough from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
         let (low, high) = (v_in.min(v_out), v_in.max(v_out));
-        let limits = self.limits.between([v_in, v_out], self.millimetres());
+        let loose;
+        let mut limits = &self.limits;
+        if limits.is_loose_between([v_in, v_out], self.millimetres()) {
+            loose = limits.loosened();
+            limits = &loose;
+        }
         let ramp = if v_out < v_in { limits.brake() } else { limits.speed_up() };
         let [low_f32, dv] = [low.to_bits(), high.to_bits() - low.to_bits()].map(speed_f32);
         high.to_bits() <= speed_bits(self.limits.v) && ramp.distance(low_f32, dv)[0] <= self.millimetres()
@@ -133,7 +143,12 @@ impl Law {
     };
 
     pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
-        let limits = span.limits.between([v_in, v_out], span.millimetres());
+        let loose;
+        let mut limits = &span.limits;
+        if limits.is_loose_between([v_in, v_out], span.millimetres()) {
+            loose = limits.loosened_to(speed_f32(v_in.max(v_out).to_bits()));
+            limits = &loose;
+        }
         let (up, down) = (limits.speed_up(), limits.brake());
         let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
         let low = v_in.max(v_out);
@@ -219,8 +234,13 @@ impl Law {
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * LSB_44;
     if next >= v_in {
-        let low = limits.near_low(v_in);
-        return Some(faster(&low.speed_up(), length, v_in, low.v).min(next));
+        let loose;
+        let mut limits = limits;
+        if limits.is_loose_at(v_in) {
+            loose = limits.loosened_to(0.0);
+            limits = &loose;
+        }
+        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
@@ -229,7 +249,7 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
 /// its length permits. `None` if there is none.
 #[inline(never)]
 fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
-    let brake = limits.loosened().brake();
+    let brake = limits.loose_brake();
     let possible = |v_out: Speed| loses(&brake, length, v_in, v_out);
     if possible(next) {
         return Some(next);
@@ -250,13 +270,13 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
 
 /// Highest speed at the start of a span, at most `v_in`, from which it can slow down to `v_out`.
 pub(super) fn enter(limits: &Limits, length: i64, v_out: Speed, v_in: Speed) -> Speed {
-    let gain = ramp_gain(&limits.loosened().brake(), v_out, to_f32(length) * LSB_44);
+    let gain = ramp_gain(&limits.loose_brake(), v_out, to_f32(length) * LSB_44);
     Speed::from_bits(v_out.to_bits().saturating_add(gain)).min(v_in)
 }
 
 /// Whether a span is long enough to slow down from `v_in` to `v_out`.
 pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed) -> bool {
-    loses(&limits.loosened().brake(), to_f32(length) * LSB_44, v_in, v_out)
+    loses(&limits.loose_brake(), to_f32(length) * LSB_44, v_in, v_out)
 }
 
 fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {

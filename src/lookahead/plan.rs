@@ -2,12 +2,13 @@
 //!
 //! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the
 //! next one begins.
-use super::block::Marks;
+use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{faster, length_mm};
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
+use crate::dynamics::Share;
 use crate::machine::functions;
 use crate::math::float::min;
 use crate::quantity::Speed;
@@ -154,8 +155,7 @@ impl Plan {
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
             let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
-            let open = share.map_or(block.limits, |share| block.limits.shared(share)).near_low(v_out);
-            let v = faster(&open.brake(), length_mm(block), v_out, min(block.cap(), open.v));
+            let v = enters(block, share, v_out);
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
@@ -183,6 +183,18 @@ impl Plan {
     }
 }
 
+/// Highest speed at the start of a block, from which it can slow down to `v_out`.
+#[cfg_attr(feature = "fast", inline(always))]
+fn enters(block: &Block, share: Option<&Share>, v_out: Speed) -> Speed {
+    let mut limits = share.map_or(block.limits, |share| block.limits.shared(share));
+    let mut cap = block.cap();
+    if limits.is_loose_at(v_out) {
+        limits = limits.loosened_to(0.0);
+        cap = min(cap, limits.v);
+    }
+    faster(&limits.brake(), length_mm(block), v_out, cap)
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
@@ -192,9 +204,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-        let open = share.map_or(block.limits, |share| block.limits.shared(share)).near_low(v_out);
-        let v = faster(&open.brake(), length_mm(block), v_out, min(block.cap(), open.v)).min(reach);
-        block.v_in = v.max(block.v_in);
+        block.v_in = enters(block, share, v_out).min(reach).max(block.v_in);
     }
 
     /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.

@@ -1,7 +1,7 @@
 //! Axis bracket commands: `X[OSC …]`, `X[INDP_SYN …]`.
 use super::cursor::Cursor;
 use super::function::*;
-use super::interpreter::Interpreter;
+use super::interpreter::{Gathered, Interpreter};
 use super::keyword::{COORDINATE, Keywords, Range, Slot, Units, checked, list_inside};
 use super::line::Line;
 use super::number::Factor;
@@ -215,7 +215,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     #[inline(never)]
     fn move_beside(&mut self, target: &IndependentWords, line: &Line, span: Span) -> Result<(), Fault> {
         let words = self.independent(target, span)?;
-        self.single = Some(Cell::new(Command::Independent(self.head_of(line, span), words)));
+        self.gathered = Gathered::Single(Cell::new(Command::Independent(self.head_of(line, span), words)));
         Ok(())
     }
 
@@ -287,7 +287,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.stand_there(axis, second);
         }
         let head = self.head_of(line, span);
-        self.single = Some(Cell::new(Command::Oscillation(head, Oscillation { axis, action })));
+        self.gathered = Gathered::Single(Cell::new(Command::Oscillation(head, Oscillation { axis, action })));
         Ok(())
     }
 

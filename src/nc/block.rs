@@ -2,7 +2,7 @@
 use super::cursor::Cursor;
 use super::expression::{expression, parameter_target};
 use super::flow::Ending;
-use super::interpreter::{Interpreter, Next};
+use super::interpreter::{Gathered, Interpreter, Next};
 use super::line::Line;
 use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
@@ -12,8 +12,9 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
 
-/// One thing a block makes the decoder hand out.
+/// One thing a block makes the decoder hand out. Packed: there are many of them.
 #[derive(Clone, Copy)]
+#[repr(C, packed(4))]
 pub(super) struct Item {
     pub span: Span,
     pub kind: ItemKind,
@@ -148,7 +149,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut w = Words::new();
         let mut first = c.mark();
         // Looked at first: it is large.
-        if self.waiting.is_some() {
+        if self.gathered.waits() {
             let next;
             [first, next] = self.take_up(&mut w);
             c.back_to(next);
@@ -185,18 +186,19 @@ impl<const AXES: usize> Interpreter<AXES> {
     #[inline(never)]
     fn lay_aside(&mut self, words: &mut Words<AXES>, [first, next]: [usize; 2]) {
         let words = core::mem::replace(words, Words::new());
-        self.waiting = Some(Cell::new(Waiting { words, first: first as u16, next: next as u16 }));
+        self.gathered =
+            Gathered::Waiting(Cell::new(Waiting { words, first: first as u16, next: next as u16 }));
     }
 
     /// The block that waited.
     #[inline(never)]
     fn take_up(&mut self, words: &mut Words<AXES>) -> [usize; 2] {
-        let Some(waiting) = self.waiting.take().map(Cell::into_inner) else { return [0; 2] };
+        let Some(waiting) = self.gathered.take_up() else { return [0; 2] };
         *words = waiting.words;
         [waiting.first, waiting.next].map(usize::from)
     }
 
-    /// Reads one word. An axis bracket command puts itself into `single`; its span comes back.
+    /// Reads one word. An axis bracket command puts itself into [`Gathered::Single`]; its span comes back.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         if let Some(axis) = self.axis_here(c) {

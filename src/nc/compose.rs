@@ -1,7 +1,7 @@
 //! What the words of a block make together: offsets, dwell, weights, and the motion.
 use super::block::{Given, Item, ItemKind, Use, Words, put_before, weight};
 use super::flow::Ending;
-use super::interpreter::{Interpreter, Next};
+use super::interpreter::{Gathered, Interpreter, Next};
 use super::line::Line;
 use super::modal::{COORDINATE_MAX, Mode};
 use super::number::Factor;
@@ -225,7 +225,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let place = line.place(span);
         let centre = if arc { w.centre_span().map(|span| line.place(span)) } else { None };
-        self.motion = Some(Cell::new(Motion {
+        self.gathered = Gathered::Motion(Cell::new(Motion {
             n: self.n,
             place,
             centre: centre.unwrap_or(place),

@@ -3,12 +3,11 @@ use super::block::{Item, ItemKind};
 use super::compose::in_range;
 use super::cursor::Cursor;
 use super::error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
-use super::interpreter::{Bounds, Interpreter, Next, Phase, Refusal};
+use super::interpreter::{Bounds, Gathered, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
 use crate::machine::MachineData;
-use core::cell::Cell;
 
 /// What one call of [`Decoder::step`] achieved.
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
@@ -111,9 +110,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         {
             return Ok(Step::Warning(warning));
         }
-        if let Some(command) = self.interpreter.single.take() {
+        if let Some(command) = self.interpreter.gathered.take_single() {
             self.interpreter.quiet = 0;
-            return Ok(Step::Command(command.into_inner()));
+            return Ok(Step::Command(command));
         }
         let is_motion = match self.interpreter.front() {
             Some(item) => matches!(item.kind, ItemKind::Motion),
@@ -136,7 +135,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         };
         self.interpreter.quiet = 0;
         // Apart from the other commands: what is not copied costs nothing.
-        if is_motion && let Some(motion) = &self.interpreter.motion {
+        if is_motion && let Gathered::Motion(motion) = &self.interpreter.gathered {
             let _ = self.interpreter.queue.pop_front();
             return Ok(Step::Command(Command::Motion(motion.get())));
         }
@@ -146,11 +145,11 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Whether the next step hands out a command that changes what the blocks behind it may do: slope, weights,
     /// limits along the path.
     pub(crate) fn restricts(&self) -> bool {
-        let Interpreter { single, warnings, .. } = &*self.interpreter;
+        let Interpreter { gathered, warnings, .. } = &*self.interpreter;
         if !warnings.is_empty() || self.refused {
             return false;
         }
-        if let Some(command) = single {
+        if let Gathered::Single(command) = gathered {
             return matches!(command.get(), Command::Slope(..) | Command::VectorLimit(..));
         }
         let weighs = |item: &Item| matches!(item.kind, ItemKind::WeightAll(..) | ItemKind::WeightAxes(_));
@@ -160,8 +159,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Whether the last step did so little that another one may follow in the same call of the planner: a
     /// line, or what this one said.
     pub(crate) fn has_done_little(&self) -> bool {
-        let Interpreter { single, calculator, .. } = &*self.interpreter;
-        let waits = self.interpreter.front().is_some() || single.is_some();
+        let Interpreter { gathered, calculator, .. } = &*self.interpreter;
+        let waits = self.interpreter.front().is_some() || gathered.is_single();
         calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
     }
 
@@ -243,13 +242,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
 
     /// The motion of the line at hand, if it has one.
     pub(crate) fn motion(&self) -> Option<Motion<AXES>> {
-        if self.interpreter.moves { self.interpreter.motion.as_ref().map(Cell::get) } else { None }
+        if self.interpreter.moves { self.interpreter.gathered.motion() } else { None }
     }
 
     /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
     pub(crate) fn is_between_lines(&self) -> bool {
-        let Interpreter { queue, single, calculator, .. } = &self.interpreter;
-        self.refused || queue.is_empty() && single.is_none() && !calculator.is_halted()
+        let Interpreter { queue, gathered, calculator, .. } = &self.interpreter;
+        self.refused || queue.is_empty() && !gathered.is_single() && !calculator.is_halted()
     }
 
     /// Reads a slice of text and interprets the line when it is complete.
@@ -365,7 +364,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {
-            ItemKind::Motion => Command::Motion(i.motion.as_ref()?.get()),
+            ItemKind::Motion => Command::Motion(i.gathered.motion()?),
             ItemKind::Dwell(time) => Command::Dwell(head, time),
             ItemKind::M(code) => Command::M(head, code),
             ItemKind::H(code) => Command::H(head, code),

@@ -2,7 +2,7 @@
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::*;
-use super::interpreter::Interpreter;
+use super::interpreter::{Gathered, Interpreter};
 use super::keyword::{COORDINATE, Range, Units, checked, list, number};
 use super::line::Line;
 use super::number::Factor;
@@ -243,7 +243,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.arguments(c, *id, head)?;
         let end = c.require_end("a # command");
         if end.is_err() {
-            self.single = None;
+            self.gathered = Gathered::Nothing;
         }
         end
     }
@@ -254,7 +254,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<(), Fault> {
-        self.single = Some(Cell::new(match id {
+        self.gathered = Gathered::Single(Cell::new(match id {
             Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
             Hash::LogClear => Command::ContourLog(head, ContourLog::Clear),
             Hash::LogOn | Hash::LogOff | Hash::Log => Command::ContourLog(head, self.log(c, id)?),

@@ -77,16 +77,59 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub moves: bool,
     /// What the block at hand makes the decoder hand out, all of it when no block waits.
     pub queue: Items,
-    /// A block that goes on in the next call. A cell, as the next two are: so none is all bits zero.
-    pub waiting: Option<Cell<Waiting<AXES>>>,
-    pub motion: Option<Cell<Motion<AXES>>>,
-    /// Command of a block that holds nothing else.
-    pub single: Option<Cell<Command<AXES>>>,
+    pub gathered: Gathered<AXES>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
     /// Lines carried out since the last command.
     pub quiet: u32,
+}
+
+/// What was gathered of the line at hand: never two of them. Cells, so that nothing is all bits zero.
+pub(super) enum Gathered<const AXES: usize> {
+    Nothing,
+    /// A block that goes on in the next call.
+    Waiting(Cell<Waiting<AXES>>),
+    /// The motion of a block.
+    Motion(Cell<Motion<AXES>>),
+    /// The command of a block that holds nothing else.
+    Single(Cell<Command<AXES>>),
+}
+
+impl<const AXES: usize> Gathered<AXES> {
+    #[inline(always)]
+    pub const fn waits(&self) -> bool {
+        matches!(self, Self::Waiting(_))
+    }
+
+    #[inline(always)]
+    pub const fn is_single(&self) -> bool {
+        matches!(self, Self::Single(_))
+    }
+
+    /// The block that waited goes on.
+    pub fn take_up(&mut self) -> Option<Waiting<AXES>> {
+        if !self.waits() {
+            return None;
+        }
+        let Self::Waiting(waiting) = core::mem::replace(self, Self::Nothing) else { return None };
+        Some(waiting.into_inner())
+    }
+
+    /// The command of a block that holds nothing else is handed out.
+    #[inline(always)]
+    pub fn take_single(&mut self) -> Option<Command<AXES>> {
+        if !self.is_single() {
+            return None;
+        }
+        let Self::Single(command) = core::mem::replace(self, Self::Nothing) else { return None };
+        Some(command.into_inner())
+    }
+
+    #[inline(always)]
+    pub fn motion(&self) -> Option<Motion<AXES>> {
+        if let Self::Motion(motion) = self { Some(motion.get()) } else { None }
+    }
 }
 
 /// Start of a logical line and of the one behind it.
@@ -112,9 +155,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             n: 0,
             moves: false,
             queue: Items::new(),
-            waiting: None,
-            motion: None,
-            single: None,
+            gathered: Gathered::Nothing,
             values: [None; AXES],
             warnings: Deque::new(),
             quiet: 0,
@@ -132,10 +173,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         (*modal, *before) = (Modal::new(given.default_index), Before::Alike);
         *letters = Letters::new(given.names.iter().map(|name| &name.0));
         self.stand_at(given.start);
-        let Self { n, moves, queue, waiting, motion, single, values, warnings, quiet, .. } = self;
+        let Self { n, moves, queue, gathered, values, warnings, quiet, .. } = self;
         (*n, *moves, *quiet) = (0, false, 0);
         queue.clear();
-        (*waiting, *motion, *single) = (None, None, None);
+        *gathered = Gathered::Nothing;
         *values = [None; AXES];
         warnings.clear();
     }
@@ -154,7 +195,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// The first of what the block at hand makes the decoder hand out, once it is understood to its end.
     pub fn front(&self) -> Option<&Item> {
-        if self.waiting.is_some() { None } else { self.queue.front() }
+        if self.gathered.waits() { None } else { self.queue.front() }
     }
 
     /// Remembers a warning; more than four in one line say nothing new.
@@ -186,7 +227,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok(Next::Motion);
         }
         let mut c = Cursor::new(line.bytes());
-        if self.waiting.is_some() {
+        if self.gathered.waits() {
             return Ok(self.words(&mut c, line)?);
         }
         if c.at_end() {

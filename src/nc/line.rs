@@ -5,12 +5,13 @@
 mod skip;
 
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
+use crate::machine::functions;
 use heapless::{String, Vec};
 
-/// Longest logical line in bytes, comments and blanks at its ends not counted.
-pub const LINE_BYTES: usize = 512;
-/// Most continuation lines (and long gaps) in one logical line.
-pub const CONTINUATIONS: usize = 12;
+/// Longest logical line in bytes, comments and blanks at its ends not counted: 512; 256 in a build for little memory.
+pub const LINE_BYTES: usize = if functions::IS_SMALL { 256 } else { 512 };
+/// Most continuation lines (and long gaps) in one logical line: 12; 6 in a build for little memory.
+pub const CONTINUATIONS: usize = if functions::IS_SMALL { 6 } else { 12 };
 /// Bytes looked at in one call.
 const SLICE: usize = 256;
 /// U+FEFF in UTF-8.
@@ -33,7 +34,8 @@ pub(super) struct Line {
     bytes: [u8; LINE_BYTES],
     /// Bytes in use, at most all.
     len: usize,
-    anchors: Vec<Anchor, CONTINUATIONS>,
+    /// Where it begins, and where it goes on.
+    anchors: Vec<Anchor, { CONTINUATIONS + 1 }>,
 }
 
 /// Start of a physical line in the text.

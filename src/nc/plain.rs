@@ -5,7 +5,7 @@
 //! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
 use super::compose::{carry, in_range};
 use super::cursor::Cursor;
-use super::interpreter::Interpreter;
+use super::interpreter::{Gathered, Interpreter};
 use super::line::Line;
 use super::modal::{Before, COORDINATE_MAX, Mode};
 use super::number::Factor;
@@ -142,7 +142,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             _ => return None,
         };
         let place = line.place(g.filter(|g| g.at < first.at).unwrap_or(first));
-        self.motion = Some(Cell::new(Motion {
+        self.gathered = Gathered::Motion(Cell::new(Motion {
             n,
             place,
             centre: place,

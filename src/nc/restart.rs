@@ -1,7 +1,7 @@
 //! Another program, and what a refused line leaves behind: nothing but P parameters.
 use super::NcErrorKind;
 use super::flow::Passing;
-use super::interpreter::{Interpreter, Next, Phase};
+use super::interpreter::{Gathered, Interpreter, Next, Phase};
 use super::line::Mark;
 use super::modal::{Before, Modal};
 
@@ -34,7 +34,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn drop_line(&mut self) {
         self.queue.clear();
         self.warnings.clear();
-        (self.waiting, self.motion, self.single) = (None, None, None);
+        self.gathered = Gathered::Nothing;
         self.calculator.reset();
         self.moves = false;
         self.quiet = 0;

@@ -1,5 +1,6 @@
 //! Spans whose time law may still change: the interrupt has not left them.
 use crate::lookahead::ReleasedSpan;
+use crate::machine::functions;
 use crate::math::float::{min, to_f32};
 use crate::quantity::{Distance, Speed};
 use crate::queue::MAX_CURVES_PER_TICK;
@@ -99,8 +100,8 @@ impl CommittedSpan {
 }
 
 /// More than a tick passes: so the queue gets a tick, however short they are. One is spare for a way to a
-/// standstill in reserve.
-const SLOTS: usize = 40;
+/// standstill in reserve. Most of the memory of a plan is these: a build for little memory has no more than that.
+const SLOTS: usize = MAX_CURVES_PER_TICK as usize + if functions::IS_SMALL { 3 } else { 8 };
 const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
 
 /// The slot `k` behind another one.

@@ -14,8 +14,9 @@ use crate::queue::{EVENTS, Event, Scheduler};
 use crate::technology::{Action, Ticket};
 use heapless::Vec;
 
-/// A function that is not in the queue yet, or whose gate is still to come.
+/// A function that is not in the queue yet, or whose gate is still to come. Packed: there are many of them.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, packed(4))]
 struct Entry {
     n: u32,
     function: Function,

@@ -210,46 +210,50 @@ impl Limits {
         }
     }
 
-    /// Those of a law from one speed to another, in any direction, over `length` mm: where the speed is to stay, all
-    /// of the acceleration that the axes have if one of both speeds is low, or if the change takes it. No such law
-    /// is faster than the faster one of both speeds and the low one.
+    /// Whether a law from one speed to another, in any direction, over `length` mm may have all of the acceleration that
+    /// the axes have: where the speed is to stay, if one of both speeds is low, or if the change takes it.
     #[inline(always)]
-    pub(crate) fn between(&self, [v, w]: [Speed; 2], length: f32) -> Self {
-        if self.loose.is_some() { self.between_loosely([v.min(w), v.max(w)], length) } else { *self }
+    pub(crate) fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
+        self.loose.is_some() && self.lets_change(speeds, length)
     }
 
+    #[cold]
     #[inline(never)]
-    fn between_loosely(&self, [low, high]: [Speed; 2], length: f32) -> Self {
-        let [low, dv, high] = [low.to_bits(), high.to_bits() - low.to_bits(), high.to_bits()].map(speed_f32);
-        if low >= self.loose.below && self.brake().distance(low, dv)[0] <= length {
-            return *self;
-        }
+    fn lets_change(&self, [v, w]: [Speed; 2], length: f32) -> bool {
+        let (low, high) = (v.min(w).to_bits(), v.max(w).to_bits());
+        let [low, dv] = [low, high - low].map(speed_f32);
+        low < self.loose.below || self.brake().distance(low, dv)[0] > length
+    }
+
+    /// Whether a law that has that speed at one end may have all of the acceleration that the axes have.
+    #[inline(always)]
+    pub(crate) fn is_loose_at(&self, low: Speed) -> bool {
+        self.loose.is_some() && speed_f32(low.to_bits()) < self.loose.below
+    }
+
+    /// Those of a law that may have that acceleration: it is no faster than `high`, mm/tick, and the low speed.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn loosened_to(&self, high: f32) -> Self {
         Self { v: min(self.v, max(high, self.loose.below)), ..self.loosened() }
     }
 
-    /// Those of a law that has a low speed at one end, and the highest speed at the other one; the same where no
-    /// speed is to stay.
-    #[inline(always)]
-    pub(crate) fn near_low(&self, low: Speed) -> Self {
-        if speed_f32(low.to_bits()) < self.loose.below {
-            Self { v: min(self.v, self.loose.below), ..self.loosened() }
-        } else {
-            *self
-        }
-    }
-
     /// With all of the acceleration that the axes have.
+    #[cold]
     #[inline(never)]
     pub(crate) fn loosened(&self) -> Self {
-        let mut limits = *self;
-        if self.loose.is_some() {
-            let a = self.loose.a;
-            (limits.a_up, limits.a_down) = (max(a, limits.a_up), max(a, limits.a_down));
-            if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut limits.law {
-                (*a_up, *a_down, *still) = (max(a, *a_up), max(a, *a_down), max(a, *still));
-            }
+        let (mut limits, a) = (*self, self.loose.a);
+        (limits.a_up, limits.a_down) = (max(a, limits.a_up), max(a, limits.a_down));
+        if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut limits.law {
+            (*a_up, *a_down, *still) = (max(a, *a_up), max(a, *a_down), max(a, *still));
         }
         limits
+    }
+
+    /// The slope that loses speed with all of the acceleration that the axes have, seen backward from the lower speed.
+    #[inline(always)]
+    pub(crate) fn loose_brake(&self) -> Ramp {
+        if self.loose.is_some() { self.loosened().brake() } else { self.brake() }
     }
 
     /// Those of a way to a standstill with these decelerations and jerks, at its begin and at its end: with STEP the

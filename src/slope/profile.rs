@@ -280,7 +280,12 @@ impl Profile {
         limits: &Limits,
         lower: bool,
     ) -> Result<(), Unplannable> {
-        let limits = &limits.between([v_in, v_out].map(Speed::from_bits), to_f32(length) * LSB_44);
+        let loose;
+        let mut limits = limits;
+        if limits.is_loose_between([v_in, v_out].map(Speed::from_bits), to_f32(length) * LSB_44) {
+            loose = limits.loosened_to(speed_f32(v_in.max(v_out)));
+            limits = &loose;
+        }
         let up = limits.speed_up();
         let down = limits.brake();
         let low = v_in.max(v_out);

@@ -111,6 +111,32 @@ fn a_number_that_is_none_is_refused_as_ever() {
 }
 
 #[test]
+fn a_build_for_little_memory_names_its_limits() {
+    let subroutines = |count: usize| -> String {
+        (0..count).map(|k| format!("%L S{k}\nG91 X1\nM17\n")).collect::<String>()
+            + "%MAIN\nG01 F2000\nLL S0\n"
+    };
+    // 12 bytes and the zeros.
+    let line = |zeros: usize| format!("G01 F2000 X{}1\n", "0".repeat(zeros));
+    let nested = |depth: usize| {
+        let calls: String = (1..depth).map(|k| format!("%L S{k}\nLL S{}\nM17\n", k - 1)).collect();
+        format!("%L S0\nG91 X1\nM17\n{calls}%MAIN\nG01 F2000\nLL S{}\n", depth - 1)
+    };
+    let words = ["N1", "G01", "G90", "G17", "F2000", "X1", "Y0", "Z0"];
+    let continued = |lines: usize| words[..=lines].join(" \\\n") + "\n";
+    for (fits, exceeds, message) in [
+        (subroutines(32), subroutines(33), "too many local subroutines: expected at most 32"),
+        (line(244), line(245), "line too long: expected at most 256 bytes"),
+        (nested(6), nested(7), "subroutine calls too deep: expected at most 6"),
+        (continued(6), continued(7), "too many continuation lines: expected at most 6"),
+    ] {
+        assert_eq!(run(format!("{fits}M30\n").as_bytes()), ([1.0, 0.0, 0.0], vec![]), "{message}");
+        let (_, refused) = run(format!("{exceeds}M30\n").as_bytes());
+        assert!(matches!(refused.as_slice(), [(.., said), ..] if said == message), "{message}: {refused:?}");
+    }
+}
+
+#[test]
 fn machine_data_with_the_slope_hsc_are_refused() {
     let mut memory = Box::new(Channel::<3, 120>::new());
     let machine = MachineData { channel: ChannelData { slope_profile: 3, ..MACHINE.channel }, ..MACHINE };

@@ -224,10 +224,9 @@ pub struct Contouring<const AXES: usize> {
     /// What goes out, in this order: the block before a corner, element by element its curve, or what stands
     /// for blocks left out, the block behind it. The first one is the last of `blocks` then.
     is_leaving: bool,
-    before: Made<AXES>,
-    /// An element of the curve is there.
-    is_before: bool,
-    bridge: Option<Made<AXES>>,
+    /// The element at hand is there: of the curve, or what stands for blocks left out.
+    is_made: bool,
+    in_hand: InHand<AXES>,
     course: Option<Turning<AXES>>,
     /// The block held back. The one behind it, whose end is rounded by DIST_WEIGHT: its share in the corner
     /// before it depends on the next one. Or a line that may still grow by the next one. Only behind a block
@@ -237,10 +236,34 @@ pub struct Contouring<const AXES: usize> {
     chords: Chords<AXES>,
     /// The next block is half a line that ends or begins where nothing turns.
     half: bool,
-    /// The corner between the block held back and the one that waits, while it is worked on.
-    joining: Option<Joining<AXES>>,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
+}
+
+/// What is in hand: nothing goes out while a corner is worked on.
+#[derive(Clone, Copy, Debug)]
+enum InHand<const AXES: usize> {
+    /// The corner between the block held back and the one that waits, worked on.
+    Joining(Joining<AXES>),
+    /// The place of an element that goes out.
+    Made(Made<AXES>),
+}
+
+impl<const AXES: usize> InHand<AXES> {
+    const NONE: Self = Self::Made(Made::BLANK);
+
+    const fn is_joining(&self) -> bool {
+        matches!(self, Self::Joining(_))
+    }
+
+    /// The place of an element, where no corner is worked on.
+    #[inline(always)]
+    const fn made(&mut self) -> Option<&mut Made<AXES>> {
+        match self {
+            Self::Made(made) => Some(made),
+            Self::Joining(_) => None,
+        }
+    }
 }
 
 /// The curve of a corner.
@@ -337,14 +360,12 @@ impl<const AXES: usize> Contouring<AXES> {
             on: false,
             once: false,
             is_leaving: false,
-            before: Made::BLANK,
-            is_before: false,
-            bridge: None,
+            is_made: false,
+            in_hand: InHand::NONE,
             course: None,
             blocks: HeldBlocks::NONE,
             chords: Chords::NONE,
             half: false,
-            joining: None,
             remark: None,
         }
     }
@@ -477,7 +498,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// The corner between the block held back and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Self { blocks, measure, joining, .. } = self;
+        let Self { blocks, measure, in_hand, .. } = self;
         let [held, Some(next), _] = blocks.all_mut() else { return };
         let Some(held) = held else {
             blocks.leave();
@@ -487,7 +508,9 @@ impl<const AXES: usize> Contouring<AXES> {
         let (check_jerk, const_vel) = self.parameters.curving(method);
         let setting = Setting { measure, check_jerk, const_vel, dynamics };
         next.previous = held.rule.as_ref().map(|_| held.length);
-        let remark = joining.insert(Joining::new()).go_into([held, next], behind, &setting);
+        *in_hand = InHand::Joining(Joining::new());
+        let InHand::Joining(joining) = in_hand else { return };
+        let remark = joining.go_into([held, next], behind, &setting);
         if remark.is_some() {
             self.remark = remark;
         }
@@ -497,11 +520,13 @@ impl<const AXES: usize> Contouring<AXES> {
     /// curve. The block behind it is held back in its place.
     #[inline(never)]
     fn joined(&mut self) {
-        self.joining = None;
+        self.in_hand = InHand::NONE;
         let [Some(held), ..] = self.blocks.all() else { return };
         self.is_leaving = held.block.element.shape.length > Distance::ZERO;
-        if self.course.is_none() {
-            self.bridge = held.bridge(&self.measure);
+        if self.course.is_none()
+            && let Some(bridge) = held.bridge(&self.measure)
+        {
+            (self.in_hand, self.is_made) = (InHand::Made(bridge), true);
         }
         self.blocks.leave();
         if !self.is_leaving {
@@ -518,17 +543,17 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block held back, which of two that are joined is the second one.
     fn current(&self) -> Option<&HeldBlock<AXES>> {
-        if self.joining.is_some() { self.waiting() } else { self.held() }
+        if self.in_hand.is_joining() { self.waiting() } else { self.held() }
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
-        let Some(turning) = &mut self.course else { return };
+        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else { return };
         let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
-        self.is_before = turning.go_straight(&from, &self.measure, &mut self.before).is_some();
-        if !self.is_before {
+        self.is_made = turning.go_straight(&from, &self.measure, made).is_some();
+        if !self.is_made {
             self.course = None;
         }
     }
@@ -536,14 +561,14 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Whether something goes out before anything comes in.
     pub(super) fn hands_out(&self) -> bool {
         let goes_out = self.current().is_some_and(|held| held.rule.is_none());
-        self.is_leaving || self.is_before || self.bridge.is_some() || goes_out
+        self.is_leaving || self.is_made || goes_out
     }
 
     /// The block that waits comes in, when what is before it is done and gone and it need not wait for
     /// another one; or the line over blocks left out, when no more of them come. Whether one does.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if self.is_leaving || self.is_before || self.bridge.is_some() {
+        if self.is_leaving || self.is_made {
             return false;
         }
         if self.held().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
@@ -574,7 +599,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// The place of a block that waits.
     fn free(&mut self) -> &mut Option<HeldBlock<AXES>> {
         let [_, waiting, third] = self.blocks.all_mut();
-        if self.joining.is_some() { third } else { waiting }
+        if self.in_hand.is_joining() { third } else { waiting }
     }
 
     /// A block waits.
@@ -619,7 +644,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (Some(joining), [Some(held), Some(next), _]) = (&mut self.joining, self.blocks.all_mut()) {
+        if let (InHand::Joining(joining), [Some(held), Some(next), _]) =
+            (&mut self.in_hand, self.blocks.all_mut())
+        {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
             let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
@@ -629,15 +656,17 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.joined();
             return !self.is_leaving;
         }
-        let Some(turning) = &mut self.course else { return self.let_in(dynamics) };
+        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else {
+            return self.let_in(dynamics);
+        };
         // The block before the corner, or an element that is made.
-        if self.is_leaving || (self.is_before && turning.draft.is_none()) {
+        if self.is_leaving || (self.is_made && turning.draft.is_none()) {
             return false;
         }
-        if !self.is_before {
-            self.is_before = turning.begin(&mut self.before).is_some();
+        if !self.is_made {
+            self.is_made = turning.begin(made).is_some();
         }
-        if self.is_before && turning.go_on(&mut self.before.element).is_some() {
+        if self.is_made && turning.go_on(&mut made.element).is_some() {
             let goes_on = turning.draft.is_some();
             if turning.is_done() {
                 self.course = None;
@@ -657,20 +686,14 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.left();
             return true;
         }
-        if self.is_before {
-            into(&self.before.smoothed());
-            self.is_before = false;
-            return true;
-        }
-        if let Some(made) = &self.bridge {
+        let Some(made) = self.in_hand.made() else { return false };
+        if self.is_made {
             into(&made.smoothed());
-            self.bridge = None;
+            self.is_made = false;
             return true;
         }
         let [slot, ..] = self.blocks.all_mut();
-        let Some(held) = slot.as_ref().filter(|held| self.joining.is_none() && held.rule.is_none()) else {
-            return false;
-        };
+        let Some(held) = slot.as_ref().filter(|held| held.rule.is_none()) else { return false };
         into(&held.smoothed());
         *slot = None;
         true
@@ -703,8 +726,10 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         for block in self.blocks.all_mut() {
             *block = None;
         }
-        (self.joining, self.is_leaving) = (None, false);
-        (self.is_before, self.course, self.bridge) = (false, None, None);
+        (self.is_leaving, self.is_made, self.course) = (false, false, None);
+        if self.in_hand.is_joining() {
+            self.in_hand = InHand::NONE;
+        }
         self.once = false;
     }
 
@@ -719,7 +744,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
         // Whatever there is else, is there with a block held back.
-        self.held().is_none() && self.bridge.is_none()
+        self.held().is_none() && !self.is_made
     }
 
     fn rounds(&self) -> bool {
