@@ -147,7 +147,7 @@ impl Limits {
         }
         self.v = best.1;
         if let Some(Steady { length, .. }) = constant {
-            self.loose = Loose::of(self.v, best.2);
+            self.loose = Loose::of(best.2);
             // Over its length the square of the speed changes by 2·a·length.
             best.2 = min(best.2, CONSTANT * self.v * self.v / length);
         }

@@ -127,7 +127,7 @@ impl PathLimits {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
         let jerk_limited = matches!(limits.law, SlopeLaw::JerkLimited { .. });
-        limits.loose.a = min(limits.loose.a, min(a_up, path.a_down));
+        limits.loose.lower(min(a_up, path.a_down));
         if jerk_limited && a_up >= limits.a_up && path.a_down >= limits.a_down {
             return;
         }

@@ -27,7 +27,7 @@ impl Limits {
         let ([up, down], v) = ease.parts();
         self.a_up *= up;
         self.a_down *= down;
-        self.loose.a *= min(up, down);
+        self.loose.scale(min(up, down));
         self.v = min(self.v, v);
     }
 }

@@ -274,8 +274,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         };
         v_least = min(v_least, limits.v);
-        release.a_down =
-            if limits.loose.is_some() { max(limits.loose.a, limits.a_down) } else { limits.a_down };
+        release.a_down = max(limits.loose.get(), limits.a_down);
         if blocks > 1 {
             limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.

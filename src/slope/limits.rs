@@ -91,32 +91,39 @@ pub struct Limits {
 }
 
 /// Where a speed is to stay (CONST_VEL), accelerations are next to nothing. A law that begins or ends below a part of
-/// that speed, as it comes from a standstill or goes to one, may have more.
+/// that speed, as it comes from a standstill or goes to one, may have more: an acceleration and deceleration, mm/tick²,
+/// that the axes have at any speed of the limits. It is 0 where no speed is to stay.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Loose {
-    /// Speed, mm/tick; it is 0 where there is no such speed.
-    pub below: f32,
-    /// Acceleration and deceleration, mm/tick²: at any speed of the limits the axes have that.
-    pub a: f32,
-}
+pub struct Loose(f32);
 
 impl Loose {
     /// No speed is to stay.
-    pub const NONE: Self = Self { below: 0.0, a: 0.0 };
+    pub const NONE: Self = Self(0.0);
 
-    /// That acceleration, where `v` is to stay.
-    pub const fn of(v: f32, a: f32) -> Self {
-        Self { below: LOOSE * v, a }
+    /// With that acceleration.
+    pub const fn of(a: f32) -> Self {
+        Self(a)
+    }
+
+    /// The acceleration, mm/tick².
+    pub const fn get(self) -> f32 {
+        self.0
     }
 
     /// Whether there is such a speed.
-    pub fn is_some(&self) -> bool {
-        self.below > 0.0
+    #[inline(always)]
+    pub fn is_some(self) -> bool {
+        self.0 > 0.0
     }
 
-    /// What both permit.
-    fn join(&mut self, other: &Self) {
-        *self = Self { below: min(self.below, other.below), a: min(self.a, other.a) };
+    /// No more than that.
+    pub fn lower(&mut self, a: f32) {
+        self.0 = min(self.0, a);
+    }
+
+    /// That part of it.
+    pub fn scale(&mut self, part: f32) {
+        self.0 *= part;
     }
 }
 
@@ -162,8 +169,7 @@ impl Limits {
         laws && near(self.v, other.v, ALIKE_SPEED)
             && near(self.a_up, other.a_up, ALIKE)
             && near(self.a_down, other.a_down, ALIKE)
-            && near(self.loose.below, other.loose.below, ALIKE_SPEED)
-            && near(self.loose.a, other.loose.a, ALIKE)
+            && near(self.loose.get(), other.loose.get(), ALIKE)
     }
 
     /// Becomes what both permit; of the speeds the higher one.
@@ -172,7 +178,7 @@ impl Limits {
         self.v = max(self.v, other.v);
         self.a_up = min(self.a_up, other.a_up);
         self.a_down = min(self.a_down, other.a_down);
-        self.loose.join(&other.loose);
+        self.loose.lower(other.loose.get());
         match (&mut self.law, &other.law) {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
             (SlopeLaw::Stepped { change_over, still, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
@@ -222,27 +228,27 @@ impl Limits {
     fn lets_change(&self, [v, w]: [Speed; 2], length: f32) -> bool {
         let (low, high) = (v.min(w).to_bits(), v.max(w).to_bits());
         let [low, dv] = [low, high - low].map(speed_f32);
-        low < self.loose.below || self.brake().distance(low, dv)[0] > length
+        low < self.lowest() || self.brake().distance(low, dv)[0] > length
     }
 
     /// Whether a law that has that speed at one end may have all of the acceleration that the axes have.
     #[inline(always)]
     pub(crate) fn is_loose_at(&self, low: Speed) -> bool {
-        self.loose.is_some() && speed_f32(low.to_bits()) < self.loose.below
+        self.loose.is_some() && speed_f32(low.to_bits()) < self.lowest()
     }
 
     /// Those of a law that may have that acceleration: it is no faster than `high`, mm/tick, and the low speed.
     #[cold]
     #[inline(never)]
     pub(crate) fn loosened_to(&self, high: f32) -> Self {
-        Self { v: min(self.v, max(high, self.loose.below)), ..self.loosened() }
+        Self { v: min(self.v, max(high, self.lowest())), ..self.loosened() }
     }
 
     /// With all of the acceleration that the axes have.
     #[cold]
     #[inline(never)]
     pub(crate) fn loosened(&self) -> Self {
-        let (mut limits, a) = (*self, self.loose.a);
+        let (mut limits, a) = (*self, self.loose.get());
         (limits.a_up, limits.a_down) = (max(a, limits.a_up), max(a, limits.a_down));
         if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut limits.law {
             (*a_up, *a_down, *still) = (max(a, *a_up), max(a, *a_down), max(a, *still));
@@ -253,7 +259,19 @@ impl Limits {
     /// The slope that loses speed with all of the acceleration that the axes have, seen backward from the lower speed.
     #[inline(always)]
     pub(crate) fn loose_brake(&self) -> Ramp {
-        if self.loose.is_some() { self.loosened().brake() } else { self.brake() }
+        if self.loose.is_some() { self.loosened_brake() } else { self.brake() }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn loosened_brake(&self) -> Ramp {
+        self.loosened().brake()
+    }
+
+    /// Where a speed is to stay, that is so from this one on, mm/tick.
+    #[inline(always)]
+    fn lowest(&self) -> f32 {
+        LOOSE * self.v
     }
 
     /// Those of a way to a standstill with these decelerations and jerks, at its begin and at its end: with STEP the
@@ -342,7 +360,7 @@ impl Limits {
         let mut limits = *self;
         let square = min(part * part * (2.0 - ROUNDED), 1.0);
         limits.v *= part;
-        limits.loose = Loose { below: self.loose.below * part, a: self.loose.a * square };
+        limits.loose.scale(square);
         limits.a_up *= square;
         limits.a_down *= square;
         if let SlopeLaw::JerkLimited { j, .. } = &mut limits.law {
@@ -450,7 +468,7 @@ impl Limits {
     pub(crate) fn scale_accelerations(&mut self, part: f32) {
         self.a_up *= part;
         self.a_down *= part;
-        self.loose.a *= part;
+        self.loose.scale(part);
         if let SlopeLaw::Stepped { a_up, a_down, .. } = &mut self.law {
             *a_up *= part;
             *a_down *= part;
@@ -461,7 +479,7 @@ impl Limits {
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);
         self.a_down = min(a, self.a_down);
-        self.loose.a = min(a, self.loose.a);
+        self.loose.lower(a);
         if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut self.law {
             *a_up = min(*a_up, a);
             *a_down = min(*a_down, a);
