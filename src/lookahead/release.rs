@@ -255,7 +255,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (mut blocks, mut length, mut kept) = (1u16, first.length, first.is(Marks::KEPT));
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
-        let mut limits = first.limits;
+        // In its place: this is deep in the stack.
+        release.limits = first.limits;
         let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
             match ring.next() {
@@ -264,7 +265,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                         ease = block.ease();
                     }
                     v_least = min(v_least, min(block.cap, block.speed()));
-                    limits.join(&block.limits);
+                    release.limits.join(&block.limits);
                     override_range.join(block.override_range);
                     (any, all) = (any.or(block.joint), all.and(block.joint));
                     length += block.length;
@@ -273,10 +274,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 next => break next,
             }
         };
-        v_least = min(v_least, limits.v);
-        release.a_down = max(limits.loose.get(), limits.a_down);
+        v_least = min(v_least, release.limits.v);
+        release.a_down = max(release.limits.loose.get(), release.limits.a_down);
         if blocks > 1 {
-            limits.ease(ease);
+            release.limits.ease(ease);
             // A piece of a slow block beside it is as slow as their ends.
             release.slow.shared = v_least;
             if first.continued {
@@ -294,18 +295,17 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let planned = next.v_in.max(Speed::ZERO);
             v_out = planned;
             if ends || first.is(Marks::FLAT) {
-                v_out = law::leave(&limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
+                v_out = law::leave(&release.limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
             }
         }
         if first.is(Marks::FLAT) {
             let ends = speed_f32(v_in.max(v_out).to_bits());
             // Entered slower than planned it may still be as fast as all of its blocks.
             let known = if first.is(Marks::CHECKED) { ends } else { max(v_least, ends) };
-            limits.v = min(limits.v, known);
+            release.limits.v = min(release.limits.v, known);
         }
         (release.blocks, release.slow.cruise) = (blocks, 0.0);
         release.length = Distance::from_bits(length);
-        release.limits = limits;
         (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
         release.checked.now = first.is(Marks::CHECKED) || blocks == 1;
         release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee(), first.joint.passing());
