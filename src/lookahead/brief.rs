@@ -1,5 +1,5 @@
 //! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, so that 31
-//! in a row take a tick at least.
+//! in a row take a tick at least. In a small build it passes half as many: 15 take a tick.
 //!
 //! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours
 //! would bring all of the motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which
@@ -12,8 +12,8 @@ use crate::queue::MAX_CURVES_PER_TICK;
 
 /// Blocks that take a tick together.
 const ROW: u32 = MAX_CURVES_PER_TICK - 1;
-/// Brief ones among them at most.
-const MOST_BRIEF: u32 = 11;
+/// Brief ones among them at most: a third.
+const MOST_BRIEF: u32 = ROW.div_ceil(3);
 /// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time
 /// rounding to 2^-36 tick is a 2^-18th part.
 const ALL: f32 = ROW as f32;

@@ -15,6 +15,7 @@
 //! beyond, their starts are written when the interrupt comes nearer.
 #![allow(unsafe_code)]
 use super::{SEGMENTS, Segment, Slot};
+use crate::machine::functions;
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
@@ -24,12 +25,23 @@ use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
 /// Most curves that a tick passes.
-pub const MAX_CURVES_PER_TICK: u32 = 32;
+pub const MAX_CURVES_PER_TICK: u32 = 1 << HALVINGS;
 
-/// Curves that a tick looks at: the one it is on, the next one, and those that it halves five times.
+/// How often a tick halves those that it looks at. In a small build half as many pass.
+const HALVINGS: usize = if functions::IS_SMALL { 4 } else { 5 };
+
+/// Curves that a tick looks at: the one it is on, the next one, and those that it halves.
 const WINDOW: usize = 2 + MAX_CURVES_PER_TICK as usize;
 /// How it halves them.
-const HALVES: [usize; 5] = [16, 8, 4, 2, 1];
+const HALVES: [usize; HALVINGS] = {
+    let mut halves = [1; HALVINGS];
+    let mut k = HALVINGS - 1;
+    while k > 0 {
+        k -= 1;
+        halves[k] = 2 * halves[k + 1];
+    }
+    halves
+};
 /// Starts behind a curve that are looked at from there.
 const BEHIND: usize = WINDOW - 1;
 /// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head
