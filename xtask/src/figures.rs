@@ -40,7 +40,7 @@ pub(crate) const LIMITS: [(&str, u64); 43] = [
     ("slim.ram_total_3x30", 49_152),
     ("slim.ram_total_3x120", 67_584),
     ("slim.stack_bound_start", 5632),
-    ("slim.stack_bound_poll", 4608),
+    ("slim.stack_bound_poll", 5632),
     ("slim.stack_bound_interrupt", 1024),
     ("stack.bound_tick_3_axes", 1024),
     ("stack.bound_tick_6_axes", 1024),
