@@ -534,6 +534,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
+        if self.dynamics.is_parted() && self.take_side() {
+            return Work::Working;
+        }
         if !self.intake.smoothing.is_empty() && self.round_off() {
             return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
         }
