@@ -173,6 +173,56 @@ fn a_corner_between_different_dynamics_is_rounded() {
     }
 }
 
+/// A row of Surface or of a spline goes on through a change, which acts behind it.
+#[test]
+fn a_row_goes_on_through_a_change() {
+    for slope in [1, 2, 3] {
+        let machine = machine(slope);
+        let usual = limits(slope, [1.0, 1.0], 200.0);
+        for mode in [
+            "#HSC ON [SURFACE PATH_DEV=0.1]",
+            "#HSC ON [BSPLINE PATH_DEV=0.1]",
+            "#HSC ON [OPMODE=2 CONTERROR=0.1]",
+            "G151",
+        ] {
+            for (there, back, other) in changes(slope) {
+                let text = |first: &str, between: &str| {
+                    let mut text = format!("{mode}\n{first}\n");
+                    for n in 1..=120 {
+                        let angle = f64::from(n) * 0.015;
+                        let at = [80.0 * angle.sin(), 80.0 * (1.0 - angle.cos())];
+                        let line = if n == 31 { between } else { "" };
+                        text = format!("{text}{line}\nN{n} G01 X{:.3} Y{:.3} F6000\n", at[0], at[1]);
+                    }
+                    text + "M30\n"
+                };
+                // Slowest about the change.
+                let slowest = |run: &Run| {
+                    let steps = run.ticks.windows(2).filter(|rows| (26..=36).contains(&rows[0].1));
+                    let step = |[a, b]: [[f64; 3]; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);
+                    steps.map(|rows| step([rows[0].0, rows[1].0])).fold(f64::MAX, f64::min)
+                };
+                let either = [text("", ""), text(there, "")].map(|text| run(&text, &machine));
+                let [least, longest] = either.iter().fold([f64::MAX, 0.0], |[speed, time], run| {
+                    [f64::min(speed, slowest(run)), f64::max(time, run.time())]
+                });
+                for (first, between, sides) in [("", there, [usual, other]), (there, back, [other, usual])] {
+                    let text = text(first, between);
+                    let run = run(&text, &machine);
+                    run.keeps(|n| sides[usize::from(n > 30)], None)
+                        .unwrap_or_else(|fault| panic!("slope {slope}\n{text}{fault}"));
+                    assert!(run.time() < 1.02 * longest, "slope {slope}\n{text}{} of {longest}", run.time());
+                    let speed = slowest(&run);
+                    assert!(speed > 0.7 * least, "slope {slope}\n{text}{speed} of {least}");
+                    // It acts.
+                    let alone = &either[usize::from(!first.is_empty())];
+                    assert!(run.ticks != alone.ticks || there.contains("TYPE"), "slope {slope}\n{text}");
+                }
+            }
+        }
+    }
+}
+
 /// What changes nothing is as if it were not there: a corner is rounded, a row of Surface or of a spline goes on.
 #[test]
 fn what_changes_nothing_ends_nothing() {
@@ -211,6 +261,7 @@ fn row(random: &mut Random, slope: u8, mode: &str) -> (String, Vec<Limits>) {
     let (mut weights, mut v, mut now) = ([1.0, 1.0], 200.0, slope);
     let mut at = [0.0, 0.0];
     let part = |random: &mut Random| (random.bits() % 1000) as f64 / 1000.0;
+    let arcs = !mode.contains("PTP");
     let stairs = random.bits() % 2 == 0;
     let length = [0.3, 2.0, 15.0][(random.bits() % 3) as usize];
     for n in 1..=14 {
@@ -235,7 +286,10 @@ fn row(random: &mut Random, slope: u8, mode: &str) -> (String, Vec<Limits>) {
         let way = length * (0.2 + part(random));
         let angle = if stairs { (n % 2) as f64 * std::f64::consts::FRAC_PI_2 } else { part(random) * 1.5 };
         at = [at[0] + way * angle.cos(), at[1] + way * angle.sin()];
-        text = format!("{text}N{n} G01 X{:.3} Y{:.3} F9000\n", at[0], at[1]);
+        // An arc now and then, of a third of a turn at most.
+        let arc = !stairs && arcs && random.bits() % 4 == 0;
+        let by = if arc { format!("G03 R{:.3}", 0.6 * way) } else { "G01".to_owned() };
+        text = format!("{text}N{n} {by} X{:.3} Y{:.3} F9000\n", at[0], at[1]);
     }
     (text + "M30\n", of)
 }
@@ -261,6 +315,7 @@ fn random_changes_keep_the_limits_of_both_sides() {
         let (text, of) = row(&mut random, slope, mode);
         let mut machine = machine(slope);
         machine.channel.ptp = true;
+        machine.channel.corr_v_trans_jerk = true;
         machine.channel.merge_chords = if seed % 3 == 0 { 50 } else { 0 };
         run(&text, &machine)
             .keeps(|n| of[(n as usize).clamp(1, of.len()) - 1], None)

@@ -102,10 +102,14 @@ fn both(before: &AxisData, behind: &AxisData, slopes: [SlopeType; 2]) -> AxisDat
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
+    /// What is at work beside the weights.
+    fn at_work(&self) -> Ruling {
+        Ruling { path: self.path.in_force(), slope: self.slope, joins: self.joins }
+    }
+
     /// What the program has said last beside the weights, whether it is at work or waits for its point.
     pub(super) fn said(&self) -> Ruling {
-        let at_work = Ruling { path: self.path.in_force(), slope: self.slope, joins: self.joins };
-        self.parted.as_ref().map_or(at_work, |parted| parted.behind)
+        self.parted.as_ref().map_or_else(|| self.at_work(), |parted| parted.behind)
     }
 
     /// The weights that the program has given last.
@@ -113,8 +117,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.parted.as_ref().map_or(&self.weights, |parted| &parted.weights)
     }
 
-    /// Takes in what the program says: at once, or behind so many motion blocks where `point` says so. What changes
-    /// nothing leaves no trace: `false`.
+    /// Takes in what the program says: at once, or behind so many motion blocks where `point` says so, of which the
+    /// last one has come, and none behind it. What changes nothing leaves no trace: `false`.
     #[inline(never)]
     pub(super) fn part(
         &mut self,
@@ -137,18 +141,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             return true;
         };
-        let before = self.parted.as_ref().map_or_else(|| self.said(), |parted| parted.before);
-        let passed = self.parted.as_ref().and_then(|parted| parted.passed);
-        if *ruling == before && *weights == self.weights {
-            // Taken back before a block has come.
-            self.parted = None;
-            self.rule(&before);
-        } else {
-            let (behind, weights) = (*ruling, *weights);
-            self.parted = Some(Parted { since, side: Side::Both, passed, before, behind, weights });
-            self.rule(&before.with(&behind));
-        }
-        self.change(machine);
+        let before = self.at_work();
+        // It may have been taken back before a block has come.
+        let differs = *ruling != before || *weights != self.weights;
+        let parted =
+            || Parted { since, side: Side::Before, passed: None, before, behind: *ruling, weights: *weights };
+        self.parted = differs.then(parted);
         true
     }
 

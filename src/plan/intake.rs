@@ -3,7 +3,7 @@
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
-use crate::dynamics::{Dynamics, Permitted, TooLow};
+use crate::dynamics::{Dynamics, Permitted, Side, TooLow};
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
@@ -411,11 +411,14 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// While a change of dynamics waits for its point, what goes on next has those of its side. Whether they change.
+    /// `rests`: nothing goes on before another block comes.
     #[cold]
     #[inline(never)]
-    pub(super) fn take_side(&mut self) -> bool {
+    pub(super) fn take_side(&mut self, rests: bool) -> bool {
         let Some((since, passed)) = self.dynamics.point() else { return false };
-        let side = self.intake.smoothing.side(since, passed);
+        let alone = since == self.intake.taken && self.intake.smoothing.holds();
+        // No block has come yet that the change is for.
+        let side = if alone { Side::Before } else { self.intake.smoothing.side(since, passed, rests) };
         self.dynamics.take_side(self.intake.machine, side)
     }
 
@@ -451,9 +454,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// The smoother takes a block.
     fn round(&mut self, block: &ProgrammedBlock<AXES>) {
+        if self.dynamics.is_parted() {
+            self.dynamics.take_side(self.intake.machine, Side::Both);
+        }
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
-        } else if self.functions.are_open() || self.dynamics.is_parted() {
+        } else if self.functions.are_open() || self.dynamics.is_parted() && self.intake.smoothing.has_sides()
+        {
             Parting::Functions
         } else {
             Parting::None

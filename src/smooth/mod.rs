@@ -448,16 +448,22 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
+    /// Whether what is before a change of dynamics and what is behind it are elements of their own.
+    pub fn has_sides(&self) -> bool {
+        matches!(self.kind, Kind::Contour(_))
+    }
+
     /// On which side of a change of dynamics the element is that goes on next. The change comes behind `since` motion
-    /// blocks; `passed`: before the block in which the last element began.
+    /// blocks; `passed`: before the block in which the last element began; `rests`: nothing goes on before another block
+    /// comes.
     ///
     /// A curve of contour mode has an end of its own. Any other one belongs to both sides until the block behind the
-    /// change has passed.
-    pub fn side(&self, since: u32, passed: Option<u32>) -> Side {
+    /// change has passed, and no curve over time is on its way out.
+    pub fn side(&self, since: u32, passed: Option<u32>, rests: bool) -> Side {
         match &self.kind {
             Kind::Contour(contouring) => contouring.side(since),
             _ if !self.holds() => Side::Behind,
-            _ if passed.is_some_and(|passed| passed.wrapping_sub(since) as i32 > 0) => Side::Behind,
+            _ if rests && passed.is_some_and(|passed| passed.wrapping_sub(since) as i32 > 0) => Side::Behind,
             _ => Side::Both,
         }
     }
