@@ -262,10 +262,10 @@ fn row(random: &mut Random, slope: u8, mode: &str) -> (String, Vec<Limits>) {
     let mut at = [0.0, 0.0];
     let part = |random: &mut Random| (random.bits() % 1000) as f64 / 1000.0;
     let arcs = !mode.contains("PTP");
-    let stairs = random.bits() % 2 == 0;
+    let stairs = random.bits().is_multiple_of(2);
     let length = [0.3, 2.0, 15.0][(random.bits() % 3) as usize];
     for n in 1..=14 {
-        while n > 1 && random.bits() % 3 == 0 {
+        while n > 1 && random.bits().is_multiple_of(3) {
             let percent = [20.0, 50.0, 100.0, 150.0][(random.bits() % 4) as usize];
             match random.bits() % 4 {
                 0 => (weights[0], text) = (percent / 100.0, format!("{text}G131 {percent}\n")),
@@ -287,7 +287,7 @@ fn row(random: &mut Random, slope: u8, mode: &str) -> (String, Vec<Limits>) {
         let angle = if stairs { (n % 2) as f64 * std::f64::consts::FRAC_PI_2 } else { part(random) * 1.5 };
         at = [at[0] + way * angle.cos(), at[1] + way * angle.sin()];
         // An arc now and then, of a third of a turn at most.
-        let arc = !stairs && arcs && random.bits() % 4 == 0;
+        let arc = !stairs && arcs && random.bits().is_multiple_of(4);
         let by = if arc { format!("G03 R{:.3}", 0.6 * way) } else { "G01".to_owned() };
         text = format!("{text}N{n} {by} X{:.3} Y{:.3} F9000\n", at[0], at[1]);
     }
@@ -316,7 +316,7 @@ fn random_changes_keep_the_limits_of_both_sides() {
         let mut machine = machine(slope);
         machine.channel.ptp = true;
         machine.channel.corr_v_trans_jerk = true;
-        machine.channel.merge_chords = if seed % 3 == 0 { 50 } else { 0 };
+        machine.channel.merge_chords = if seed.is_multiple_of(3) { 50 } else { 0 };
         run(&text, &machine)
             .keeps(|n| of[(n as usize).clamp(1, of.len()) - 1], None)
             .unwrap_or_else(|fault| panic!("seed {seed}\n{text}{fault}"));
