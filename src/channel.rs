@@ -254,8 +254,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
-            // What is held back before such a command runs with what was in force there: where the change cannot wait
-            // for it, it goes on first.
+            // What is held back before such a command runs with what was in force there.
             if self.decoder.restricts() && self.planning.end_row() {
                 break;
             }
@@ -483,7 +482,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 self.watch_filters();
             }
             Command::Slope(_, slope) => {
-                let kind = slope.kind.unwrap_or(self.planning.slope());
+                let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
                 if kind == SlopeType::Hsc {
                     functions::HSC.check().map_err(|needs| Error::NotEnabled(command.place(), needs))?;
                 }
@@ -505,7 +504,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 if let Some((_, name)) = others.into_iter().find(|(given, _)| limit.on && given.is_some()) {
                     return Err(Error::NotAvailable(command.place(), name));
                 }
-                self.planning.limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
+                self.planning.dynamics().limit(limit).map_err(|_| Error::PathAcceleration(head.place))?;
             }
             _ => {}
         }

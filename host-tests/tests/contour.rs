@@ -802,4 +802,10 @@ fn a_block_held_back_keeps_its_dynamics() {
             assert_ne!(run(&text).digest, alone.digest, "{text}");
         }
     }
+    // The next block begins where it ends, with what it changed.
+    for change in ["G131 20", "G133 400"] {
+        let run = run(&format!("#CONTOUR MODE ON [DEV PATH_DEV=0.1]\n{block}{change}\nN20 Y100\nM30\n"));
+        let at = run.distance([100.0, 0.0]);
+        assert!(at < 1e-3, "{change}: {at}");
+    }
 }

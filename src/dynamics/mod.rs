@@ -25,7 +25,6 @@
 mod axis;
 mod filter;
 mod override_range;
-mod parted;
 mod permitted;
 mod polynomial;
 mod stopping;
@@ -42,8 +41,6 @@ use crate::slope::ramp_shape::RampShape;
 use axis::{Axis, TransitionLimits};
 use filter::Watched;
 pub use override_range::OverrideRange;
-pub use parted::Side;
-use parted::{Parted, Ruling};
 pub use permitted::Share;
 pub use polynomial::{Curving, Near, Steady};
 pub use stopping::{Braking, Passed};
@@ -101,8 +98,6 @@ pub struct Dynamics<const AXES: usize> {
     bends_have_jerk: bool,
     /// Filters with AX_DEV.
     watched: Watched,
-    /// A change that belongs to a point before which blocks are held back.
-    parted: Option<Parted<AXES>>,
 }
 
 /// What an element permits: along the path, beside a transition, with an override.
@@ -135,7 +130,6 @@ impl<const AXES: usize> Dynamics<AXES> {
             bends_have_jerk: machine.channel.corr_v_trans_jerk,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
             watched: Watched::NONE,
-            parted: None,
         };
         // One after the other: all of them are large.
         for (axis, data) in new.axes.iter_mut().zip(&machine.axes) {
@@ -144,33 +138,27 @@ impl<const AXES: usize> Dynamics<AXES> {
         new
     }
 
-    /// Weights the axes in the elements that follow, or in those behind so many motion blocks (`point`). The
-    /// transition to the first of them belongs to both sides. Whether that changes anything.
-    pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>, point: Option<u32>) -> bool {
-        let mut weights = *self.weighted();
-        weights.set(weight);
-        self.part(machine, point, (&self.said(), &weights))
+    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both
+    /// sides.
+    pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>) {
+        self.weights.set(weight);
+        self.change(machine);
     }
 
-    /// Elements that follow, or those behind so many motion blocks (`point`), run with that slope; by default
-    /// (#SLOPE DEFAULT) with that of P-CHAN-00071. `optimised`: NO_OPT=0, which only HSC knows.
-    /// Whether that changes anything.
-    pub fn set_slope(
-        &mut self,
-        machine: &MachineData<AXES>,
-        slope: Option<SlopeType>,
-        optimised: bool,
-        point: Option<u32>,
-    ) -> bool {
+    /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
+    /// `optimised`: NO_OPT=0, which only HSC knows.
+    pub fn set_slope(&mut self, machine: &MachineData<AXES>, slope: Option<SlopeType>, optimised: bool) {
         let slope = slope.unwrap_or(SlopeType::of_profile(machine.channel.slope_profile));
-        let ruling = Ruling { slope, joins: Joins::of(slope, optimised), ..self.said() };
-        let weights = *self.weighted();
-        self.part(machine, point, (&ruling, &weights))
+        self.joins = Joins::of(slope, optimised);
+        self.count();
+        if slope != self.slope {
+            self.slope = slope;
+            self.change(machine);
+        }
     }
 
     /// As at program start: no weights, no limits along the path, the slope of P-CHAN-00071.
     pub fn restart(&mut self, machine: &MachineData<AXES>) {
-        self.parted = None;
         self.weights = Weights::new();
         self.path = PathLimits::new(&machine.channel);
         self.slope = SlopeType::of_profile(machine.channel.slope_profile);
@@ -190,29 +178,18 @@ impl<const AXES: usize> Dynamics<AXES> {
             self.before = Some(self.axes.map(|axis| [axis.feed.joint, axis.rapid.joint]));
         }
         let channel = &machine.channel;
-        for k in 0..AXES {
-            let Some(data) = self.data(k, machine) else { continue };
-            if let Some(axis) = self.axes.get_mut(k) {
-                *axis = Axis::new(&data, channel, self.slope);
-            }
+        for (k, (axis, data)) in self.axes.iter_mut().zip(&machine.axes).enumerate() {
+            *axis = Axis::new(&self.weights.apply(k, data, channel), channel, self.slope);
         }
     }
 
-    /// Sets limits along the path in the elements that follow, or in those behind so many motion blocks (`point`).
-    /// Whether that changes anything.
+    /// Sets limits along the path in the elements that follow.
     ///
     /// # Errors
     /// An acceleration is too low.
-    pub fn limit(
-        &mut self,
-        machine: &MachineData<AXES>,
-        command: &VectorLimit,
-        point: Option<u32>,
-    ) -> Result<bool, TooLow> {
-        let mut ruling = self.said();
-        self.path.set(&mut ruling.path, command)?;
-        let weights = *self.weighted();
-        Ok(self.part(machine, point, (&ruling, &weights)))
+    pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
+        self.count();
+        self.path.set(command)
     }
 
     /// An element with the weights of now has been taken in.
@@ -396,11 +373,6 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// The slope of the elements that follow.
     pub fn slope(&self) -> SlopeType {
         self.slope
-    }
-
-    /// The slope that the program has chosen last.
-    pub fn chosen_slope(&self) -> SlopeType {
-        self.said().slope
     }
 }
 

@@ -20,7 +20,7 @@ use crate::slope::limits::{Limits, SlopeLaw};
 pub struct TooLow;
 
 /// Limits along the path of one kind of motion, per tick; `f32::MAX` where there is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 struct PathLimit {
     v: f32,
     a_up: f32,
@@ -29,35 +29,13 @@ struct PathLimit {
 
 impl PathLimit {
     const NONE: Self = Self { v: f32::MAX, a_up: f32::MAX, a_down: f32::MAX };
-
-    /// The lower ones.
-    fn with(&self, other: &Self) -> Self {
-        Self {
-            v: min(self.v, other.v),
-            a_up: min(self.a_up, other.a_up),
-            a_down: min(self.a_down, other.a_down),
-        }
-    }
-}
-
-/// Limits along the path of both kinds of motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InForce {
-    feed: PathLimit,
-    rapid: PathLimit,
-}
-
-impl InForce {
-    /// The lower ones.
-    pub fn with(&self, other: &Self) -> Self {
-        Self { feed: self.feed.with(&other.feed), rapid: self.rapid.with(&other.rapid) }
-    }
 }
 
 /// The limits in force, and what is needed to understand a command.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
-    in_force: InForce,
+    feed: PathLimit,
+    rapid: PathLimit,
     channel: PathLimit,
     /// mm/tick of 1 mm/min.
     speed_unit: f32,
@@ -81,7 +59,8 @@ impl PathLimits {
         let speed_unit = cycle_s * (1.0 / 60.0);
         let milli = |value: u64| to_f32(value.min(i64::MAX as u64) as i64) / 1000.0;
         Self {
-            in_force: InForce { feed: PathLimit::NONE, rapid: PathLimit::NONE },
+            feed: PathLimit::NONE,
+            rapid: PathLimit::NONE,
             channel: PathLimit {
                 v: milli(channel.vector_velocity_milli) * speed_unit,
                 a_up: milli(channel.vector_acceleration_milli) * acceleration_unit,
@@ -94,21 +73,11 @@ impl PathLimits {
         }
     }
 
-    /// The limits in force.
-    pub fn in_force(&self) -> InForce {
-        self.in_force
-    }
-
-    /// They are in force.
-    pub fn put(&mut self, limits: &InForce) {
-        self.in_force = *limits;
-    }
-
-    /// What a command makes of `limits`.
+    /// Takes in a command.
     ///
     /// # Errors
     /// An acceleration is too low; nothing has changed.
-    pub fn set(&self, limits: &mut InForce, command: &VectorLimit) -> Result<(), TooLow> {
+    pub fn set(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
         let all = command.all.then_some(Limit::Channel);
         let value = |given: Option<Limit>, channel: f32, unit: f32| match given.or(all)? {
             _ if !command.on => Some(f32::MAX),
@@ -124,7 +93,7 @@ impl PathLimits {
         let both = command.feed == command.rapid && (command.feed || !command.on);
         let rapid = command.rapid || both;
         let feed = command.feed || both || !rapid;
-        for (chosen, limits) in [(feed, &mut limits.feed), (rapid, &mut limits.rapid)] {
+        for (chosen, limits) in [(feed, &mut self.feed), (rapid, &mut self.rapid)] {
             if chosen {
                 limits.v = v.unwrap_or(limits.v);
                 limits.a_up = a_up.unwrap_or(limits.a_up);
@@ -135,7 +104,7 @@ impl PathLimits {
     }
 
     fn of(&self, rapid: bool) -> &PathLimit {
-        if rapid { &self.in_force.rapid } else { &self.in_force.feed }
+        if rapid { &self.rapid } else { &self.feed }
     }
 
     /// VEL, mm/tick.

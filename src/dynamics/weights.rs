@@ -22,7 +22,7 @@ use crate::nc::{Value, Weight, WeightKind};
 const FULL: u32 = 100_000;
 
 /// The weights of one axis, thousandths of a percent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 struct AxisWeights {
     acceleration: u32,
     rapid_acceleration: u32,
@@ -32,7 +32,7 @@ struct AxisWeights {
 }
 
 /// The weights of all axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Weights<const AXES: usize> {
     axes: [AxisWeights; AXES],
 }

@@ -3,13 +3,13 @@
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
-use crate::dynamics::{Dynamics, Permitted, Side, TooLow};
+use crate::dynamics::{Dynamics, Permitted};
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
 use crate::nc::{
     ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType, Spline,
-    VectorLimit, Weight,
+    Weight,
 };
 use crate::path::{self, Element, PathError, Piece, Straight};
 use crate::quantity::{Distance, Position};
@@ -91,9 +91,6 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
         let Smoothed { element, end, data, curving, due, known } = smoothed;
-        if self.dynamics.is_parted() {
-            self.dynamics.pass(data.number.min(*due));
-        }
         let known = known.and_then(|known| self.dynamics.recall(known));
         let made;
         let limits = match (known, &element.bounds, curving) {
@@ -387,39 +384,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
-    /// What is held back is to run with the dynamics in force, before they change. `false`: nothing is held back, or
-    /// the change is to come at the end of it: [`Self::parting_point`]. Otherwise the corner there keeps its point. Only after
-    /// [`super::Work::Hungry`].
+    /// What is held back is to run with the dynamics in force, before they change: the corner at its end keeps its
+    /// point. `false`: nothing is held back. Only after [`super::Work::Hungry`].
     pub fn end_row(&mut self) -> bool {
         self.let_go();
-        if !self.intake.smoothing.holds() || self.may_part() {
+        if !self.intake.smoothing.holds() {
             return false;
         }
         self.intake.smoothing.cancel();
         !self.intake.smoothing.is_empty()
-    }
-
-    /// Whether a change of dynamics can wait for what is held back.
-    fn may_part(&self) -> bool {
-        let here = self.dynamics.point().is_none_or(|(since, _)| since == self.intake.taken);
-        here && self.dynamics.may_part() && self.intake.smoothing.may_part()
-    }
-
-    /// Where a change of dynamics comes that the program makes now, if not at once: behind so many motion blocks.
-    fn parting_point(&self) -> Option<u32> {
-        self.intake.smoothing.holds().then_some(self.intake.taken)
-    }
-
-    /// While a change of dynamics waits for its point, what goes on next has those of its side. Whether they change.
-    /// `rests`: nothing goes on before another block comes.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn take_side(&mut self, rests: bool) -> bool {
-        let Some((since, passed)) = self.dynamics.point() else { return false };
-        let alone = since == self.intake.taken && self.intake.smoothing.holds();
-        // No block has come yet that the change is for.
-        let side = if alone { Side::Before } else { self.intake.smoothing.side(since, passed, rests) };
-        self.dynamics.take_side(self.intake.machine, side)
     }
 
     /// A block of that length does not take too long at the speed `v`.
@@ -454,13 +427,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// The smoother takes a block.
     fn round(&mut self, block: &ProgrammedBlock<AXES>) {
-        if self.dynamics.is_parted() {
-            self.dynamics.take_side(self.intake.machine, Side::Both);
-        }
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
-        } else if self.functions.are_open() || self.dynamics.is_parted() && self.intake.smoothing.has_sides()
-        {
+        } else if self.functions.are_open() {
             Parting::Functions
         } else {
             Parting::None
@@ -479,49 +448,30 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// [`super::Work::Hungry`]. `optimised`: NO_OPT=0.
     pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
         self.let_go();
-        let (machine, point) = (self.intake.machine, self.parting_point());
-        let changes = self.dynamics.set_slope(machine, slope, optimised, point);
-        self.note_change(changes);
-    }
-
-    /// The slope that the program has chosen last.
-    pub fn slope(&self) -> SlopeType {
-        self.dynamics.chosen_slope()
+        self.intake.uniform.since = self.intake.taken;
+        self.dynamics.set_slope(self.intake.machine, slope, optimised);
     }
 
     /// Weights the axes in the blocks that follow. Only after [`super::Work::Hungry`].
     pub fn weigh(&mut self, weight: &Weight<AXES>) {
-        self.let_go();
-        let (machine, point) = (self.intake.machine, self.parting_point());
-        let changes = self.dynamics.weigh(machine, weight, point);
-        self.note_change(changes);
-    }
-
-    /// Limits along the path of the blocks that follow. Only after [`super::Work::Hungry`].
-    ///
-    /// # Errors
-    /// An acceleration is too low; nothing has changed.
-    pub fn limit(&mut self, limit: &VectorLimit) -> Result<(), TooLow> {
-        self.let_go();
-        let (machine, point) = (self.intake.machine, self.parting_point());
-        let changes = self.dynamics.limit(machine, limit, point)?;
-        self.note_change(changes);
-        Ok(())
+        let machine = self.intake.machine;
+        self.dynamics().weigh(machine, weight);
     }
 
     /// The dynamics, without what filters take from them. Only after [`super::Work::Hungry`].
     pub fn unwatched(&mut self) -> &mut Dynamics<AXES> {
-        self.let_go();
-        self.note_change(true);
-        self.dynamics.unwatch(self.intake.machine);
-        self.dynamics
+        let machine = self.intake.machine;
+        let dynamics = self.dynamics();
+        dynamics.unwatch(machine);
+        dynamics
     }
 
-    /// The dynamics change for the blocks that follow, or they do not.
-    fn note_change(&mut self, changes: bool) {
-        if changes {
-            self.intake.uniform.since = self.intake.taken;
-        }
+    /// The dynamics, for path limits of the blocks that follow. Only after
+    /// [`super::Work::Hungry`].
+    pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
+        self.let_go();
+        self.intake.uniform.since = self.intake.taken;
+        self.dynamics
     }
 
     /// The way into the look-ahead, and what is held back before it.

@@ -534,14 +534,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
-        if self.dynamics.is_parted() && self.take_side(false) {
-            return Work::Working;
-        }
         if !self.intake.smoothing.is_empty() && self.round_off() {
             return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
-        }
-        if self.dynamics.is_parted() && self.take_side(true) {
-            return Work::Working;
         }
         if self.task.flush && self.intake.smoothing.holds() {
             self.intake.smoothing.flush(false);

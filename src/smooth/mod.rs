@@ -35,7 +35,7 @@ use spline::Splining;
 #[cfg(not(feature = "contour"))]
 use straight::Straight as Contouring;
 
-use crate::dynamics::{Curving, Dynamics, Known, Side};
+use crate::dynamics::{Curving, Dynamics, Known};
 use crate::nc::{
     Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
     Tangent,
@@ -437,35 +437,6 @@ impl<const AXES: usize> Smoothing<AXES> {
             _ => {}
         }
         Ok(true)
-    }
-
-    /// Whether the dynamics may change behind the last block while it is held back: what stands for it and for its
-    /// neighbours ends at its end.
-    pub fn may_part(&self) -> bool {
-        match &self.kind {
-            Kind::Contour(contouring) => contouring.may_part(),
-            _ => true,
-        }
-    }
-
-    /// Whether what is before a change of dynamics and what is behind it are elements of their own.
-    pub fn has_sides(&self) -> bool {
-        matches!(self.kind, Kind::Contour(_))
-    }
-
-    /// On which side of a change of dynamics the element is that goes on next. The change comes behind `since` motion
-    /// blocks; `passed`: before the block in which the last element began; `rests`: nothing goes on before another block
-    /// comes.
-    ///
-    /// A curve of contour mode has an end of its own. Any other one belongs to both sides until the block behind the
-    /// change has passed, and no curve over time is on its way out.
-    pub fn side(&self, since: u32, passed: Option<u32>, rests: bool) -> Side {
-        match &self.kind {
-            Kind::Contour(contouring) => contouring.side(since),
-            _ if !self.holds() => Side::Behind,
-            _ if rests && passed.is_some_and(|passed| passed.wrapping_sub(since) as i32 > 0) => Side::Behind,
-            _ => Side::Both,
-        }
     }
 
     fn begin_hsc(&mut self, method: HscMethod) {

@@ -2,7 +2,7 @@
 //! blocks go past it.
 use super::contour::{Preset, Settings};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
-use crate::dynamics::{Dynamics, Side};
+use crate::dynamics::Dynamics;
 use crate::nc::{Contour, NcWarningKind, Place};
 use crate::path::Measure;
 
@@ -26,16 +26,6 @@ impl<const AXES: usize> Straight<AXES> {
     /// What is in force.
     pub const fn settings(&self) -> Settings {
         self.settings
-    }
-
-    /// Nothing is held back.
-    pub const fn may_part(&self) -> bool {
-        true
-    }
-
-    /// Nothing is held back.
-    pub const fn side(&self, _: u32) -> Side {
-        Side::Behind
     }
 
     /// Switching off is all that comes here.

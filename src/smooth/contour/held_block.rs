@@ -142,11 +142,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.known = None;
     }
 
-    /// Whether it is so short that it may be left out.
-    pub fn is_negligible(&self, rule: &Parameters, main: &Main) -> bool {
-        Self::is_irrelevant(&self.block.from, &self.block.to, rule, main)
-    }
-
     /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);

@@ -55,7 +55,7 @@ use self::held_block::HeldBlock;
 use self::held_blocks::HeldBlocks;
 use self::joining::{Joining, Setting};
 use self::timed::Timed;
-use crate::dynamics::{Curving, Dynamics, Side};
+use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line, straight_line};
@@ -387,42 +387,6 @@ impl<const AXES: usize> Contouring<AXES> {
                     self.cancel();
                 }
             }
-        }
-    }
-
-    /// Whether the end of the last block is a point of the path, whatever follows: it is not left out, nor a part of
-    /// a line that stands for the next one too.
-    pub fn may_part(&self) -> bool {
-        let main = &self.measure.main;
-        let goes_out = |held: &HeldBlock<AXES>| {
-            let irrelevant = held.rule.as_ref().is_some_and(|rule| held.is_negligible(rule, main));
-            held.skipped.is_some() || irrelevant
-        };
-        !self.blocks.all().into_iter().flatten().any(goes_out)
-    }
-
-    /// On which side of a change of dynamics behind `since` motion blocks the element is that goes on next.
-    pub fn side(&self, since: u32) -> Side {
-        let [held, _, last] = self.blocks.all();
-        let is_before = |held: &HeldBlock<AXES>| (held.block.data.number.wrapping_sub(since) as i32) < 0;
-        match (held, last) {
-            (_, Some(last)) if self.is_leaving => {
-                if is_before(last) {
-                    Side::Before
-                } else {
-                    Side::Behind
-                }
-            }
-            _ if self.joining.is_some() || self.course.is_some() => Side::Both,
-            _ if self.is_before || self.bridge.is_some() => Side::Both,
-            (Some(held), _) if is_before(held) => {
-                if held.rule.is_some() {
-                    Side::Both
-                } else {
-                    Side::Before
-                }
-            }
-            _ => Side::Behind,
         }
     }
 
