@@ -254,8 +254,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
-            // What is held back before such a command runs with what was in force there.
-            if self.decoder.restricts() && self.planning.end_row() {
+            if self.decoder.restricts() && self.ends_row() {
                 break;
             }
             let step = self.decoder.step();
@@ -269,6 +268,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
         }
         Ok(Progress::Working)
+    }
+
+    /// What is held back before a command that changes the dynamics runs with what was in force there. Whether it goes
+    /// on first.
+    #[cold]
+    #[inline(never)]
+    fn ends_row(&mut self) -> bool {
+        let changes = self.decoder.restriction().is_some_and(|command| self.planning.changes(&command));
+        changes && self.planning.end_row()
     }
 
     /// The text is not there yet.

@@ -809,3 +809,42 @@ fn a_block_held_back_keeps_its_dynamics() {
         assert!(at < 1e-3, "{change}: {at}");
     }
 }
+
+/// A command that changes none of that is as if it were not there: the corner is rounded, the row goes on.
+#[test]
+fn what_changes_no_dynamics_ends_no_row() {
+    for (slope, name) in [(1, "TRAPEZ"), (3, "HSC")] {
+        let mut machine = machines::with_slope(quick::<3>(1000), slope);
+        machine.channel.surface = true;
+        let run = |text: &str| run_from::<3>(text, [Position::ZERO; 3], &machine);
+        for mode in [
+            "#CONTOUR MODE ON [DEV PATH_DEV=0.5]",
+            "#HSC ON [SURFACE PATH_DEV=0.1]",
+            "#HSC ON [BSPLINE PATH_DEV=0.1]",
+            "G151",
+        ] {
+            let text = |between: &str| {
+                let before = format!("G131 80\nG132 X70\n#VECTOR LIMIT ON [VEL=5000]\n{mode}\n");
+                let row = "N10 G01 X20 F6000\nN20 X25 Y2\n";
+                format!("{before}{row}{between}\nN30 X30 Y6\nN40 X40 Y20\nM30\n")
+            };
+            let alone = run(&text(""));
+            let same = format!("#SLOPE [TYPE={name}]");
+            for nothing in [
+                same.as_str(),
+                "#SLOPE DEFAULT",
+                "G131 80",
+                "G132 X70",
+                "#VECTOR LIMIT ON [VEL=5000]",
+                "#VECTOR LIMIT OFF [ACC]",
+            ] {
+                assert_eq!(run(&text(nothing)).digest, alone.digest, "{}", text(nothing));
+            }
+            for change in
+                ["#SLOPE [TYPE=SIN2]", "G131 81", "G132 X71", "G132 Y70", "#VECTOR LIMIT ON [VEL=5001]"]
+            {
+                assert_ne!(run(&text(change)).digest, alone.digest, "{}", text(change));
+            }
+        }
+    }
+}

@@ -34,7 +34,7 @@ mod weights;
 
 use crate::machine::MachineData;
 use crate::math::float::{magnitude, max, min, size_f32};
-use crate::nc::{SlopeType, VectorLimit, Weight};
+use crate::nc::{Restriction, SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
 use crate::slope::limits::{Joins, Limits, SlopeLaw};
 use crate::slope::ramp_shape::RampShape;
@@ -190,6 +190,22 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
         self.count();
         self.path.set(command)
+    }
+
+    /// Whether a command of the program changes anything.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn differ(&self, machine: &MachineData<AXES>, command: &Restriction<AXES>) -> bool {
+        match command {
+            Restriction::Slope(slope) => {
+                let given = SlopeType::of_profile(machine.channel.slope_profile);
+                let kind = if slope.default { given } else { slope.kind.unwrap_or(self.slope) };
+                let optimised = !slope.default && slope.no_opt == Some(false);
+                kind != self.slope || Joins::of(kind, optimised) != self.joins
+            }
+            Restriction::Weight(weight) => self.weights.differ(weight),
+            Restriction::VectorLimit(limit) => self.path.differ(limit),
+        }
     }
 
     /// An element with the weights of now has been taken in.

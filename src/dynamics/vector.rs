@@ -20,7 +20,7 @@ use crate::slope::limits::{Limits, SlopeLaw};
 pub struct TooLow;
 
 /// Limits along the path of one kind of motion, per tick; `f32::MAX` where there is none.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct PathLimit {
     v: f32,
     a_up: f32,
@@ -71,6 +71,12 @@ impl PathLimits {
             least,
             arcs: channel.cir_radial_acc_limit,
         }
+    }
+
+    /// Whether a command changes any of them, or is refused.
+    pub fn differ(&self, command: &VectorLimit) -> bool {
+        let mut other = *self;
+        other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
     }
 
     /// Takes in a command.

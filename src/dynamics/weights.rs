@@ -22,7 +22,7 @@ use crate::nc::{Value, Weight, WeightKind};
 const FULL: u32 = 100_000;
 
 /// The weights of one axis, thousandths of a percent.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct AxisWeights {
     acceleration: u32,
     rapid_acceleration: u32,
@@ -32,7 +32,7 @@ struct AxisWeights {
 }
 
 /// The weights of all axes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<const AXES: usize> {
     axes: [AxisWeights; AXES],
 }
@@ -48,6 +48,13 @@ impl<const AXES: usize> Weights<AXES> {
             geometric_ramp: FULL,
         };
         Self { axes: [axis; AXES] }
+    }
+
+    /// Whether a command changes any of them.
+    pub fn differ(&self, weight: &Weight<AXES>) -> bool {
+        let mut other = *self;
+        other.set(weight);
+        other != *self
     }
 
     /// Takes in a command: it replaces all weights of its kind.

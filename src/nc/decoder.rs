@@ -9,6 +9,14 @@ use super::modal::Before;
 use super::*;
 use crate::machine::MachineData;
 
+/// A command that changes what the blocks behind it may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Restriction<const AXES: usize> {
+    Slope(Slope),
+    Weight(Weight<AXES>),
+    VectorLimit(VectorLimit),
+}
+
 /// What one call of [`Decoder::step`] achieved.
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,6 +162,26 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
         let weighs = |item: &Item| matches!(item.kind, ItemKind::WeightAll(..) | ItemKind::WeightAxes(_));
         self.interpreter.front().is_some_and(weighs)
+    }
+
+    /// That command, but for where it stands; `None` where [`Self::restricts`] says that there is none.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn restriction(&self) -> Option<Restriction<AXES>> {
+        let interpreter = &*self.interpreter;
+        if let Gathered::Single(command) = &interpreter.gathered {
+            return match command.get() {
+                Command::Slope(_, slope) => Some(Restriction::Slope(slope)),
+                Command::VectorLimit(_, limit) => Some(Restriction::VectorLimit(limit)),
+                _ => None,
+            };
+        }
+        let (kind, percent) = match interpreter.front()?.kind {
+            ItemKind::WeightAll(kind, percent) => (kind, [Some(percent); AXES]),
+            ItemKind::WeightAxes(kind) => (kind, interpreter.values),
+            _ => return None,
+        };
+        Some(Restriction::Weight(Weight { kind, percent }))
     }
 
     /// Whether the last step did so little that another one may follow in the same call of the planner: a

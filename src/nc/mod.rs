@@ -37,6 +37,7 @@ mod stream;
 mod text;
 
 pub use command::*;
+pub(crate) use decoder::Restriction;
 pub use decoder::{Decoder, DecoderMemory, Step};
 use error::{Fault, Span};
 pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};

@@ -8,8 +8,8 @@ use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
 use crate::nc::{
-    ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, SlopeType, Spline,
-    Weight,
+    ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, Restriction, SlopeType,
+    Spline, Weight,
 };
 use crate::path::{self, Element, PathError, Piece, Straight};
 use crate::quantity::{Distance, Position};
@@ -393,6 +393,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         self.intake.smoothing.cancel();
         !self.intake.smoothing.is_empty()
+    }
+
+    /// Whether a command of the program changes the dynamics of the blocks that follow.
+    pub(crate) fn changes(&self, command: &Restriction<AXES>) -> bool {
+        self.dynamics.differ(self.intake.machine, command)
     }
 
     /// A block of that length does not take too long at the speed `v`.
