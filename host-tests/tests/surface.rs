@@ -7,6 +7,7 @@ use host_tests::cam;
 use host_tests::cases::random::Random;
 use host_tests::trace::{Run, run_text};
 use host_tests::walk::{judge, machine, walk};
+use std::ops::Range;
 
 fn go<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Run {
     run_text::<AXES, 120>(text, [Position::ZERO; AXES], machine, 1).unwrap_or_else(|e| panic!("{e}\n{text}"))
@@ -20,7 +21,7 @@ fn smoothed(seed: u64, [dev, track]: [f64; 2]) -> [String; 2] {
     [on, "#HSC OFF".to_owned()]
 }
 
-fn seeds(default: u64) -> std::ops::Range<u64> {
+fn seeds(default: u64) -> Range<u64> {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
     let first = number("SURFACE_FIRST").unwrap_or(0);
     first..first + number("SURFACE_SEEDS").unwrap_or(default)
@@ -65,26 +66,177 @@ fn chords(feed: u32, words: &str, on: &str) -> String {
     text + words + "X240\n#HSC OFF\nM30\n"
 }
 
+/// Largest distance from a circle behind chords, um, inside and outside, and the time, s. A line leads into it and out
+/// of it.
+fn beside_circle(radius: f64, chords: u32, ramp: u32) -> ([f64; 2], f64) {
+    let mut text = "#HSC ON [SURFACE PATH_DEV=0.1]\nG01 X120 F20000\n".to_owned();
+    for k in 1..=chords {
+        let a = f64::from(k) * std::f64::consts::TAU / f64::from(chords);
+        text += &format!("X{:.6} Y{:.6}\n", 120.0 + radius * a.sin(), radius * (1.0 - a.cos()));
+    }
+    let run = go::<3>(&(text + "X240\nM30\n"), &machine(ramp, 3));
+    let rows: Vec<_> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+    let begins = rows.iter().position(|row| row[0] >= 120.0).expect("the circle");
+    let ends = rows.iter().rposition(|row| row[0] <= 120.0).expect("the circle");
+    let off = |row: &Vec<f64>| 1e3 * ((row[0] - 120.0).hypot(row[1] - radius) - radius);
+    let off = rows[begins..=ends]
+        .iter()
+        .map(off)
+        .fold([0.0, 0.0], |[inside, outside]: [f64; 2], off| [inside.max(-off), outside.max(off)]);
+    (off, run.trace.len() as f64 * 1e-3)
+}
+
 /// D3-159: chords of a circle are passed at the feed, and the feed is never exceeded.
 #[test]
 fn chords_of_a_circle_run_at_the_feed_d3_159() {
-    let run = go::<3>(&chords(20_000, "", "#HSC ON [SURFACE PATH_DEV=0.1]"), &machine(50_000, 3));
-    let rows: Vec<_> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
-    let mut at_feed = 0;
-    for pair in rows.windows(2) {
-        let v = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) * 1000.0;
-        assert!(v <= 20_000.0 / 60.0 * (1.0 + 1e-6), "{v} mm/s");
-        at_feed += u32::from(v > 0.99 * 20_000.0 / 60.0 && pair[0][1] > 20.0);
+    for ramp in [50_000, 150_000] {
+        let run = go::<3>(&chords(20_000, "", "#HSC ON [SURFACE PATH_DEV=0.1]"), &machine(ramp, 3));
+        let rows: Vec<_> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+        let mut at_feed = 0;
+        for pair in rows.windows(2) {
+            let v = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) * 1000.0;
+            assert!(v <= 20_000.0 / 60.0 * (1.0 + 1e-6), "{v} mm/s");
+            at_feed += u32::from(v > 0.99 * 20_000.0 / 60.0 && pair[0][1] > 20.0);
+        }
+        assert!(ramp > 50_000 || at_feed > 1000, "{at_feed} ticks");
+        // The circle behind the chords comes back, from where the line ends to where the next one begins.
+        let begins = rows.iter().position(|row| row[0] >= 160.0).expect("the circle");
+        let ends = rows.iter().rposition(|row| row[0] <= 160.0).expect("the circle");
+        for row in &rows[begins..=ends] {
+            let off = (row[0] - 160.0).hypot(row[1] - 80.0) - 80.0;
+            assert!(off.abs() <= 0.01, "{off} at {row:?}");
+        }
     }
-    assert!(at_feed > 1000, "{at_feed} ticks");
-    // The circle behind the chords comes back; in the first and the last ten millimetres less so.
-    let begins = rows.iter().position(|row| row[0] >= 160.0).expect("the circle");
-    let ends = rows.iter().rposition(|row| row[0] <= 160.0).expect("the circle");
-    for row in &rows[begins..=ends] {
-        let off = (row[0] - 160.0).hypot(row[1] - 80.0) - 80.0;
-        let way = 80.0 * ((row[0] - 160.0).abs() / 80.0).min(1.0).asin();
-        let most = if row[1] > 80.0 || way > 10.0 { 0.01 } else { 0.031 };
-        assert!(off.abs() < most, "{off} at {row:?}, {way} mm behind the line");
+}
+
+/// D3-159: where a line goes over into a curve of other radii and chords, most of the ramp of curvature lies on the
+/// line too. Radius, chords, and the largest distance from the circle, µm; evenly on both sides it is 27, 28, 27, 23, 17
+/// and 11.
+#[test]
+fn a_line_leads_into_a_curve_d3_159() {
+    for (radius, chords, most) in [
+        (70.0, 220, 21.0),
+        (80.0, 168, 13.0),
+        (100.0, 157, 11.0),
+        (120.0, 126, 10.0),
+        (160.0, 168, 8.0),
+        (250.0, 262, 6.0),
+    ] {
+        let (off, time) = beside_circle(radius, chords, 50_000);
+        println!("radius {radius}, {chords} chords: {off:.1?} um, {time} s");
+        assert!(off.iter().all(|off| *off <= most), "radius {radius}, {chords} chords: {off:?}");
+    }
+}
+
+/// D3-159: leading takes hardly any time, and none where nothing is gained by it: before narrow curves, and where the
+/// window has no room. Radius, length of chords, and the times with ramps of 50 and 150 ms without it, s.
+#[test]
+fn leading_takes_hardly_any_time_d3_159() {
+    for (radius, chord, times) in [
+        (25.0, 1.0, [1.861, 2.309]),
+        (30.0, 1.0, [1.930, 2.387]),
+        (40.0, 1.0, [2.042, 2.485]),
+        (50.0, 5.0, [2.138, 2.593]),
+        (60.0, 1.0, [2.240, 2.688]),
+        (60.0, 6.0, [2.234, 2.720]),
+        (100.0, 1.0, [2.832, 3.263]),
+        (100.0, 6.0, [2.826, 3.087]),
+        (140.0, 3.0, [3.580, 3.763]),
+    ] {
+        let chords = (radius * std::f64::consts::TAU / chord).round() as u32;
+        for (ramp, without) in [50_000, 150_000].into_iter().zip(times) {
+            let (off, time) = beside_circle(radius, chords, ramp);
+            println!("radius {radius}, {chords} chords: {off:.1?} um, {time} s, without {without} s");
+            assert!(time <= without * 1.02, "radius {radius}, {chords} chords, ramps of {ramp} µs: {time} s");
+        }
+    }
+}
+
+/// A line of 120 mm, three quarters of a circle in such chords, and a line of 60 mm, mm.
+fn led_in_and_out(radius: f64, chords: u32) -> Vec<[f64; 2]> {
+    let mut points = vec![[0.0, 0.0], [120.0, 0.0]];
+    points.extend((1..=chords).map(|k| {
+        let a = 0.75 * f64::from(k) * std::f64::consts::TAU / f64::from(chords);
+        [120.0 + radius * a.sin(), radius * (1.0 - a.cos())]
+    }));
+    points.push([120.0 - radius, radius - 60.0]);
+    points.into_iter().map(|point| point.map(|x| (x * 1e6).round() * 1e-6)).collect()
+}
+
+/// Along points, from the first one, which is made zero.
+fn along(points: &[[f64; 2]], ramp: u32) -> Run {
+    let mut text = "#HSC ON [SURFACE PATH_DEV=0.1]\nG01 F20000\n".to_owned();
+    for [x, y] in &points[1..] {
+        text += &format!("X{:.6} Y{:.6}\n", x - points[0][0], y - points[0][1]);
+    }
+    go::<3>(&(text + "M30\n"), &machine(ramp, 3))
+}
+
+/// The largest distance of rows of what is led into and out of from the circle, µm; its path begins at `from`.
+fn off_three_quarters((run, rows): (&Run, Range<usize>), radius: f64, from: [f64; 2]) -> f64 {
+    let off = |row: usize| {
+        let q = run.trace.mm(row);
+        let [x, y] = [q[0] + from[0] - 120.0, q[1] + from[1] - radius];
+        // Before the first joint, and behind the last one.
+        if x < 0.0 && y < 0.0 { 0.0 } else { 1e3 * (x.hypot(y) - radius).abs() }
+    };
+    rows.map(off).fold(0.0, f64::max)
+}
+
+/// D3-159: mirrored, turned and the other way round a line leads into a curve alike.
+#[test]
+fn a_line_leads_alike_in_every_direction_d3_159() {
+    for (radius, chords, ramp) in [(80.0, 48, 50_000), (100.0, 118, 150_000), (160.0, 94, 50_000)] {
+        let points = led_in_and_out(radius, chords);
+        let run = along(&points, ramp);
+        let turned: [fn([f64; 2]) -> [f64; 2]; 3] = [|[x, y]| [-x, y], |[x, y]| [x, -y], |[x, y]| [-y, x]];
+        let back: [fn([i64; 2]) -> [i64; 2]; 3] = [|[x, y]| [-x, y], |[x, y]| [x, -y], |[x, y]| [y, -x]];
+        for (turned, back) in turned.into_iter().zip(back) {
+            let other = along(&points.iter().copied().map(turned).collect::<Vec<_>>(), ramp);
+            assert_eq!(run.trace.len(), other.trace.len());
+            let xy = |run: &Run, row| [run.trace.columns[0][row], run.trace.columns[1][row]];
+            for row in 0..run.trace.len() {
+                let (a, b) = (xy(&run, row), back(xy(&other, row)));
+                assert!((0..2).all(|k| (a[k] - b[k]).abs() <= 2), "row {row}: {a:?} {b:?}");
+            }
+        }
+        let reversed: Vec<_> = points.iter().rev().copied().collect();
+        let other = along(&reversed, ramp);
+        let off = [(&run, [0.0; 2]), (&other, reversed[0])]
+            .map(|(run, from)| off_three_quarters((run, 0..run.trace.len()), radius, from));
+        println!("radius {radius}: {off:.2?} µm, {} and {} ticks", run.trace.len(), other.trace.len());
+        assert!(off[0] > 1.0 && (off[0] - off[1]).abs() <= 0.5, "radius {radius}: {off:?}");
+    }
+}
+
+/// D3-158, D3-159: a point less near where a line leads into a curve, or one that is 2 µm elsewhere, changes little.
+#[test]
+fn a_line_leads_much_the_same_with_other_points_d3_158() {
+    for ramp in [50_000, 150_000] {
+        let points = led_in_and_out(80.0, 126);
+        let measured = |points: &[[f64; 2]]| {
+            let run = along(points, ramp);
+            let rows = 0..run.trace.len() / 2;
+            (off_three_quarters((&run, rows), 80.0, [0.0; 2]), run.trace.len() as f64 * 1e-3)
+        };
+        let (off, time) = measured(&points);
+        println!("{off:.2} µm, {time:.3} s");
+        for near in 2..8 {
+            for drop in [true, false] {
+                let mut other = points.clone();
+                if drop {
+                    other.remove(near);
+                } else {
+                    other[near][1] += 0.002;
+                }
+                let (now, then) = measured(&other);
+                println!(
+                    "point {near}, {}: {now:.2} µm, {then:.3} s",
+                    if drop { "left out" } else { "2 µm" }
+                );
+                assert!(now <= off + 6.0 && then <= time * 1.02, "point {near}, left out: {drop}");
+            }
+        }
     }
 }
 

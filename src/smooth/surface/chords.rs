@@ -51,6 +51,8 @@ pub const BETWEEN: usize = 11;
 const GENTLE: f32 = 0.2;
 /// Of the kernels' width, between two vertices.
 const STEP: f32 = 0.25;
+/// Vertices at each end of a long chord, so far from each other: as far as points lead, and one more.
+const ENDS: usize = 5;
 /// A chord of so many widths is straight but for its ends.
 const LONG: f32 = 3.0;
 /// A turn (twice the sine of half the angle) of less is none.
@@ -266,11 +268,11 @@ impl<const AXES: usize> Window<AXES> {
         if chord.half {
             count = (chord.length / step) as usize + 1;
             long = count > BETWEEN;
-            count = if long { 8 } else { count };
+            count = if long { 2 * ENDS } else { count };
         } else if chord.length > step {
             long = chord.length > LONG * widest;
             if long {
-                count = 8;
+                count = 2 * ENDS;
             } else {
                 count = (chord.length / step) as usize;
                 let tolerance = parameters.tolerance(chord.programmed.feed.is_none());
@@ -284,8 +286,8 @@ impl<const AXES: usize> Window<AXES> {
         for k in 1..=count.min(BETWEEN) {
             let w = match (long, k) {
                 (false, _) => k as f32 * parts,
-                (true, ..5) => k as f32 * step / chord.length,
-                (true, _) => 1.0 - (9 - k) as f32 * step / chord.length,
+                (true, ..=ENDS) => k as f32 * step / chord.length,
+                (true, _) => 1.0 - (2 * ENDS + 1 - k) as f32 * step / chord.length,
             };
             let mut at = chord.from;
             let part = to_i64(w * ONE_30);

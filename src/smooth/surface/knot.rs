@@ -39,7 +39,7 @@ const LINE: f32 = 1.0;
 const NOTHING: f32 = 1e-6;
 
 /// Of the width of the kernel at a step of curvature: what is nearer is passed at one speed.
-const NEAR_STEP: f32 = 0.25;
+const NEAR_STEP: f32 = 0.4652;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;

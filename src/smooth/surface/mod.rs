@@ -3,7 +3,8 @@
 //!
 //! The contour is a row of vertices. Each has a kernel of its own width that rounds the polygon over a stretch
 //! of path (`knot.rs`), as wide as the tolerance permits; the vertices are moved out by as much as the kernels
-//! would cut, so that the curve behind the chords comes back (`window.rs`). What is handed on are quintics through
+//! would cut, so that the curve behind the chords comes back (`window.rs`), and more where a straight run goes over
+//! into a curve (`lead.rs`). What is handed on are quintics through
 //! position, direction and curvature at knots about half a kernel apart (`cell.rs`): far fewer than there are
 //! blocks. Whatever all of that finds in `f32`, an element goes on only after a proof in integers that it is inside
 //! the tolerance. Where the proof fails the kernels become narrower; at last the motion goes straight to the next
@@ -19,6 +20,7 @@ mod cell;
 mod chords;
 mod edges;
 mod knot;
+mod lead;
 mod parameters;
 mod window;
 
@@ -523,7 +525,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
         let first = (0..from.vertex)
             .find(|k| self.window.get(*k).is_some_and(|vertex| vertex.width > self.window.since(from, *k)));
-        self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER);
+        self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER, &self.parameters);
     }
 
     /// Straight to the next vertex of the program, where the motion stands still.
@@ -604,7 +606,9 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             return true;
         }
         if self.window.len() > 0
-            && (self.advance(dynamics) || self.window.check(&self.parameters) || self.window.move_out())
+            && (self.advance(dynamics)
+                || self.window.check(&self.parameters)
+                || self.window.move_out(&self.parameters))
         {
             return true;
         }

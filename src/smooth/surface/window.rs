@@ -351,7 +351,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// The tolerance at a vertex.
-    fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
+    pub fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
         let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
         parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false)
     }
@@ -466,7 +466,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// The next vertex gets its point of the control polygon; `false` if that has to wait.
-    pub fn move_out(&mut self) -> bool {
+    pub fn move_out(&mut self, parameters: &Parameters) -> bool {
         let k = self.moved;
         let known = self.wide.checked_sub(1);
         let is_known = self.ended && self.wide == self.len()
@@ -474,7 +474,7 @@ impl<const AXES: usize> Window<AXES> {
         if k >= self.wide || !is_known {
             return false;
         }
-        let raw = self.deviation(k);
+        let raw = self.back(k, parameters);
         if let Some(vertex) = self.vertices.get_mut(k) {
             if vertex.is(Vertex::<AXES>::FIXED) {
                 vertex.gain = 0.0;
@@ -486,6 +486,15 @@ impl<const AXES: usize> Window<AXES> {
         self.moved = k + 1;
         self.settle(k);
         true
+    }
+
+    /// What the point of a vertex is moved back by where its gain is 1: what kernels cut, less what it leads.
+    fn back(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
+        let mut back = self.deviation(k);
+        for (back, lead) in back.iter_mut().zip(self.lead(k, parameters)) {
+            *back -= lead;
+        }
+        back
     }
 
     /// The deviation of the smoothed polygon at a vertex, before points are moved.
@@ -585,7 +594,7 @@ impl<const AXES: usize> Window<AXES> {
         };
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
-        self.narrow(first, last, LITTLE);
+        self.narrow(first, last, LITTLE, parameters);
         // Kernels that turn to the other side have less beside them now.
         self.checked = first.max(1);
         true
@@ -630,12 +639,12 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// Kernels of these vertices become narrower, and their points move accordingly.
-    pub fn narrow(&mut self, from: usize, to: usize, part: f32) {
+    pub fn narrow(&mut self, from: usize, to: usize, part: f32, parameters: &Parameters) {
         let to = to.min(self.moved.saturating_sub(1));
         for sign in [1.0, -1.0] {
             // First all points go back.
             for k in from..=to {
-                let raw = self.deviation(k);
+                let raw = self.back(k, parameters);
                 if let Some(vertex) = self.vertices.get_mut(k) {
                     let gain = vertex.gain * sign;
                     for (offset, raw) in vertex.offset.iter_mut().zip(&raw) {
