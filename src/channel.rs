@@ -485,16 +485,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Slope, weights and limits along the path, for the blocks that follow.
     fn restrict(&mut self, command: &Command<AXES>) -> Result<(), Error> {
         match command {
-            Command::Slope(_, slope) if slope.default => {
-                self.planning.set_slope(None, false);
-                self.watch_filters();
-            }
             Command::Slope(_, slope) => {
-                let kind = slope.kind.unwrap_or(self.planning.dynamics().slope());
-                if kind == SlopeType::Hsc {
+                if !slope.default && slope.kind == Some(SlopeType::Hsc) {
                     functions::HSC.check().map_err(|needs| Error::NotEnabled(command.place(), needs))?;
                 }
-                self.planning.set_slope(Some(kind), slope.no_opt == Some(false));
+                self.planning.set_slope(slope);
                 self.watch_filters();
             }
             Command::Weight(head, weight) => {

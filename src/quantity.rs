@@ -67,6 +67,9 @@ quantity!(
     /// Duration or instant, ticks, LSB 2^-36.
     Time, U28F36, u64);
 
+/// An LSB of a [`Distance`], mm.
+pub const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
+
 /// The LSB of [`Speed`], [`Accel`] and [`Jerk`], 2^-58, as a factor.
 pub const SPEED_LSB: f32 = 1.0 / (1u64 << 58) as f32;
 

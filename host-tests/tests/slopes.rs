@@ -306,3 +306,27 @@ fn a_block_between_two_slow_ends_has_a_plan() {
     let planned = profile.plan(length, Speed::from_bits(25_793_776), Speed::from_bits(10_310_111), &limits);
     assert_eq!(planned, Ok(()));
 }
+
+/// Where a speed is to stay (CONST_VEL), a law from a standstill has the acceleration that the axes leave, up to a quarter of
+/// the speed or to the one that it ends with; from a quarter on the speed stays.
+#[test]
+fn a_speed_that_stays_is_left_below_its_quarter_alone() {
+    let of = |loose: Loose, speeds: [f32; 2]| {
+        let law = SlopeLaw::JerkLimited { shape: RampShape::Linear, joins: Joins::Alike, j: [1e-4; 4] };
+        let limits = Limits { v: 0.1, a_up: 1e-8, a_down: 1e-8, law, loose };
+        let [v_in, v_out] = speeds.map(|v| Speed::from_bits(glidepath::quantity::speed_bits(v)));
+        let mut profile = Profile::default();
+        profile.plan(Distance::from_bits(10 << 44), v_in, v_out, &limits).expect("it is long enough");
+        (profile.peak().to_bits() as f64 / (1_u64 << 58) as f64, profile.time())
+    };
+    let [kept, loose] = [Loose::NONE, Loose::of(1e-3)];
+    let (peak, time) = of(loose, [0.0, 0.0]);
+    assert!((0.0249..0.02501).contains(&peak), "from a standstill to one {peak}");
+    assert!(time < of(kept, [0.0, 0.0]).1, "not later than with what the speed may change by");
+    let (peak, _) = of(loose, [0.0, 0.06]);
+    assert!((0.0599..0.06001).contains(&peak), "from a standstill {peak}");
+    let (peak, _) = of(loose, [0.03, 0.03]);
+    assert!((0.03..0.0303).contains(&peak), "above the quarter {peak}");
+    let (peak, _) = of(loose, [0.02, 0.02]);
+    assert!((0.0249..0.02501).contains(&peak), "below it {peak}");
+}

@@ -34,7 +34,7 @@ mod weights;
 
 use crate::machine::MachineData;
 use crate::math::float::{magnitude, max, min, size_f32};
-use crate::nc::{Restriction, SlopeType, VectorLimit, Weight};
+use crate::nc::{Restriction, Slope, SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
 use crate::slope::limits::{Joins, Limits, SlopeLaw};
 use crate::slope::ramp_shape::RampShape;
@@ -147,14 +147,22 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
     /// `optimised`: NO_OPT=0, which only HSC knows.
-    pub fn set_slope(&mut self, machine: &MachineData<AXES>, slope: Option<SlopeType>, optimised: bool) {
-        let slope = slope.unwrap_or(SlopeType::of_profile(machine.channel.slope_profile));
-        self.joins = Joins::of(slope, optimised);
+    pub fn set_slope(&mut self, machine: &MachineData<AXES>, command: &Slope) {
+        let slope;
+        (slope, self.joins) = self.slope_of(machine, command);
         self.count();
         if slope != self.slope {
             self.slope = slope;
             self.change(machine);
         }
+    }
+
+    /// The slope behind a command, and how its blocks join.
+    fn slope_of(&self, machine: &MachineData<AXES>, command: &Slope) -> (SlopeType, Joins) {
+        let &Slope { default, kind, no_opt } = command;
+        let given = SlopeType::of_profile(machine.channel.slope_profile);
+        let slope = if default { given } else { kind.unwrap_or(self.slope) };
+        (slope, Joins::of(slope, !default && no_opt == Some(false)))
     }
 
     /// As at program start: no weights, no limits along the path, the slope of P-CHAN-00071.
@@ -197,12 +205,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     #[inline(never)]
     pub(crate) fn differ(&self, machine: &MachineData<AXES>, command: &Restriction<AXES>) -> bool {
         match command {
-            Restriction::Slope(slope) => {
-                let given = SlopeType::of_profile(machine.channel.slope_profile);
-                let kind = if slope.default { given } else { slope.kind.unwrap_or(self.slope) };
-                let optimised = !slope.default && slope.no_opt == Some(false);
-                kind != self.slope || Joins::of(kind, optimised) != self.joins
-            }
+            Restriction::Slope(slope) => self.slope_of(machine, slope) != (self.slope, self.joins),
             Restriction::Weight(weight) => self.weights.differ(weight),
             Restriction::VectorLimit(limit) => self.path.differ(limit),
         }

@@ -7,10 +7,8 @@ use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::path::{Bounds, Passage};
-use crate::quantity::Distance;
+use crate::quantity::{DISTANCE_LSB, Distance};
 use crate::slope::limits::{Limits, Loose, SlopeLaw, lower};
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Part of `a_max` and of `B` inside an element whose path is time.
 const TIMED_PART: f32 = 0.988;
@@ -174,7 +172,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         curving: Curving,
     ) -> Permitted {
         let rapid = feed.is_none();
-        let length = to_f32(length.to_bits()) * LSB_44;
+        let length = to_f32(length.to_bits()) * DISTANCE_LSB;
         if let Passage::Timed(speed) = bounds.passage {
             return self.timed(bounds, speed, feed);
         }

@@ -11,14 +11,14 @@
 //! its peak, its highest speed is lowered. After a few rounds it keeps all limits, or the anchor stays; as it
 //! does where that law takes longer.
 use super::block::{Marks, UNPLANNED};
-use super::law::{LSB_44, Law, RISE, Span};
+use super::law::{Law, RISE, Span};
 use super::plan::spend;
 use super::ring::Ring;
 use super::valley::{self, Valley};
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
-use crate::quantity::{Speed, speed_f32};
+use crate::quantity::{DISTANCE_LSB, Speed, speed_f32};
 use crate::slope::limits::Limits;
 
 impl Limits {
@@ -433,15 +433,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// Compares the law with some of the blocks.
     fn compare(&mut self, pass: &mut Trial, valley: &mut Valley) {
-        let length = to_f32(pass.spans[0].length) * LSB_44;
+        let length = to_f32(pass.spans[0].length) * DISTANCE_LSB;
         for _ in 0..STEPS {
             let block = match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next < pass.to => block,
                 _ => return self.compared(pass, valley),
             };
-            let start = to_f32(pass.cursor.way.max(0)) * LSB_44;
+            let start = to_f32(pass.cursor.way.max(0)) * DISTANCE_LSB;
             pass.cursor.way += block.length;
-            let end = to_f32(pass.cursor.way.min(pass.spans[0].length)) * LSB_44;
+            let end = to_f32(pass.cursor.way.min(pass.spans[0].length)) * DISTANCE_LSB;
             let cap = if pass.cursor.next > pass.from { block.cap() } else { f32::MAX };
             for (v, places) in [(cap, [start; 2]), (block.speed(), [start, end])] {
                 if pass.law.keeps(v, places[0], places[1]) {
@@ -499,7 +499,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Some(Excess { way, v, .. }) = pass.search.worst.get(side).copied().flatten() else {
             return self.keep_anchor(pass);
         };
-        let length = to_f32(pass.spans[0].length) * LSB_44;
+        let length = to_f32(pass.spans[0].length) * DISTANCE_LSB;
         let at = if side == 0 { way } else { length - way };
         for _ in 0..LAWS {
             if slow - fast <= 1 {

@@ -2,7 +2,7 @@
 use super::block::{Block, Marks};
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
-use crate::quantity::{Speed, speed_bits, speed_f32};
+use crate::quantity::{DISTANCE_LSB, Speed, speed_bits, speed_f32};
 use crate::slope::limits::Limits;
 use crate::slope::profile::peak_above;
 use crate::slope::ramp::Ramp;
@@ -41,8 +41,6 @@ pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
 /// A distance in a span is good to this part of its length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
-
-pub(super) const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl Span {
     /// No block.
@@ -90,7 +88,7 @@ impl Span {
     }
 
     fn millimetres(&self) -> f32 {
-        to_f32(self.length) * LSB_44
+        to_f32(self.length) * DISTANCE_LSB
     }
 
     pub fn faster(&self, ramp: &Ramp, low: Speed, cap: f32) -> Speed {
@@ -100,12 +98,8 @@ impl Span {
     /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves
     /// unused may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
-        let loose;
-        let mut limits = &self.limits;
-        if limits.is_loose_at(v_out) {
-            loose = limits.loosened_to(0.0);
-            limits = &loose;
-        }
+        let mut room = None;
+        let limits = self.limits.near(v_out, &mut room);
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
@@ -117,12 +111,8 @@ impl Span {
     /// Whether it permits the higher one of both speeds, and is long enough from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
         let (low, high) = (v_in.min(v_out), v_in.max(v_out));
-        let loose;
-        let mut limits = &self.limits;
-        if limits.is_loose_between([v_in, v_out], self.millimetres()) {
-            loose = limits.loosened();
-            limits = &loose;
-        }
+        let mut room = None;
+        let limits = self.limits.between([v_in, v_out], self.millimetres(), &mut room);
         let ramp = if v_out < v_in { limits.brake() } else { limits.speed_up() };
         let [low_f32, dv] = [low.to_bits(), high.to_bits() - low.to_bits()].map(speed_f32);
         high.to_bits() <= speed_bits(self.limits.v) && ramp.distance(low_f32, dv)[0] <= self.millimetres()
@@ -143,12 +133,8 @@ impl Law {
     };
 
     pub fn new(span: &Span, v_in: Speed, v_out: Speed, firm: bool) -> Self {
-        let loose;
-        let mut limits = &span.limits;
-        if limits.is_loose_between([v_in, v_out], span.millimetres()) {
-            loose = limits.loosened_to(speed_f32(v_in.max(v_out).to_bits()));
-            limits = &loose;
-        }
+        let mut room = None;
+        let limits = span.limits.between([v_in, v_out], span.millimetres(), &mut room);
         let (up, down) = (limits.speed_up(), limits.brake());
         let (v_in, v_out) = (v_in.to_bits(), v_out.to_bits());
         let low = v_in.max(v_out);
@@ -232,14 +218,10 @@ impl Law {
 /// short even for a standstill. `kept`: the speed at its start may have been planned for another end speed.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
-    let length = to_f32(length) * LSB_44;
+    let length = to_f32(length) * DISTANCE_LSB;
     if next >= v_in {
-        let loose;
-        let mut limits = limits;
-        if limits.is_loose_at(v_in) {
-            loose = limits.loosened_to(0.0);
-            limits = &loose;
-        }
+        let mut room = None;
+        let limits = limits.near(v_in, &mut room);
         return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
@@ -270,13 +252,13 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
 
 /// Highest speed at the start of a span, at most `v_in`, from which it can slow down to `v_out`.
 pub(super) fn enter(limits: &Limits, length: i64, v_out: Speed, v_in: Speed) -> Speed {
-    let gain = ramp_gain(&limits.loose_brake(), v_out, to_f32(length) * LSB_44);
+    let gain = ramp_gain(&limits.loose_brake(), v_out, to_f32(length) * DISTANCE_LSB);
     Speed::from_bits(v_out.to_bits().saturating_add(gain)).min(v_in)
 }
 
 /// Whether a span is long enough to slow down from `v_in` to `v_out`.
 pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed) -> bool {
-    loses(&limits.loose_brake(), to_f32(length) * LSB_44, v_in, v_out)
+    loses(&limits.loose_brake(), to_f32(length) * DISTANCE_LSB, v_in, v_out)
 }
 
 fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
@@ -306,5 +288,5 @@ fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
 
 /// Path length, mm.
 pub(super) fn length_mm(block: &Block) -> f32 {
-    to_f32(block.length) * LSB_44
+    to_f32(block.length) * DISTANCE_LSB
 }

@@ -186,13 +186,9 @@ impl Plan {
 /// Highest speed at the start of a block, from which it can slow down to `v_out`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn enters(block: &Block, share: Option<&Share>, v_out: Speed) -> Speed {
-    let mut limits = share.map_or(block.limits, |share| block.limits.shared(share));
-    let mut cap = block.cap();
-    if limits.is_loose_at(v_out) {
-        limits = limits.loosened_to(0.0);
-        cap = min(cap, limits.v);
-    }
-    faster(&limits.brake(), length_mm(block), v_out, cap)
+    let (limits, mut room) = (share.map_or(block.limits, |share| block.limits.shared(share)), None);
+    let limits = limits.near(v_out, &mut room);
+    faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v))
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {

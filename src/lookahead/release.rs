@@ -5,7 +5,7 @@ use super::law;
 use super::ring::Ring;
 use crate::dynamics::{OverrideRange, Passing};
 use crate::math::float::{max, min, to_f32};
-use crate::quantity::{Distance, Speed, speed_f32};
+use crate::quantity::{DISTANCE_LSB, Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
 /// The span at the front of the ring.
@@ -156,7 +156,7 @@ impl ReleasedSpan {
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);
-        let at = to_f32(at) * law::LSB_44;
+        let at = to_f32(at) * DISTANCE_LSB;
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
@@ -170,7 +170,7 @@ impl ReleasedSpan {
     pub fn rises(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
-        let at = to_f32(at) * law::LSB_44;
+        let at = to_f32(at) * DISTANCE_LSB;
         let speeds_up = v_in <= v && at <= law.reaches_at();
         if speeds_up && law.passes(speed_f32(v.to_bits()))[0] <= at { law.peak() } else { 0.0 }
     }

@@ -12,11 +12,11 @@
 //! where its slowing down would begin, or behind the first quarter.
 use super::block::{Marks, UNPLANNED};
 use super::ease::Trial;
-use super::law::{LSB_44, Law, RISE, Span};
+use super::law::{Law, RISE, Span};
 use super::plan::{Pass, Plan, spend};
 use super::ring::Ring;
 use crate::math::float::to_f32;
-use crate::quantity::{Speed, speed_bits};
+use crate::quantity::{DISTANCE_LSB, Speed, speed_bits};
 use crate::slope::limits::Limits;
 
 /// From the end to the front.
@@ -389,7 +389,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let Some(block) = self.blocks.get(pass.block) else { return plan.complete(self) };
             let before = pass.at;
             pass.at += block.length;
-            let [start, end] = [before, pass.at].map(|at| to_f32(at) * LSB_44);
+            let [start, end] = [before, pass.at].map(|at| to_f32(at) * DISTANCE_LSB);
             let slowest = pass.worst.map_or(f32::MAX, |worst| worst.v);
             if pass.block > from {
                 if block.cap < slowest && !pass.law.keeps(block.cap, start, start) {
@@ -496,7 +496,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;
         let Inside { law, brakes_at, .. } = &mut plan.inside;
-        let [enter, leave] = at.map(|at| to_f32(at) * LSB_44);
+        let [enter, leave] = at.map(|at| to_f32(at) * DISTANCE_LSB);
         let enters = first > from && !law.keeps(v, enter, enter);
         let leaves = behind < to && !law.keeps(v, leave, leave);
         let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys());

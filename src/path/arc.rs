@@ -12,7 +12,7 @@ use crate::math::float::{size_f32, to_f32};
 use crate::math::root::{sqrt_f32, sqrt_wide};
 use crate::math::wide::{Halves, mul_hi, mul_shift, mul_wide, square_wide};
 use crate::nc::Plane;
-use crate::quantity::{Distance, Position};
+use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// 2π, LSB 2^-60.
 const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
@@ -97,7 +97,7 @@ pub fn arc<const AXES: usize>(
         let [p, q] = [Halves::of(radius.unit[0]), Halves::of(radius.unit[1])];
         // 56 fraction bits.
         let tangent = [p.turn(outward, q.negated(), along), q.turn(outward, p, along)];
-        let bend = -(share * share) / (to_f32(len) * LSB_44) * LSB_28;
+        let bend = -(share * share) / (to_f32(len) * DISTANCE_LSB) * LSB_28;
         let mut ends = End { tangent: linear, curvature: [0.0; AXES] };
         for i in 0..2 {
             if let (Some(t), Some(c)) = (ends.tangent.get_mut(axes[i]), ends.curvature.get_mut(axes[i])) {
@@ -111,7 +111,7 @@ pub fn arc<const AXES: usize>(
     let (exit, share1) = end(&ends.radii[1], plane1, len1);
     let circle = Circle {
         plane: axes,
-        radius: to_f32(len0.min(len1)) * LSB_44,
+        radius: to_f32(len0.min(len1)) * DISTANCE_LSB,
         share: if share0 > share1 { share0 } else { share1 },
     };
     Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
@@ -316,7 +316,6 @@ fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
 /// 2^-28, 2^-44 and 2^-60.
 const LSB_28: f32 = 1.0 / (1u64 << 28) as f32;
 const LSB_60: f32 = 1.0 / (1u64 << 60) as f32;
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 fn plane_axes(plane: Plane, main: &Main) -> Result<[usize; 2], PathError> {
     let [p, q] = plane.main_axes();

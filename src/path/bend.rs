@@ -5,9 +5,9 @@ use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
 use crate::math::wide::mul_near;
+use crate::quantity::DISTANCE_LSB;
 use core::f32::consts::TAU;
 
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 /// For rounding of `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
@@ -42,7 +42,7 @@ impl<const AXES: usize> Shape<AXES> {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
         for (axis, gain) in self.gain.iter().enumerate().filter(|(_, gain)| **gain != 0) {
             if !matches!(self.curve, Curve::Poly { .. }) {
-                bounds.widen(axis, [magnitude(to_f32(*gain)) * LSB_44 * per_mm, 0.0, 0.0]);
+                bounds.widen(axis, [magnitude(to_f32(*gain)) * DISTANCE_LSB * per_mm, 0.0, 0.0]);
             }
         }
         match &self.curve {
@@ -50,7 +50,7 @@ impl<const AXES: usize> Shape<AXES> {
             Curve::Arc(arc) => self.bend_arc(arc, [from, to], per_mm, bounds),
             Curve::Poly { power, down } => {
                 let at = |distance: i64| to_f32(self.w(distance)) * LSB_62;
-                let (start, part) = (at(from), to_f32(to.wrapping_sub(from)) * LSB_44 * per_mm);
+                let (start, part) = (at(from), to_f32(to.wrapping_sub(from)) * DISTANCE_LSB * per_mm);
                 let per = per_mm / part;
                 let coefficients = self.gain.iter().zip(power).zip(down).enumerate();
                 let moves = |(_, ((gain, power), _)): &(usize, ((&i64, &[i32; 4]), _))| {
@@ -59,7 +59,7 @@ impl<const AXES: usize> Shape<AXES> {
                 for (axis, ((gain, power), down)) in coefficients.filter(moves) {
                     let scale = power_of_two(-12 - i32::from(*down));
                     let [c2, c3, c4, c5] = power.map(|c| c as f32 * scale);
-                    let whole = [to_f32(*gain) * LSB_44, c2, c3, c4, c5];
+                    let whole = [to_f32(*gain) * DISTANCE_LSB, c2, c3, c4, c5];
                     let most = hull(within(&whole, start, part));
                     let mut derivatives = hidden(&whole, per_mm);
                     for ((sum, most), n) in
@@ -77,7 +77,7 @@ impl<const AXES: usize> Shape<AXES> {
     /// ends over the cosine of half the angle between.
     fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, bounds: &mut Bounds<AXES>) {
         let Arc { a, turn, plane, .. } = *arc;
-        let [p, q] = a.map(|a| to_f32(a) * LSB_44);
+        let [p, q] = a.map(|a| to_f32(a) * DISTANCE_LSB);
         let radius = sqrt_f32(p * p + q * q);
         // 2^-61 revolutions for each 2^62 of `w`.
         let turns = magnitude(to_f32(turn)) * (1.0 / (1u64 << 61) as f32);
@@ -87,7 +87,7 @@ impl<const AXES: usize> Shape<AXES> {
             let (sin, cos) = sin_cos((mul_near(self.w(distance), turn) << 5) as u64);
             [sin, cos].map(|x| to_f32(x) * LSB_62)
         };
-        let half = 0.5 * rate * to_f32(part[1].wrapping_sub(part[0])) * LSB_44;
+        let half = 0.5 * rate * to_f32(part[1].wrapping_sub(part[0])) * DISTANCE_LSB;
         let cosine = 1.0 - 0.5 * half * half;
         let [mut x, mut y] = [0.0; 2];
         for [sin, cos] in part.map(unit) {

@@ -17,7 +17,7 @@
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
-use crate::quantity::{Distance, Position};
+use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
 /// three. Points of a straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by
@@ -35,8 +35,6 @@ const LONGEST: i64 = 1 << 54;
 /// left out may say.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// A line that may still grow.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +122,7 @@ impl<const AXES: usize> Stretch<AXES> {
 
 #[cfg_attr(feature = "fast", inline(always))]
 fn millimetres(length: Distance) -> f32 {
-    to_f32(length.to_bits()) * LSB_44
+    to_f32(length.to_bits()) * DISTANCE_LSB
 }
 
 /// 1 + |t| of a tangent.

@@ -12,7 +12,7 @@ use crate::dynamics::{OverrideRange, Permitted, Share};
 use crate::lookahead::SLOWEST;
 use crate::math::float::max;
 use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
-use crate::quantity::Position;
+use crate::quantity::{DISTANCE_LSB, Position};
 use crate::slope::limits::Limits;
 
 /// Such a block, or none. Written and read in its place: it is large.
@@ -56,8 +56,6 @@ enum Curve<const AXES: usize> {
 
 /// A line is long enough with so many ways to its speed and from it.
 const WAYS: f32 = 2.0;
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Holds a line back; what was held back before goes on.
@@ -125,7 +123,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let ways = max(limits.0.speed_up().distance(0.0, v)[0], limits.0.brake().distance(0.0, v)[0]);
         let enough = max(WAYS * ways, v * self.dynamics.smoothing(TOLERANCE_MM, pass.feed.is_none()));
         stretch.become_line(&grown);
-        (held.limits, held.pass, held.long) = (limits, *pass, length * LSB_44 >= enough);
+        (held.limits, held.pass, held.long) = (limits, *pass, length * DISTANCE_LSB >= enough);
         true
     }
 

@@ -8,7 +8,7 @@ use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
 use crate::nc::{
-    ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, Restriction, SlopeType,
+    ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, Restriction, Slope,
     Spline, Weight,
 };
 use crate::path::{self, Element, PathError, Piece, Straight};
@@ -450,11 +450,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after
-    /// [`super::Work::Hungry`]. `optimised`: NO_OPT=0.
-    pub fn set_slope(&mut self, slope: Option<SlopeType>, optimised: bool) {
-        self.let_go();
-        self.intake.uniform.since = self.intake.taken;
-        self.dynamics.set_slope(self.intake.machine, slope, optimised);
+    /// [`super::Work::Hungry`].
+    pub fn set_slope(&mut self, command: &Slope) {
+        let machine = self.intake.machine;
+        self.dynamics().set_slope(machine, command);
     }
 
     /// Weights the axes in the blocks that follow. Only after [`super::Work::Hungry`].

@@ -219,7 +219,7 @@ impl Limits {
     /// Whether a law from one speed to another, in any direction, over `length` mm may have all of the acceleration that
     /// the axes have: where the speed is to stay, if one of both speeds is low, or if the change takes it.
     #[inline(always)]
-    pub(crate) fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
+    fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
         self.loose.is_some() && self.lets_change(speeds, length)
     }
 
@@ -233,21 +233,41 @@ impl Limits {
 
     /// Whether a law that has that speed at one end may have all of the acceleration that the axes have.
     #[inline(always)]
-    pub(crate) fn is_loose_at(&self, low: Speed) -> bool {
+    fn is_loose_at(&self, low: Speed) -> bool {
         self.loose.is_some() && speed_f32(low.to_bits()) < self.lowest()
     }
 
     /// Those of a law that may have that acceleration: it is no faster than `high`, mm/tick, and the low speed.
     #[cold]
     #[inline(never)]
-    pub(crate) fn loosened_to(&self, high: f32) -> Self {
+    fn loosened_to(&self, high: f32) -> Self {
         Self { v: min(self.v, max(high, self.lowest())), ..self.loosened() }
+    }
+
+    /// Those of a law that has that speed at one end.
+    #[inline(always)]
+    pub(crate) fn near<'a>(&'a self, low: Speed, room: &'a mut Option<Self>) -> &'a Self {
+        if self.is_loose_at(low) { room.insert(self.loosened_to(0.0)) } else { self }
+    }
+
+    /// Those of a law from one speed to another, in any direction, over `length` mm.
+    #[inline(always)]
+    pub(crate) fn between<'a>(
+        &'a self,
+        [v, w]: [Speed; 2],
+        length: f32,
+        room: &'a mut Option<Self>,
+    ) -> &'a Self {
+        if !self.is_loose_between([v, w], length) {
+            return self;
+        }
+        room.insert(self.loosened_to(speed_f32(v.max(w).to_bits())))
     }
 
     /// With all of the acceleration that the axes have.
     #[cold]
     #[inline(never)]
-    pub(crate) fn loosened(&self) -> Self {
+    fn loosened(&self) -> Self {
         let (mut limits, a) = (*self, self.loose.get());
         (limits.a_up, limits.a_down) = (max(a, limits.a_up), max(a, limits.a_down));
         if let SlopeLaw::Stepped { a_up, a_down, still, .. } = &mut limits.law {

@@ -13,7 +13,7 @@ use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift, mul_wide};
-use crate::quantity::{Distance, SPEED_LSB, Speed, Time, speed_bits, speed_f32};
+use crate::quantity::{DISTANCE_LSB, Distance, SPEED_LSB, Speed, Time, speed_bits, speed_f32};
 use crate::slope::emit::TICK;
 use crate::slope::limits::{Limits, SlopeLaw};
 
@@ -65,8 +65,6 @@ pub enum Unplannable {
     /// It takes more than 2^27 ticks: only a reduced speed (P-AXIS-00214) asks for that.
     TooSlow,
 }
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Longest block: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
@@ -280,12 +278,8 @@ impl Profile {
         limits: &Limits,
         lower: bool,
     ) -> Result<(), Unplannable> {
-        let loose;
-        let mut limits = limits;
-        if limits.is_loose_between([v_in, v_out].map(Speed::from_bits), to_f32(length) * LSB_44) {
-            loose = limits.loosened_to(speed_f32(v_in.max(v_out)));
-            limits = &loose;
-        }
+        let (mut room, mm) = (None, to_f32(length) * DISTANCE_LSB);
+        let limits = limits.between([v_in, v_out].map(Speed::from_bits), mm, &mut room);
         let up = limits.speed_up();
         let down = limits.brake();
         let low = v_in.max(v_out);

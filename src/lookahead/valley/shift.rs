@@ -6,10 +6,10 @@
 use super::{Shift, Step, Valley};
 use crate::lookahead::block::{Marks, UNPLANNED};
 use crate::lookahead::ease::{self, Ease, Trial};
-use crate::lookahead::law::{LSB_44, Law, RISE, Span};
+use crate::lookahead::law::{Law, RISE, Span};
 use crate::lookahead::ring::Ring;
 use crate::math::float::to_f32;
-use crate::quantity::{Speed, speed_bits, speed_f32};
+use crate::quantity::{DISTANCE_LSB, Speed, speed_bits, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
 /// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how
@@ -67,8 +67,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// block; `None` if that law is too fast where the anchor was.
     fn shifted(&self, valley: &Valley, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
         let mut span = valley.spans[if early { 2 } else { 0 }];
-        let at =
-            to_f32(if early { valley.shift.moved + way } else { span.length - valley.shift.moved }) * LSB_44;
+        let at = to_f32(if early { valley.shift.moved + way } else { span.length - valley.shift.moved })
+            * DISTANCE_LSB;
         if way > 0 {
             span.add_piece(limits, way);
         }

@@ -4,16 +4,17 @@
 //! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all
 //! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
 //! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
+use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise, larger};
-use super::{LSB_44, Parameters};
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
+use crate::quantity::DISTANCE_LSB;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
@@ -292,7 +293,7 @@ impl Shallow {
         let v = min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check));
         // The motion may not have reached that speed yet.
         let [base, way] = held.slow;
-        let way = way + to_f32(held.length) * LSB_44;
+        let way = way + to_f32(held.length) * DISTANCE_LSB;
         let reached = base + approach.slopes[0].reach(base, way);
         let slow = if v < reached { [v, 0.0] } else { [base, way] };
         let slows = || v < SLOW * approach.reached();

@@ -6,10 +6,11 @@
 //! [`POINTS`] of them are known one by one. Beyond that, what the line is beside them adds up.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
-use super::{Form, LSB_44, Parameters, ProgrammedBlock};
+use super::{Form, Parameters, ProgrammedBlock};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, to_f32};
 use crate::path::{Measure, straight_line};
+use crate::quantity::DISTANCE_LSB;
 
 /// Points left out that are known.
 const POINTS: usize = 15;
@@ -68,7 +69,7 @@ impl<const AXES: usize> Chords<AXES> {
         let point = travel(from, &held.block.to);
         let stray = self.stray(&over, &point, length, measure).filter(|stray| stray.is_within(most));
         let (Some(stray), Ok(Some(line))) = (stray, straight_line(from, to, measure)) else { return false };
-        let whole = to_f32(line.length().to_bits()) * LSB_44;
+        let whole = to_f32(line.length().to_bits()) * DISTANCE_LSB;
         if whole >= dynamics.line(line.tangent(), held.block.data.feed).0.v * LONGEST_TICKS {
             return false;
         }

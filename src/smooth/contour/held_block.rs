@@ -1,11 +1,11 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
-use super::{Data, Form, LSB_32, LSB_44, Made, Parameters, ProgrammedBlock, Smoothed};
+use super::{Data, Form, LSB_32, Made, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
 use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
-use crate::quantity::{Distance, Position};
+use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,7 +151,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
 
     /// A length of path of a block in space, mm.
     fn in_space(element: &Element<AXES>, length: i64, measure: &Measure) -> f32 {
-        to_f32(length) * LSB_44 * space_per_path(measure, &direction(&element.entry))
+        to_f32(length) * DISTANCE_LSB * space_per_path(measure, &direction(&element.entry))
     }
 
     /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end
@@ -247,7 +247,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let tangents = self.block.element.entry.tangent.iter().zip(line.tangent());
         let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
         // No longer than what one block may take.
-        let in_time = to_f32(both) * LSB_44 < dynamics.line(line.tangent(), data.feed).0.v * LONGEST_TICKS;
+        let in_time =
+            to_f32(both) * DISTANCE_LSB < dynamics.line(line.tangent(), data.feed).0.v * LONGEST_TICKS;
         let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
         if !on_it
             || turns > TURN

@@ -8,13 +8,13 @@ use super::held_block::{HeldBlock, Stray, travel};
 use super::kernel::kernel;
 use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
-use super::{Cornering, LSB_32, LSB_44, ONE_44, Parameters, Turning};
+use super::{Cornering, LSB_32, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
 use crate::math::float::{max, min, to_bits, to_f32, to_i64};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::{Knot, distance};
 use crate::path::{Measure, Passage};
-use crate::quantity::{Distance, Position};
+use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
 /// than what the tolerance has to spare.
@@ -227,7 +227,7 @@ impl<const AXES: usize> Joining<AXES> {
         let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
         // The corner before may have had another weight, or a little more than its half.
-        let left = to_f32(held.block.element.shape.length.to_bits()) * LSB_44;
+        let left = to_f32(held.block.element.shape.length.to_bits()) * DISTANCE_LSB;
         if left < room.most[0] {
             room.most[0] = left;
             room.distances = rule.distances(room.most);
@@ -438,7 +438,7 @@ impl<const AXES: usize> Joining<AXES> {
             if symmetric.is_even() {
                 *turning = None;
                 let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return true };
-                let course = symmetric.curve(to_f32(cut.before) * LSB_44, &ends.from, &ends.to);
+                let course = symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, &ends.from, &ends.to);
                 let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
                 made.passage = cut.leave(held, next, &ends.from, setting);
                 return true;
@@ -515,7 +515,7 @@ impl<const AXES: usize> Joining<AXES> {
                 return;
             };
             *element = Some(i + 1);
-            steady.length += to_f32(length.to_bits()) * LSB_44;
+            steady.length += to_f32(length.to_bits()) * DISTANCE_LSB;
             if let Some(v) = v {
                 steady.v = min(steady.v, v);
                 return;
@@ -591,7 +591,7 @@ impl<const AXES: usize> Joining<AXES> {
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
         let (cut, reach) = Cut::even(held, next, rule, to_i64(c * ONE_44).min(most));
-        let c = to_f32(reach) * LSB_44;
+        let c = to_f32(reach) * DISTANCE_LSB;
         if c < SHORTEST {
             return;
         }
@@ -622,7 +622,7 @@ impl<const AXES: usize> Joining<AXES> {
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
         let corner = corner(held, next, setting.measure);
         let Cut { before, behind } = ends.cut;
-        let path = || to_f32(before.saturating_add(behind)) * LSB_44;
+        let path = || to_f32(before.saturating_add(behind)) * DISTANCE_LSB;
         let lead = corner.follows_master(rule, setting.measure).then(path);
         let (spaces, knots) = (corner.spaces_per_path(), [&ends.from, &ends.to]);
         let (measure, origin) = (setting.measure, &held.block.to);
@@ -652,7 +652,7 @@ impl Room {
         let mut whole = [false; 2];
         for (((most, whole), (length, side)), part) in most.iter_mut().zip(&mut whole).zip(lengths).zip(parts)
         {
-            *most = to_f32(length) * LSB_44 * (2.0 * part * rule.share);
+            *most = to_f32(length) * DISTANCE_LSB * (2.0 * part * rule.share);
             *whole = part == 0.5;
             if side.rate * *most > QUARTER {
                 *most = QUARTER / side.rate;

@@ -336,8 +336,6 @@ impl<const AXES: usize> Cornering<AXES> {
     }
 }
 
-/// 2^-44 mm, and back.
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 const ONE_44: f32 = (1u64 << 44) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;

@@ -29,14 +29,14 @@
 //!
 //! **Numbers.** Which overlap is worth it is asked in `f32`. The course is in integers over its own path: p as
 //! a part of the way of a motion, the place as a part of the path of a motion, both with 62 fraction bits.
-use super::{LSB_40, LSB_44};
+use super::LSB_40;
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::math::wide::{mul_hi_u, mul_near, mul_shift};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
-use crate::quantity::Position;
+use crate::quantity::{DISTANCE_LSB, Position};
 
 /// A change of speed between standstill and `v` along a line: mm and ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -330,7 +330,7 @@ impl Form {
             }
             let Some(length) = next.next() else { break };
             // Lengths are rounded first, and places follow.
-            *length = to_f32(s - at) * LSB_44;
+            *length = to_f32(s - at) * DISTANCE_LSB;
             at += to_bits::<44>(*length);
             count += 1;
         }
@@ -354,7 +354,7 @@ impl Form {
 
 /// A part of a path, LSB 2^-44 mm.
 fn share(path: i64, part: f32) -> i64 {
-    to_bits::<44>(to_f32(path) * LSB_44 * part)
+    to_bits::<44>(to_f32(path) * DISTANCE_LSB * part)
 }
 
 /// A course that is handed out element by element.
@@ -420,7 +420,7 @@ impl<const AXES: usize> Timed<AXES> {
     fn knot(&self, s: i64) -> Knot<AXES> {
         let [p1, v1, a1] = self.form.at(self.form.path - s);
         let [p2, v2, a2] = self.form.at(s - self.start);
-        let per = 2.0 * LSB_62 / (to_f32(self.form.path) * LSB_44);
+        let per = 2.0 * LSB_62 / (to_f32(self.form.path) * DISTANCE_LSB);
         let [sum, difference] = [a2 + a1, a2 - a1].map(|a| to_f32(a) * per);
         let mut position = self.origin;
         let mut end = End { tangent: [0; AXES], curvature: [0.0; AXES] };
@@ -443,7 +443,7 @@ impl<const AXES: usize> Timed<AXES> {
     /// Magnitudes of the third derivative at a place between changes of jerk.
     fn third_at(&self, s: i64) -> [f32; AXES] {
         let Form { path, ramp, .. } = self.form;
-        let per = 0.5 / (to_f32(ramp) * LSB_44 * (to_f32(path - ramp) * LSB_44));
+        let per = 0.5 / (to_f32(ramp) * DISTANCE_LSB * (to_f32(path - ramp) * DISTANCE_LSB));
         // The motion that runs backward has its jerk turned twice: with time and with its direction.
         let [j1, j2] = [self.form.jerk(path - s), self.form.jerk(s - self.start)];
         let [sum, difference] = [j2 - j1, j2 + j1].map(|j| j * per);

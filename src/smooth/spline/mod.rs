@@ -35,12 +35,11 @@ use crate::math::root::sqrt_f32;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Measure, Passage, line};
-use crate::quantity::Position;
+use crate::quantity::{DISTANCE_LSB, Position};
 use crate::smooth::contour::curve::{aside, direction, plus, size};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// How much longer the path of a block may be than what the axes along it travel.
 const LONGER: f32 = 1.0 + 1.0 / 1024.0;
@@ -540,7 +539,7 @@ fn piece_end<'a, const AXES: usize>(piece: &'a Option<Piece<AXES>>, other: &'a K
 /// Whether a straight block is a leg of a curve: the axes along the path travel what its path says.
 pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES>) -> bool {
     let travel = window::travel(&block.from, &block.to);
-    let length = to_f32(block.element.shape.length.to_bits()) * LSB_44;
+    let length = to_f32(block.element.shape.length.to_bits()) * DISTANCE_LSB;
     let along = size(&along(measure, AXES), &travel);
     block.form == Form::Line && along >= SHORTEST_LEG && length <= LONGER * along
 }

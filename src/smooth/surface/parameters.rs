@@ -3,7 +3,7 @@ use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::Hsc;
 use crate::path::Element;
-use crate::quantity::Position;
+use crate::quantity::{DISTANCE_LSB, Position};
 use crate::smooth::contour::half_sine;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
@@ -56,8 +56,6 @@ const ROUNDED: f32 = 1.0 + 1.0 / 65_536.0;
 
 /// An arc of so many tolerances or less is of their order.
 const SMALL_RADIUS: f32 = 4.0;
-
-const LSB_44: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// A tolerance of main axes together, in space, and of each other axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,7 +166,7 @@ impl Parameters {
         if self.cir_mode == 0 {
             return None;
         }
-        let length = to_f32(arc.shape.length.to_bits()) * LSB_44;
+        let length = to_f32(arc.shape.length.to_bits()) * DISTANCE_LSB;
         // 8·sagitta·radius is the square of the chord.
         let chord = sqrt_f32(8.0 * SAGITTA * self.path_dev * circle.radius);
         let angle = length * circle.share / circle.radius;
