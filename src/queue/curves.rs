@@ -13,12 +13,17 @@
 //! half last. What it takes the place of is out of reach in both halves, so that a start half written is out
 //! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
 //! beyond, their starts are written when the interrupt comes nearer.
+//!
+//! A slot has half of the number of its motion block. The planner counts back from the latest one that it has put in,
+//! and so does who reads what the interrupt shows ([`super::cells::whole`]): numbers in the ring must be less than
+//! 2^16 apart. A curve may stand for many motion blocks, so the planner asks whether they are ([`CurveProducer::is_crowded`]),
+//! and puts in a curve for each of them if it is so.
 #![allow(unsafe_code)]
-use super::{SEGMENTS, Segment, Slot};
+use super::SEGMENTS;
+use super::cells::{IS_WHOLE, PartWriter, Place, Segment, Track, UNITS, UnitPlace, whole};
 use crate::machine::functions;
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
-use core::cell::UnsafeCell;
 use core::hint::assert_unchecked;
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
@@ -60,6 +65,10 @@ const SHOWN: i64 = 5 << 60;
 /// it.
 const LONG: i64 = OUT_OF_REACH / 64;
 
+/// A motion block so far behind the oldest one of the ring does not become one curve with others: those that come until
+/// the oldest one is left, a curve or more for each of them, are less than 2^16 behind it.
+const MOST_APART: u32 = 1 << 15;
+
 /// Two arrays, one behind the other.
 #[repr(C)]
 struct Both<T, const A: usize, const B: usize> {
@@ -75,23 +84,10 @@ impl<T, const A: usize, const B: usize> Both<T, A, B> {
     }
 }
 
-/// The slot of a curve.
-struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
-
-// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
-// given it back, and read only by the one interrupt in between, or by the planner itself; starts and `taken`
-// pass it with release and acquire.
-unsafe impl<const AXES: usize> Sync for Place<AXES> {}
-
-impl<const AXES: usize> Place<AXES> {
-    const AS_STARTS: usize = {
-        assert!(size_of::<Self>().is_multiple_of(size_of::<Start>()), "as large as so many starts");
-        size_of::<Self>() / size_of::<Start>()
-    };
-
-    const fn blank() -> Self {
-        Self(UnsafeCell::new(Segment::BLANK))
-    }
+/// Starts as large as a slot.
+const fn as_starts<const AXES: usize>() -> usize {
+    const { assert!(size_of::<Place<AXES>>().is_multiple_of(size_of::<Start>()), "as large as so many starts") };
+    size_of::<Place<AXES>>() / size_of::<Start>()
 }
 
 /// The index `by` further in a ring of `len`.
@@ -133,16 +129,21 @@ impl Start {
 /// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
+    units: [UnitPlace<AXES>; UNITS],
     starts: Both<Start, BLOCKS, STARTS>,
     /// Curves the interrupt has left since the split.
     taken: AtomicU32,
+    /// The latest motion block of all that were put in, written by the planner.
+    latest: AtomicU32,
 }
 
 /// Puts curves in. They are numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
     slots: &'a [Place<AXES>],
+    parts: PartWriter<'a, AXES>,
     starts: &'a [Start],
     taken: &'a AtomicU32,
+    latest: &'a AtomicU32,
     /// Curves put in.
     count: u32,
     /// Those handed on.
@@ -158,6 +159,8 @@ pub struct CurveProducer<'a, const AXES: usize> {
     end: i64,
     /// There were long ones.
     long: bool,
+    /// The first one whose part is its own still.
+    kept: u32,
 }
 
 /// Follows them.
@@ -166,6 +169,8 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
+    units: &'a [UnitPlace<AXES>],
+    latest: &'a AtomicU32,
 }
 
 /// An element of a ring, where its array ends, and the way back from there to its begin, in bytes, below 0: to
@@ -204,26 +209,36 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
                 front: [const { Place::blank() }; BLOCKS],
                 back: [const { Place::blank() }; SEGMENTS],
             },
+            units: [const { UnitPlace::blank() }; UNITS],
             starts: Both {
                 front: [const { Start::zero() }; BLOCKS],
                 back: [const { Start::zero() }; STARTS],
             },
             taken: AtomicU32::new(0),
+            latest: AtomicU32::new(0),
         }
     }
 
     /// Both ends, emptied. There is one of each: they borrow it exclusively.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
-        *self.taken.get_mut() = 0;
-        let (slots, starts, taken) = (self.slots.as_slice(), self.starts.as_slice(), &self.taken);
+        const { assert!(BLOCKS + SEGMENTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits") };
+        (*self.taken.get_mut(), *self.latest.get_mut()) = (0, 0);
+        let Self { slots, units, starts, taken, latest } = self;
+        for place in slots.front.iter_mut().chain(&mut slots.back) {
+            place.clear();
+        }
+        let (slots, starts) = (slots.as_slice(), starts.as_slice());
+        let (units, taken, latest) = (&*units, &*taken, &*latest);
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
         let (start, slot) = (RingCursor::new(starts, places(starts)), RingCursor::new(slots, slots.len()));
         let layer = CurveProducer {
             slots,
+            parts: PartWriter::new(units),
             starts,
             taken,
+            latest,
             count: 0,
             handed: 0,
             shown: 0,
@@ -232,8 +247,9 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             place: 0,
             end: 0,
             long: false,
+            kept: 0,
         };
-        (layer, CurveConsumer { taken, start, slot })
+        (layer, CurveConsumer { taken, start, slot, units, latest })
     }
 }
 
@@ -253,7 +269,7 @@ const fn places(starts: &[Start]) -> usize {
     starts.len().saturating_sub(BEHIND)
 }
 
-impl<const AXES: usize> CurveProducer<'_, AXES> {
+impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// Curves that the look-ahead may have in the ring.
     pub const fn ahead(&self) -> usize {
         self.slots.len().saturating_sub(SEGMENTS)
@@ -265,17 +281,50 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
     }
 
+    /// Whether the look-ahead has all the room that there is for its curves, though they may be more.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn is_ahead_full(&self) -> bool {
+        !IS_WHOLE && self.parts.is_full(self.unit_of(self.handed))
+    }
+
+    /// Whether curves handed on have more room than there is for them or, with `more`, would have with another one.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn are_large(&self, more: bool) -> bool {
+        let taken = self.taken();
+        // On its way to a standstill without the planner the interrupt may be in the look-ahead.
+        !IS_WHOLE
+            && (self.handed.wrapping_sub(taken) as i32) > 0
+            && self.parts.is_sated([taken, self.handed].map(|number| self.unit_of(number)), more)
+    }
+
+    /// The slot of the curve with this number, of one that was put in last.
+    fn slot_of(&self, number: u32) -> Option<&Place<AXES>> {
+        let (back, len) = (self.count.wrapping_sub(number) as usize, self.slots.len());
+        self.slots.get(on(self.slot, len.saturating_sub(back), len))
+    }
+
+    /// Where the part is of the curve with this number, or the next one goes.
+    fn unit_of(&self, number: u32) -> usize {
+        if number == self.count {
+            return self.parts.next();
+        }
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        self.slot_of(number).map_or(0, |slot| unsafe { slot.unit() })
+    }
+
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
     /// over.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
-        self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
+        self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed)) || self.are_large(true)
     }
 
     /// Whether there are more than the queue takes: the last span handed on had several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
-        self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
+        self.len() > SEGMENTS as u32
+            || (self.long && self.is_far(self.handed.wrapping_sub(1)))
+            || self.are_large(false)
     }
 
     /// Whether there is more path than distances are compared over from the curve that the interrupt is on to
@@ -301,7 +350,7 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
 
     /// Path length of the curve with this number, or nothing, LSB 2^-44 mm.
     fn length(&self, number: u32) -> i64 {
-        self.recent(number).map_or(0, |segment| segment.shape.length.to_bits())
+        self.recent(number).map_or(0, |track| track.segment.length())
     }
 
     /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only of one that
@@ -334,20 +383,56 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.start(number).wrapping_add(self.length(number))
     }
 
+    /// Where the first part is that stays its own if another curve is put in: of those that the interrupt has not
+    /// left, of those of the look-ahead, and of the last one handed on.
+    fn keep(&mut self, taken: u32) -> usize {
+        let last = self.handed.saturating_sub(1);
+        self.kept = if (last.wrapping_sub(taken) as i32) < 0 { last } else { taken };
+        self.unit_of(self.kept)
+    }
+
+    /// The latest motion block of all that were put in.
+    fn latest(&self) -> u32 {
+        self.latest.load(Ordering::Relaxed)
+    }
+
+    /// The same, for others to count back from: see [`whole`].
+    pub const fn latest_word(&self) -> &'a AtomicU32 {
+        self.latest
+    }
+
+    /// The motion block of a curve of the ring.
+    pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
+        whole(self.latest(), segment.block())
+    }
+
+    /// Whether the motion block with this number, which comes next, must not become one curve with others: it would be
+    /// too far from the oldest one that may be in use, that of the slot that the next curve takes.
+    pub fn is_crowded(&self, block: u32) -> bool {
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        let oldest = self.slots.get(self.slot).map_or(0, |slot| unsafe { slot.block() });
+        block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
+    }
+
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
     /// `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
-        let Some(Place(slot)) = self.slots.get(self.slot) else { return false };
-        if self.is_full() {
+        let Some(slot) = self.slots.get(self.slot) else { return false };
+        let taken = self.taken();
+        if self.count.wrapping_sub(taken) as usize >= self.slots.len() {
             return false;
         }
-        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of
-        // planners there is one.
-        let segment = unsafe { &mut *slot.get() };
-        segment.shape.assign(shape);
+        let first = if IS_WHOLE { 0 } else { self.keep(taken) };
+        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; it has left the
+        // curves whose parts are before that of the first one kept; of planners there is one.
+        if !unsafe { self.parts.write(slot, shape, base, (n, block as u16), first) } {
+            return false;
+        }
+        if (block.wrapping_sub(self.latest()) as i32) > 0 {
+            self.latest.store(block, Ordering::Relaxed);
+        }
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.n, segment.block) = (*base, n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(self.slot, 1, self.slots.len());
@@ -472,18 +557,18 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve that was put in as the one with this number, if it is one of the last.
-    #[cfg_attr(feature = "fast", inline(always))]
-    pub fn recent(&self, number: u32) -> Option<&Segment<AXES>> {
-        let back = self.count.wrapping_sub(number) as usize;
-        let len = self.slots.len();
-        if back.wrapping_sub(1) >= len {
+    /// The curve that was put in as the one with this number, if it is one of the last. In a small build: if the
+    /// interrupt had not left it when another one was put in, or it is the last one handed on.
+    #[inline(never)]
+    pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
+        let first = if IS_WHOLE { self.count.wrapping_sub(self.slots.len() as u32) } else { self.kept };
+        if number.wrapping_sub(first) >= self.count.wrapping_sub(first) {
             return None;
         }
-        let Place(slot) = self.slots.get(on(self.slot, len - back, len))?;
-        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that; the interrupt reads
-        // too.
-        Some(unsafe { &*slot.get() })
+        let slot = self.slot_of(number)?;
+        // SAFETY: it is in there; only this end of the ring writes slots and parts, and needs `&mut self` for that; the
+        // interrupt reads too.
+        Some(unsafe { Track::new(slot, self.parts.units()) })
     }
 
     /// Takes back the curves behind the one that the interrupt is on. It stands there, at the path distance
@@ -498,7 +583,6 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     pub fn withdraw(&mut self, number: u32) {
         let first = self.taken().wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
-        let back = self.count.wrapping_sub(number);
         if self.recent(number.wrapping_sub(1)).is_none() {
             return;
         }
@@ -507,14 +591,31 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         for number in numbers(number, behind) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        let len = self.slots.len();
-        self.slot = on(self.slot, len.saturating_sub(back as usize), len);
+        self.parts.withdraw(self.unit_of(number));
+        let (back, len) = (self.count.wrapping_sub(number) as usize, self.slots.len());
+        self.slot = on(self.slot, len.saturating_sub(back), len);
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
+        self.forget(first.wrapping_sub(1));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             (self.shown, self.hidden) = (number, end);
         }
         self.show();
+    }
+
+    /// All slots but those of the curves from this one on say that they have its motion block: none that is in use is
+    /// older, and none that comes.
+    fn forget(&self, first: u32) {
+        let Some(block) = self.recent(first).map(|track| track.segment.block()) else { return };
+        let len = self.slots.len();
+        for k in self.count.wrapping_sub(first) as usize..len {
+            // From the one that the next curve takes.
+            let free = on(self.slot, len - 1 - k, len);
+            if let Some(slot) = self.slots.get(free) {
+                // SAFETY: the interrupt does not get there, and of planners there is one.
+                unsafe { slot.set_block(block) };
+            }
+        }
     }
 }
 
@@ -528,7 +629,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
     /// start; curves before it are given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one.
     /// Runs in the tick.
     #[inline(always)]
-    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
+    pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its
         // first one.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
@@ -538,7 +639,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
             // SAFETY: both are in one window, the first one in front.
             let passed = unsafe { ptr::from_ref(at).byte_offset_from_unsigned(first) };
             self.start.go_on(passed);
-            self.slot.go_on(passed * Place::<AXES>::AS_STARTS);
+            self.slot.go_on(passed * as_starts::<AXES>());
             let taken = self.taken.load(Ordering::Relaxed);
             let passed = (passed / size_of::<Start>()) as u32;
             self.taken.store(taken.wrapping_add(passed), Ordering::Release);
@@ -550,11 +651,11 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         fence(Ordering::Acquire);
         // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach,
         // the planner has put the curve in, and leaves it alone until it is given back.
-        let segment = unsafe {
+        let track = unsafe {
             assert_unchecked(!self.slot.at.is_null());
-            &*(*self.slot.at).0.get()
+            Track::new(self.slot.at, self.units.as_ptr())
         };
-        Some((segment, along))
+        Some((track, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.
@@ -566,7 +667,12 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         }
         fence(Ordering::Acquire);
         // SAFETY: as in `follow`.
-        Some(unsafe { &*(*self.slot.at).0.get() })
+        Some(unsafe { Track::new(self.slot.at, self.units.as_ptr()) }.segment)
+    }
+
+    /// The motion block of a curve of the ring.
+    pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
+        whole(self.latest.load(Ordering::Relaxed), segment.block())
     }
 }
 
