@@ -671,7 +671,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let along = stands.wrapping_sub(self.queue.segments.start(number));
             self.intake.entered = track.point(along);
             // At the end of all that was handed on, no block of the look-ahead has begun.
-            if along > 0 || number != self.queue.segments.handed() {
+            if along > 0 || number != self.queue.segments.curve_of(self.queue.segments.handed()) {
                 self.report.begun = self.queue.segments.block_of(track.segment).wrapping_add(1);
             }
         }

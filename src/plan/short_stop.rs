@@ -342,9 +342,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     if behind.wrapping_sub(end) >= 0 {
                         break;
                     }
-                    curve = curve.wrapping_add(1);
+                    curve = self.queue.segments.after(curve);
                     // The first one may have been left within: the motion stood there.
-                    let is_second = curve == begin.curve.wrapping_add(1);
+                    let is_second = curve == self.queue.segments.after(begin.curve);
                     start = if is_second { second } else { behind };
                 }
                 let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);

@@ -1,43 +1,28 @@
 //! The memory of curves ([`super::curves`]): a slot has what a line has, and what an arc or a polynomial has beside it is
 //! a part of its own.
 //!
-//! Where there is memory for it, the part lies behind the slot. In a small build parts lie in a second ring, in the
-//! order in which curves are put in, in units: a cubic takes one, an arc or another polynomial two that lie side by
-//! side, for which one at the end is left out. A slot says where its part is, and a line where the next part goes: so
-//! the slots of two curves say how much is in use between them, and nobody counts it. One unit stays empty, so that
-//! all of them in use are told from none.
-//!
-//! Curves handed on and those of the look-ahead have a share of the units each. How far the look-ahead reaches does
-//! not depend on how far the interrupt has come: the set points are the same whenever the planner is called.
+//! Where there is memory for it, each slot has room for a part behind it. In a small build a part takes the slot before
+//! its curve: a line takes one slot, any other curve two. The end of a slot is left to it then, and says that it is the
+//! slot of a part. Before the first slot of the ring there is one more, so that the part of a curve is always the slot
+//! before: a curve in the first one has its part there, and leaves out the last one.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Bounds, Linear, Shape, add_cubic, add_poly};
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
-use core::mem::MaybeUninit;
+use core::mem::{MaybeUninit, offset_of};
 
-/// Whether each slot has its part behind it. Then nobody asks for more than the number of curves.
+/// Whether each slot has a part behind it.
 pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 
 /// Parts behind a slot.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
-/// The least look-ahead (P-STUP-00071): as many curves of any kind have room. More need not be in the ring together:
-/// a span of several blocks is one of those that the look-ahead holds, and a curve of more elements passes through.
-const LEAST: usize = 10;
+/// Most slots of a curve.
+pub(super) const MOST: usize = 2 - WHOLE;
 
-/// Most units of a curve.
-const MOST: usize = 2;
-/// Units of curves handed on: so many curves of any kind as a tick may pass, with which it comes to the next one.
-const HANDED: usize = MOST * super::MAX_CURVES_PER_TICK as usize;
-/// Those of the look-ahead with which it is full.
-const AHEAD: usize = 22;
-/// All of them: before the look-ahead is full, a curve that was held back may be put in and another one; one unit may
-/// be left out at the end, and one stays empty.
-pub(super) const UNITS: usize = if IS_WHOLE { 0 } else { HANDED + AHEAD + 2 * MOST + 2 };
-
-const _: () =
-    assert!(IS_WHOLE || (AHEAD >= LEAST * MOST && UNITS <= 1 << 8), "places of 8 bits, enough of them");
+/// Slots before the first one of the ring.
+pub(super) const BEFORE: usize = MOST - 1;
 
 /// What the ring has of a line, and of every other curve too. Where it starts is in the ring as well:
 /// [`super::CurveProducer::start`].
@@ -51,9 +36,8 @@ pub struct Segment<const AXES: usize> {
     pub n: u32,
     /// The lower half of the number of its motion block: [`whole`].
     block: u16,
-    /// The unit where its part begins, or the next one.
-    unit: u8,
-    /// Shift, and above it the kind.
+    unused: u8,
+    /// Shift, and above it the kind; or [`PART`].
     form: u8,
 }
 
@@ -63,6 +47,8 @@ const LINE: u8 = 0;
 const ARC: u8 = 0x40;
 const CUBIC: u8 = 0x80;
 const POLY: u8 = 0xC0;
+/// It is the slot of a part: no shift is as large.
+const PART: u8 = 0x3F;
 
 /// The number of a motion block from its lower half and a later number, less than 2^16 behind it.
 pub(super) const fn whole(latest: u32, lower: u16) -> u32 {
@@ -93,16 +79,6 @@ union Part<const AXES: usize> {
     cubic: Cubic<AXES>,
 }
 
-/// A unit of such parts: a cubic, or half of any other.
-#[repr(C)]
-pub(super) union Unit<const AXES: usize> {
-    cubic: Cubic<AXES>,
-    half: [u32; HALF_ARC],
-}
-
-/// Words of half an arc.
-const HALF_ARC: usize = size_of::<Arc>().div_ceil(2 * size_of::<u32>());
-
 /// Room for a curve.
 #[repr(C)]
 struct Cell<const AXES: usize> {
@@ -113,29 +89,17 @@ struct Cell<const AXES: usize> {
 /// The slot of a curve.
 pub(super) struct Place<const AXES: usize>(UnsafeCell<Cell<AXES>>);
 
-/// The unit of a part.
-pub(super) struct UnitPlace<const AXES: usize>(UnsafeCell<MaybeUninit<Unit<AXES>>>);
-
 // SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
 // given it back, and read only by the one interrupt in between, or by the planner itself; starts and the count of
 // curves left pass it with release and acquire.
 unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
-// SAFETY: as a place.
-unsafe impl<const AXES: usize> Sync for UnitPlace<AXES> {}
-
 impl<const AXES: usize> Place<AXES> {
     pub const fn blank() -> Self {
-        let segment = Segment {
-            length: 0,
-            gain: [0; AXES],
-            base: [Position::ZERO; AXES],
-            n: 0,
-            block: 0,
-            unit: 0,
-            form: 0,
-        };
-        Self(UnsafeCell::new(Cell { segment, part: [const { MaybeUninit::uninit() }; WHOLE] }))
+        Self(UnsafeCell::new(Cell {
+            segment: Segment::BLANK,
+            part: [const { MaybeUninit::uninit() }; WHOLE],
+        }))
     }
 
     /// It has no curve yet.
@@ -158,8 +122,8 @@ impl<const AXES: usize> Place<AXES> {
     /// # Safety
     /// Nobody writes it meanwhile.
     pub const unsafe fn block(&self) -> u16 {
-        // SAFETY: the caller says so.
-        unsafe { self.segment() }.block
+        // SAFETY: the caller says so. The rest of the slot may be a part.
+        unsafe { (*self.0.get()).segment.block }
     }
 
     /// That becomes another one: of a curve taken back.
@@ -171,23 +135,24 @@ impl<const AXES: usize> Place<AXES> {
         unsafe { (*self.0.get()).segment.block = block }
     }
 
-    /// The unit where its part begins, or the next one.
+    /// Whether it is that of a part.
     ///
     /// # Safety
     /// Nobody writes it meanwhile.
-    pub const unsafe fn unit(&self) -> usize {
-        // SAFETY: the caller says so.
-        unsafe { self.segment() }.unit as usize
+    #[inline(always)]
+    pub const unsafe fn is_part(&self) -> bool {
+        // SAFETY: the caller says so. The rest of the slot may be anything.
+        !IS_WHOLE && unsafe { (*self.0.get()).segment.form } == PART
     }
 }
 
-impl<const AXES: usize> UnitPlace<AXES> {
-    pub const fn blank() -> Self {
-        const {
-            assert!(size_of::<Part<AXES>>() <= MOST * size_of::<Self>(), "any part has room");
-            assert!(size_of::<Cubic<AXES>>() <= size_of::<Self>(), "a cubic has room");
-        }
-        Self(UnsafeCell::new(MaybeUninit::uninit()))
+/// Where the part is of the curve in a slot.
+#[inline(always)]
+const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
+    if IS_WHOLE {
+        place.wrapping_byte_add(size_of::<Segment<AXES>>()).cast()
+    } else {
+        place.wrapping_sub(1).cast()
     }
 }
 
@@ -196,30 +161,25 @@ impl<const AXES: usize> UnitPlace<AXES> {
 pub struct Track<'a, const AXES: usize> {
     /// What a line has.
     pub segment: &'a Segment<AXES>,
-    /// Its slot, and the first unit of all.
+    /// Its slot, with the right to read the one before.
     place: *const Place<AXES>,
-    units: *const UnitPlace<AXES>,
 }
 
 impl<'a, const AXES: usize> Track<'a, AXES> {
     /// The curve in a slot.
     ///
     /// # Safety
-    /// [`PartWriter::write`] has put it in, and nobody writes it as long as this is in use; `units` are those it had.
+    /// [`write`] has put it in, and nobody writes it as long as this is in use.
     #[inline(always)]
-    pub(super) const unsafe fn new(place: *const Place<AXES>, units: *const UnitPlace<AXES>) -> Self {
+    pub(super) const unsafe fn new(place: *const Place<AXES>) -> Self {
         // SAFETY: the caller says so.
-        unsafe { Self { segment: (*place).segment(), place, units } }
+        unsafe { Self { segment: (*place).segment(), place } }
     }
 
     /// Where its part is.
     #[inline(always)]
     const fn part<T>(&self) -> *const T {
-        if IS_WHOLE {
-            self.place.wrapping_byte_add(size_of::<Segment<AXES>>()).cast()
-        } else {
-            self.units.wrapping_add(self.segment.unit as usize).cast()
-        }
+        part_of(self.place).cast()
     }
 
     /// What an arc has beside.
@@ -314,6 +274,9 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
 }
 
 impl<const AXES: usize> Segment<AXES> {
+    const BLANK: Self =
+        Self { length: 0, gain: [0; AXES], base: [Position::ZERO; AXES], n: 0, block: 0, unused: 0, form: 0 };
+
     /// Path length, LSB 2^-44 mm.
     #[inline(always)]
     pub const fn length(&self) -> i64 {
@@ -342,127 +305,82 @@ impl<const AXES: usize> Segment<AXES> {
     }
 }
 
-/// Puts curves into slots, and their parts into units.
-pub(super) struct PartWriter<'a, const AXES: usize> {
-    units: &'a [UnitPlace<AXES>],
-    /// Behind the last one.
-    next: usize,
+/// How many slots a curve takes; `None` if it does not fit into so many.
+#[cfg_attr(feature = "fast", inline(always))]
+pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
+    // An arc has two axes, with which it fits.
+    let fits = const {
+        let (poly, arc) = (size_of::<Poly<AXES>>(), size_of::<Arc>());
+        let room = offset_of!(Segment<AXES>, block);
+        assert!(poly <= room && (AXES < 2 || arc <= room), "the slot before has room");
+        arc <= room
+    };
+    match shape.bent() {
+        Bent::Line => Some(1),
+        Bent::Arc(_) if !IS_WHOLE && !fits => None,
+        _ => Some(MOST),
+    }
 }
 
-impl<'a, const AXES: usize> PartWriter<'a, AXES> {
-    /// None is in.
-    pub const fn new(units: &'a [UnitPlace<AXES>]) -> Self {
-        Self { units, next: 0 }
-    }
-
-    /// The first unit.
-    #[inline(always)]
-    pub const fn units(&self) -> *const UnitPlace<AXES> {
-        self.units.as_ptr()
-    }
-
-    /// Where the next part goes, or the front if there is too little room for it.
-    pub const fn next(&self) -> usize {
-        self.next
-    }
-
-    /// Parts from that unit on are taken back.
-    pub const fn withdraw(&mut self, unit: usize) {
-        self.next = unit;
-    }
-
-    /// Units in use from that one on.
-    const fn used_from(&self, unit: usize) -> usize {
-        if self.next < unit { self.next + UNITS - unit } else { self.next - unit }
-    }
-
-    /// Whether the look-ahead, whose parts begin at that unit, has all that it may have.
-    pub const fn is_full(&self, ahead: usize) -> bool {
-        self.used_from(ahead) > AHEAD
-    }
-
-    /// Whether curves handed on, from one unit to another, have more units than they may or, with `more`, would have
-    /// with another curve.
-    pub const fn is_sated(&self, [first, ahead]: [usize; 2], more: bool) -> bool {
-        let more = if more { MOST } else { 0 };
-        self.used_from(first).saturating_sub(self.used_from(ahead)) + more > HANDED
-    }
-
-    /// Puts a curve into a slot, with what its points are added to, its N number and its motion block; `false` if
-    /// there is no room for its part. Parts in use begin at `first`.
-    ///
-    /// # Safety
-    /// Nobody else reads or writes the slot, and nobody what is before that unit.
-    #[cfg_attr(feature = "fast", inline(always))]
-    pub unsafe fn write(
-        &mut self,
-        place: &Place<AXES>,
-        shape: &Shape<AXES>,
-        base: &[Position; AXES],
-        (n, block): (u32, u16),
-        first: usize,
-    ) -> bool {
-        let bent = shape.bent();
-        let (kind, count) = match bent {
-            Bent::Line => (LINE, 0),
-            Bent::Arc(_) => (ARC, MOST),
-            Bent::Poly(power, _) if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) => (CUBIC, 1),
-            Bent::Poly(..) => (POLY, MOST),
-        };
-        let Some(unit) = self.room(count, first) else { return false };
-        // SAFETY: nobody has the slot, says the caller.
-        let segment = unsafe { &mut (*place.0.get()).segment };
-        let Linear { gain, shift } = shape.linear();
-        *segment = Segment {
+/// Puts a curve into a slot, and its part where parts are, with what its points are added to, its N number and its motion
+/// block. `part`: the slot that it leaves to a part, if it takes two.
+///
+/// # Safety
+/// Nobody else reads or writes the slot, that for a part, and the one before; pointers may be used for these.
+#[cfg_attr(feature = "fast", inline(always))]
+pub(super) unsafe fn write<const AXES: usize>(
+    place: *const Place<AXES>,
+    part: Option<&Place<AXES>>,
+    shape: &Shape<AXES>,
+    base: &[Position; AXES],
+    (n, block): (u32, u16),
+) {
+    let bent = shape.bent();
+    let kind = match bent {
+        Bent::Line => LINE,
+        Bent::Arc(_) => ARC,
+        Bent::Poly(power, _) if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) => CUBIC,
+        Bent::Poly(..) => POLY,
+    };
+    let Linear { gain, shift } = shape.linear();
+    // SAFETY: nobody has the slots, says the caller.
+    unsafe {
+        (*(*place).0.get()).segment = Segment {
             length: shape.length.to_bits(),
             gain: *gain,
             base: *base,
             n,
             block,
-            unit: unit as u8,
+            unused: 0,
             form: shift & !KIND | kind,
         };
+        if let Some(part) = part {
+            let segment = &raw mut (*part.0.get()).segment;
+            ((*segment).block, (*segment).form) = (block, PART);
+        }
         if kind != LINE {
-            self.write_part(place, unit, bent, kind);
+            write_part::<AXES>(part_of(place).cast_mut(), bent, kind);
         }
-        self.next = unit + count;
-        true
     }
+}
 
-    /// Where so many units lie side by side that are not in use.
-    #[cfg_attr(feature = "fast", inline(always))]
-    const fn room(&self, count: usize, first: usize) -> Option<usize> {
-        if IS_WHOLE || count == 0 {
-            return Some(self.next);
-        }
-        let wraps = self.next + count > UNITS;
-        let unit = if wraps { 0 } else { self.next };
-        // Whether those in use go on at the front already, and whether this one would reach the first of them.
-        let goes_on = self.next < first;
-        if (goes_on && wraps) || ((goes_on || wraps) && unit + count >= first) { None } else { Some(unit) }
-    }
-
-    /// Writes what comes to the linear part. Not inlined: lines would pay for it.
-    #[inline(never)]
-    fn write_part(&self, place: &Place<AXES>, unit: usize, bent: Bent<'_, AXES>, kind: u8) {
-        let part = if IS_WHOLE {
-            place.0.get().wrapping_byte_add(size_of::<Segment<AXES>>()).cast::<u32>()
-        } else {
-            self.units().wrapping_add(unit).cast_mut().cast::<u32>()
-        };
-        // SAFETY: so many units from there on are there, or the part of the slot is, aligned to words; none of it is in
-        // use, says the caller; of writers there is one.
-        unsafe {
-            match bent {
-                Bent::Line => {}
-                Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
-                Bent::Poly(power, down) if kind == CUBIC => {
-                    let power = power.map(|[c2, c3, ..]| [c2, c3]);
-                    *part.cast::<Cubic<AXES>>() = Cubic { power, down: *down };
-                }
-                Bent::Poly(power, down) => {
-                    *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
-                }
+/// Writes what comes to the linear part. Not inlined: lines would pay for it.
+///
+/// # Safety
+/// There is room for a part, and nobody reads or writes it.
+#[inline(never)]
+unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>, kind: u8) {
+    // SAFETY: the caller says so; slots and parts are aligned to words.
+    unsafe {
+        match bent {
+            Bent::Line => {}
+            Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
+            Bent::Poly(power, down) if kind == CUBIC => {
+                let power = power.map(|[c2, c3, ..]| [c2, c3]);
+                *part.cast::<Cubic<AXES>>() = Cubic { power, down: *down };
+            }
+            Bent::Poly(power, down) => {
+                *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
             }
         }
     }

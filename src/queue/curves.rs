@@ -14,14 +14,18 @@
 //! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
 //! beyond, their starts are written when the interrupt comes nearer.
 //!
+//! In a small build an arc or a polynomial takes two slots ([`super::cells`]), and so two numbers and two starts, which
+//! are the same: the first one is that of its part. Both have begun together, so a tick never ends on a part. That of
+//! the curve is written before that of the part, which the interrupt waits for. What is counted here are slots then, and
+//! the look-ahead reaches less far where there are many such curves.
+//!
 //! A slot has half of the number of its motion block. The planner counts back from the latest one that it has put in,
 //! and so does who reads what the interrupt shows ([`super::cells::whole`]): numbers in the ring must be less than
 //! 2^16 apart. A curve may stand for many motion blocks, so the planner asks whether they are ([`CurveProducer::is_crowded`]),
 //! and puts in a curve for each of them if it is so.
 #![allow(unsafe_code)]
 use super::SEGMENTS;
-use super::cells::{IS_WHOLE, PartWriter, Place, Segment, Track, UNITS, UnitPlace, whole};
-use crate::machine::functions;
+use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::hint::assert_unchecked;
@@ -29,14 +33,17 @@ use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
-/// Most curves that a tick passes.
-pub const MAX_CURVES_PER_TICK: u32 = 1 << HALVINGS;
+/// Most curves that a tick passes. In a small build half as many.
+pub const MAX_CURVES_PER_TICK: u32 = MOST_SLOTS / MOST as u32;
 
-/// How often a tick halves those that it looks at. In a small build half as many pass.
-const HALVINGS: usize = if functions::IS_SMALL { 4 } else { 5 };
+/// Most slots that it passes.
+const MOST_SLOTS: u32 = 1 << HALVINGS;
 
-/// Curves that a tick looks at: the one it is on, the next one, and those that it halves.
-const WINDOW: usize = 2 + MAX_CURVES_PER_TICK as usize;
+/// How often a tick halves those that it looks at.
+const HALVINGS: usize = 5;
+
+/// Slots that a tick looks at: the one it is on, the next one, and those that it halves.
+const WINDOW: usize = 2 + MOST_SLOTS as usize;
 /// How it halves them.
 const HALVES: [usize; HALVINGS] = {
     let mut halves = [1; HALVINGS];
@@ -49,9 +56,19 @@ const HALVES: [usize; HALVINGS] = {
 };
 /// Starts behind a curve that are looked at from there.
 const BEHIND: usize = WINDOW - 1;
-/// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head
-/// repeated.
-const STARTS: usize = SEGMENTS + WINDOW + BEHIND;
+/// The least look-ahead (P-STUP-00071): as many curves of any kind have room. More need not be in the ring together:
+/// a span of several blocks is one of those that the look-ahead holds, and a curve of more elements passes through.
+const LEAST: usize = 10;
+
+/// Slots of the look-ahead beside one for each block.
+const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 2 };
+/// Slots that the look-ahead may need for one curve more than it asks for: of one that was held back, and of another.
+const NEXT: usize = if IS_WHOLE { 0 } else { 2 * MOST };
+/// Slots beside one for each block of the look-ahead: those, those of curves handed on, and the part of the curve that the
+/// interrupt is on.
+const SLOTS: usize = SPARE + SEGMENTS + BEFORE;
+/// Starts beside those of the look-ahead: those of slots, out of reach behind the last one, and the head repeated.
+const STARTS: usize = SLOTS + WINDOW + BEHIND;
 
 /// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as
 /// far as the curve at hand, the last one and this together.
@@ -128,8 +145,7 @@ impl Start {
 
 /// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
-    slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
-    units: [UnitPlace<AXES>; UNITS],
+    slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
     /// Curves the interrupt has left since the split.
     taken: AtomicU32,
@@ -139,8 +155,8 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
 
 /// Puts curves in. They are numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
+    /// The first [`BEFORE`] of them are not in the ring.
     slots: &'a [Place<AXES>],
-    parts: PartWriter<'a, AXES>,
     starts: &'a [Start],
     taken: &'a AtomicU32,
     latest: &'a AtomicU32,
@@ -159,8 +175,6 @@ pub struct CurveProducer<'a, const AXES: usize> {
     end: i64,
     /// There were long ones.
     long: bool,
-    /// The first one whose part is its own still.
-    kept: u32,
 }
 
 /// Follows them.
@@ -169,7 +183,6 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
-    units: &'a [UnitPlace<AXES>],
     latest: &'a AtomicU32,
 }
 
@@ -186,9 +199,9 @@ struct RingCursor<'a, T> {
 unsafe impl<T: Sync> Send for RingCursor<'_, T> {}
 
 impl<'a, T> RingCursor<'a, T> {
-    /// At the first element. The ring is so many elements at the front of the array, one at least.
-    fn new(array: &'a [T], len: usize) -> Self {
-        let at = array.as_ptr();
+    /// At the first element. The ring is so many elements of the array, one at least, behind so many others.
+    fn new(array: &'a [T], before: usize, len: usize) -> Self {
+        let at = array.as_ptr().wrapping_add(before);
         let back = -((len * size_of::<T>()) as isize);
         Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
@@ -207,9 +220,8 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         Self {
             slots: Both {
                 front: [const { Place::blank() }; BLOCKS],
-                back: [const { Place::blank() }; SEGMENTS],
+                back: [const { Place::blank() }; BEFORE + SLOTS],
             },
-            units: [const { UnitPlace::blank() }; UNITS],
             starts: Both {
                 front: [const { Start::zero() }; BLOCKS],
                 back: [const { Start::zero() }; STARTS],
@@ -221,21 +233,24 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
 
     /// Both ends, emptied. There is one of each: they borrow it exclusively.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
-        const { assert!(BLOCKS + SEGMENTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits") };
+        const {
+            assert!(BLOCKS + SLOTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits");
+            assert!(BLOCKS + SPARE >= MOST * LEAST + NEXT - MOST, "the least look-ahead has room");
+        }
         (*self.taken.get_mut(), *self.latest.get_mut()) = (0, 0);
-        let Self { slots, units, starts, taken, latest } = self;
+        let Self { slots, starts, taken, latest } = self;
         for place in slots.front.iter_mut().chain(&mut slots.back) {
             place.clear();
         }
         let (slots, starts) = (slots.as_slice(), starts.as_slice());
-        let (units, taken, latest) = (&*units, &*taken, &*latest);
+        let (taken, latest) = (&*taken, &*latest);
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
-        let (start, slot) = (RingCursor::new(starts, places(starts)), RingCursor::new(slots, slots.len()));
+        let start = RingCursor::new(starts, 0, places(starts));
+        let slot = RingCursor::new(slots, BEFORE, slots.len() - BEFORE);
         let layer = CurveProducer {
             slots,
-            parts: PartWriter::new(units),
             starts,
             taken,
             latest,
@@ -247,9 +262,8 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             place: 0,
             end: 0,
             long: false,
-            kept: 0,
         };
-        (layer, CurveConsumer { taken, start, slot, units, latest })
+        (layer, CurveConsumer { taken, start, slot, latest })
     }
 }
 
@@ -270,61 +284,74 @@ const fn places(starts: &[Start]) -> usize {
 }
 
 impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
-    /// Curves that the look-ahead may have in the ring.
+    /// Blocks that the look-ahead may have.
     pub const fn ahead(&self) -> usize {
-        self.slots.len().saturating_sub(SEGMENTS)
+        self.slots.len().saturating_sub(BEFORE + SLOTS)
     }
 
-    /// Whether there is no room for another curve.
+    /// Slots of the ring.
+    const fn most(&self) -> usize {
+        self.slots.len().saturating_sub(BEFORE)
+    }
+
+    /// Whether there is no room for another line.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_full(&self) -> bool {
-        self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
+        !self.has_room(self.taken(), 1)
     }
 
-    /// Whether the look-ahead has all the room that there is for its curves, though they may be more.
+    /// Whether so many slots are free: that of the part of the curve that the interrupt is on is not.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn has_room(&self, taken: u32, slots: usize) -> bool {
+        self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
+    }
+
+    /// Whether the look-ahead has all the room that there is for its curves, though they may be fewer than blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
-        !IS_WHOLE && self.parts.is_full(self.unit_of(self.handed))
+        !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
     }
 
-    /// Whether curves handed on have more room than there is for them or, with `more`, would have with another one.
-    #[cfg_attr(feature = "fast", inline(always))]
-    fn are_large(&self, more: bool) -> bool {
-        let taken = self.taken();
-        // On its way to a standstill without the planner the interrupt may be in the look-ahead.
-        !IS_WHOLE
-            && (self.handed.wrapping_sub(taken) as i32) > 0
-            && self.parts.is_sated([taken, self.handed].map(|number| self.unit_of(number)), more)
+    /// The slot of that index.
+    fn slot(&self, index: usize) -> Option<&'a Place<AXES>> {
+        self.slots.get(BEFORE + index)
     }
 
-    /// The slot of the curve with this number, of one that was put in last.
-    fn slot_of(&self, number: u32) -> Option<&Place<AXES>> {
-        let (back, len) = (self.count.wrapping_sub(number) as usize, self.slots.len());
-        self.slots.get(on(self.slot, len.saturating_sub(back), len))
+    /// The index of the slot with this number, of one that was put in last.
+    fn index_of(&self, number: u32) -> usize {
+        on(self.slot, self.most().saturating_sub(self.count.wrapping_sub(number) as usize), self.most())
     }
 
-    /// Where the part is of the curve with this number, or the next one goes.
-    fn unit_of(&self, number: u32) -> usize {
-        if number == self.count {
-            return self.parts.next();
-        }
+    /// Whether the slot with this number is that of a part.
+    fn is_part(&self, number: u32) -> bool {
         // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
-        self.slot_of(number).map_or(0, |slot| unsafe { slot.unit() })
+        !IS_WHOLE
+            && number != self.count
+            && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
+    }
+
+    /// The number of a curve, from that of its part too.
+    pub fn curve_of(&self, number: u32) -> u32 {
+        number.wrapping_add(u32::from(self.is_part(number)))
+    }
+
+    /// The number of the curve behind the one with this number.
+    pub fn after(&self, number: u32) -> u32 {
+        self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
     /// over.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
-        self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed)) || self.are_large(true)
+        // With another one of any kind they are not more.
+        self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
     /// Whether there are more than the queue takes: the last span handed on had several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
-        self.len() > SEGMENTS as u32
-            || (self.long && self.is_far(self.handed.wrapping_sub(1)))
-            || self.are_large(false)
+        self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
     }
 
     /// Whether there is more path than distances are compared over from the curve that the interrupt is on to
@@ -350,6 +377,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
 
     /// Path length of the curve with this number, or nothing, LSB 2^-44 mm.
     fn length(&self, number: u32) -> i64 {
+        if self.is_part(number) {
+            return 0;
+        }
         self.recent(number).map_or(0, |track| track.segment.length())
     }
 
@@ -383,14 +413,6 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.start(number).wrapping_add(self.length(number))
     }
 
-    /// Where the first part is that stays its own if another curve is put in: of those that the interrupt has not
-    /// left, of those of the look-ahead, and of the last one handed on.
-    fn keep(&mut self, taken: u32) -> usize {
-        let last = self.handed.saturating_sub(1);
-        self.kept = if (last.wrapping_sub(taken) as i32) < 0 { last } else { taken };
-        self.unit_of(self.kept)
-    }
-
     /// The latest motion block of all that were put in.
     fn latest(&self) -> u32 {
         self.latest.load(Ordering::Relaxed)
@@ -410,7 +432,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// too far from the oldest one that may be in use, that of the slot that the next curve takes.
     pub fn is_crowded(&self, block: u32) -> bool {
         // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
-        let oldest = self.slots.get(self.slot).map_or(0, |slot| unsafe { slot.block() });
+        let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
 
@@ -418,35 +440,39 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
-        let Some(slot) = self.slots.get(self.slot) else { return false };
-        let taken = self.taken();
-        if self.count.wrapping_sub(taken) as usize >= self.slots.len() {
+        let Some(slots) = cells::slots(shape) else { return false };
+        if !self.has_room(self.taken(), slots) {
             return false;
         }
-        let first = if IS_WHOLE { 0 } else { self.keep(taken) };
-        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; it has left the
-        // curves whose parts are before that of the first one kept; of planners there is one.
-        if !unsafe { self.parts.write(slot, shape, base, (n, block as u16), first) } {
-            return false;
-        }
+        let (front, index) = (self.slot, on(self.slot, slots - 1, self.most()));
+        let part = if slots > 1 { self.slot(front) } else { None };
+        let slot = self.slots.as_ptr().wrapping_add(BEFORE + index);
+        // SAFETY: the slot is in the ring, and one is before it; not full, so the interrupt has given back these and
+        // that of the part, and their starts are out of reach; of planners there is one.
+        unsafe { cells::write(slot, part, shape, base, (n, block as u16)) };
         if (block.wrapping_sub(self.latest()) as i32) > 0 {
             self.latest.store(block, Ordering::Relaxed);
         }
         let (start, length) = (self.end, shape.length.to_bits());
         self.end = start.wrapping_add(length);
         let place = self.place;
-        self.slot = on(self.slot, 1, self.slots.len());
-        self.place = on(place, 1, places(self.starts));
-        self.count = self.count.wrapping_add(1);
+        self.slot = on(index, 1, self.most());
+        self.place = on(place, slots, places(self.starts));
+        self.count = self.count.wrapping_add(slots as u32);
         if length >= LONG && !self.long {
             (self.long, self.hidden) = (true, start);
         }
         if self.long {
             self.show();
         } else {
-            let behind = on(place, BEHIND, places(self.starts));
-            self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
-            self.set(place, start, Ordering::Release);
+            // The last one first.
+            for k in (0..slots).rev() {
+                let behind = on(place, BEHIND + k, places(self.starts));
+                self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
+            }
+            for k in (0..slots).rev() {
+                self.set(on(place, k, places(self.starts)), start, Ordering::Release);
+            }
             self.shown = self.count;
         }
         true
@@ -455,7 +481,11 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// That many more curves are handed on.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
-        self.handed = self.handed.wrapping_add(curves);
+        self.handed = if IS_WHOLE {
+            self.handed.wrapping_add(curves)
+        } else {
+            (0..curves).fold(self.handed, |number, _| self.curve_of(number).wrapping_add(1))
+        };
         if self.long {
             self.show();
         }
@@ -469,11 +499,12 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         let mut cleared = from.wrapping_add(BEHIND as u32);
         for _ in 0..self.slots.len() {
             let due = (self.handed.wrapping_sub(shown) as i32) > 0;
-            if shown == self.count || (!due && self.is_too_far(shown, end)) {
+            let curve = self.curve_of(shown);
+            if shown == self.count || (!due && self.is_too_far(curve, end)) {
                 break;
             }
-            let length = self.length(shown);
-            (shown, end) = (shown.wrapping_add(1), end.wrapping_add(length));
+            let length = self.length(curve);
+            (shown, end) = (curve.wrapping_add(1), end.wrapping_add(length));
             if length >= LONG || (cleared.wrapping_sub(shown) as i32) < 0 {
                 cleared = shown;
             }
@@ -484,9 +515,16 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         for number in numbers(cleared, shown.wrapping_add(BEHIND as u32)) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        for number in numbers(from, shown) {
-            self.set(self.place_of(number), start, Ordering::Release);
-            start = start.wrapping_add(self.length(number));
+        let mut number = from;
+        while number != shown {
+            let curve = self.curve_of(number);
+            // The last one first.
+            self.set(self.place_of(curve), start, Ordering::Release);
+            if curve != number {
+                self.set(self.place_of(number), start, Ordering::Release);
+            }
+            start = start.wrapping_add(self.length(curve));
+            number = curve.wrapping_add(1);
         }
         (self.shown, self.hidden) = (shown, end);
     }
@@ -557,18 +595,18 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve that was put in as the one with this number, if it is one of the last. In a small build: if the
-    /// interrupt had not left it when another one was put in, or it is the last one handed on.
+    /// The curve that was put in as the one with this number, or whose part was, if it is one of the last.
     #[inline(never)]
     pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
-        let first = if IS_WHOLE { self.count.wrapping_sub(self.slots.len() as u32) } else { self.kept };
-        if number.wrapping_sub(first) >= self.count.wrapping_sub(first) {
+        let number = self.curve_of(number);
+        let back = self.count.wrapping_sub(number) as usize;
+        if back.wrapping_sub(1) >= self.most() - BEFORE {
             return None;
         }
-        let slot = self.slot_of(number)?;
-        // SAFETY: it is in there; only this end of the ring writes slots and parts, and needs `&mut self` for that; the
-        // interrupt reads too.
-        Some(unsafe { Track::new(slot, self.parts.units()) })
+        let slot = self.slots.as_ptr().wrapping_add(BEFORE + self.index_of(number));
+        // SAFETY: it is in there, with the one before; only this end of the ring writes slots, and needs `&mut self` for
+        // that; the interrupt reads too.
+        Some(unsafe { Track::new(slot) })
     }
 
     /// Takes back the curves behind the one that the interrupt is on. It stands there, at the path distance
@@ -581,7 +619,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
     /// does not get further before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
-        let first = self.taken().wrapping_add(1);
+        let first = self.curve_of(self.taken()).wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
         if self.recent(number.wrapping_sub(1)).is_none() {
             return;
@@ -591,9 +629,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         for number in numbers(number, behind) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        self.parts.withdraw(self.unit_of(number));
-        let (back, len) = (self.count.wrapping_sub(number) as usize, self.slots.len());
-        self.slot = on(self.slot, len.saturating_sub(back), len);
+        self.slot = self.index_of(number);
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
         self.forget(first.wrapping_sub(1));
@@ -607,11 +643,11 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// older, and none that comes.
     fn forget(&self, first: u32) {
         let Some(block) = self.recent(first).map(|track| track.segment.block()) else { return };
-        let len = self.slots.len();
-        for k in self.count.wrapping_sub(first) as usize..len {
+        // With the slot of its part.
+        let used = self.count.wrapping_sub(first) as usize + BEFORE;
+        for k in used..self.most() {
             // From the one that the next curve takes.
-            let free = on(self.slot, len - 1 - k, len);
-            if let Some(slot) = self.slots.get(free) {
+            if let Some(slot) = self.slot(on(self.slot, k - used, self.most())) {
                 // SAFETY: the interrupt does not get there, and of planners there is one.
                 unsafe { slot.set_block(block) };
             }
@@ -653,7 +689,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         // the planner has put the curve in, and leaves it alone until it is given back.
         let track = unsafe {
             assert_unchecked(!self.slot.at.is_null());
-            Track::new(self.slot.at, self.units.as_ptr())
+            Track::new(self.slot.at)
         };
         Some((track, along))
     }
@@ -666,8 +702,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: as in `follow`.
-        Some(unsafe { Track::new(self.slot.at, self.units.as_ptr()) }.segment)
+        // SAFETY: as in `follow`. Before the first tick it may be a part.
+        unsafe { if (*self.slot.at).is_part() { None } else { Some(Track::new(self.slot.at).segment) } }
     }
 
     /// The motion block of a curve of the ring.

@@ -31,8 +31,9 @@ use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
 /// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: one and a half ticks of the shortest
-/// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead.
-pub const SEGMENTS: usize = if functions::IS_SMALL { 32 } else { 48 };
+/// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead; in a small build an
+/// arc or a polynomial counts as two.
+pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
 
