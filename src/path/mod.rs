@@ -412,20 +412,20 @@ impl<const AXES: usize> Linear<'_, AXES> {
     }
 }
 
-/// Adds a cubic at `w`, to the last bit as [`add_poly`]. Runs in the tick.
+/// Adds a polynomial at `w` that is a cubic, to the last bit as [`add_poly`]. Runs in the tick.
 #[inline(never)]
 pub(crate) fn add_cubic<const AXES: usize>(
     w: i64,
     gain: &[i64; AXES],
-    (power, down): (&[[i32; 2]; AXES], &[u8; AXES]),
+    (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
     out: &mut [Position; AXES],
 ) {
     // Not unrolled, which would take much flash for little.
     let axes = black_box(AXES);
-    for ((x, gain), (power, down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)).take(axes) {
+    for ((x, gain), ([c2, c3, ..], down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)).take(axes) {
         // As there.
         let w = black_box(w);
-        *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent_cubic(w, *power, *down)));
+        *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent_cubic(w, [*c2, *c3], *down)));
     }
 }
 

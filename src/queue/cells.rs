@@ -55,15 +55,7 @@ pub(super) const fn whole(latest: u32, lower: u16) -> u32 {
     latest.wrapping_sub((latest as u16).wrapping_sub(lower) as u32)
 }
 
-/// Coefficients of a cubic and their exponents.
-#[derive(Clone, Copy)]
-#[repr(C)]
-struct Cubic<const AXES: usize> {
-    power: [[i32; 2]; AXES],
-    down: [u8; AXES],
-}
-
-/// Those of another polynomial.
+/// Coefficients of a polynomial and their exponents.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Poly<const AXES: usize> {
@@ -76,7 +68,6 @@ struct Poly<const AXES: usize> {
 union Part<const AXES: usize> {
     arc: Arc,
     poly: Poly<AXES>,
-    cubic: Cubic<AXES>,
 }
 
 /// Room for a curve.
@@ -203,17 +194,6 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         (power, down)
     }
 
-    /// What a cubic has beside.
-    ///
-    /// # Safety
-    /// It is one.
-    #[inline(always)]
-    const unsafe fn cubic(&self) -> (&'a [[i32; 2]; AXES], &'a [u8; AXES]) {
-        // SAFETY: the caller says so.
-        let Cubic { power, down } = unsafe { &*self.part() };
-        (power, down)
-    }
-
     /// Position of every axis at a distance from its start, LSB 2^-44 mm: see [`Shape::at`]. Runs in the tick.
     #[inline(always)]
     pub fn at(&self, distance: i64, out: &mut [Position; AXES]) {
@@ -227,7 +207,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
                 if form & KIND == POLY {
                     add_poly(w, linear.gain, self.poly(), out);
                 } else {
-                    add_cubic(w, linear.gain, self.cubic(), out);
+                    add_cubic(w, linear.gain, self.poly(), out);
                 }
             };
         }
@@ -252,21 +232,15 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
     /// Its curve.
     #[inline(never)]
     pub fn shape(&self) -> Shape<AXES> {
-        let whole;
         // SAFETY: it is what its kind says.
         let bent = unsafe {
             match self.segment.form & KIND {
+                LINE => Bent::Line,
                 ARC => Bent::Arc(self.arc()),
-                POLY => {
+                _ => {
                     let (power, down) = self.poly();
                     Bent::Poly(power, down)
                 }
-                CUBIC => {
-                    let (power, down) = self.cubic();
-                    whole = power.map(|[c2, c3]| [c2, c3, 0, 0]);
-                    Bent::Poly(&whole, down)
-                }
-                _ => Bent::Line,
             }
         };
         Shape::of_parts(Distance::from_bits(self.segment.length()), self.segment.linear(), bent)
@@ -359,7 +333,7 @@ pub(super) unsafe fn write<const AXES: usize>(
             ((*segment).block, (*segment).form) = (block, PART);
         }
         if kind != LINE {
-            write_part::<AXES>(part_of(place).cast_mut(), bent, kind);
+            write_part::<AXES>(part_of(place).cast_mut(), bent);
         }
     }
 }
@@ -369,16 +343,12 @@ pub(super) unsafe fn write<const AXES: usize>(
 /// # Safety
 /// There is room for a part, and nobody reads or writes it.
 #[inline(never)]
-unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>, kind: u8) {
+unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>) {
     // SAFETY: the caller says so; slots and parts are aligned to words.
     unsafe {
         match bent {
             Bent::Line => {}
             Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
-            Bent::Poly(power, down) if kind == CUBIC => {
-                let power = power.map(|[c2, c3, ..]| [c2, c3]);
-                *part.cast::<Cubic<AXES>>() = Cubic { power, down: *down };
-            }
             Bent::Poly(power, down) => {
                 *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
             }

@@ -61,7 +61,7 @@ const BEHIND: usize = WINDOW - 1;
 const LEAST: usize = 10;
 
 /// Slots of the look-ahead beside one for each block.
-const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 2 };
+const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 8 };
 /// Slots that the look-ahead may need for one curve more than it asks for: of one that was held back, and of another.
 const NEXT: usize = if IS_WHOLE { 0 } else { 2 * MOST };
 /// Slots beside one for each block of the look-ahead: those, those of curves handed on, and the part of the curve that the
