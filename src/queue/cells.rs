@@ -218,7 +218,8 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         linear.add(w, out);
     }
 
-    /// The same, not for the tick.
+    /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
+    #[inline(never)]
     pub fn point(&self, distance: i64) -> [Position; AXES] {
         self.shape().placed(distance, &self.segment.base)
     }
